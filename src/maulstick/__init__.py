@@ -1,0 +1,1 @@
+"""Learn a hand, know a brush, plan a painting, paint it."""

@@ -1,0 +1,58 @@
+"""What both the reference and the fast kernels accept, checked in one place."""
+
+import torch
+from torch import Tensor
+
+from maulstick.errors import InputError
+
+
+def check_strokes(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor) -> None:
+    """Refuse strokes that no kernel can draw.
+
+    points: (N, n, 2) pixels, n >= 1.  thickness: (N, n) pixels.  c, q, o: (N,) or (1,).
+
+    Raises InputError naming the stroke for a coordinate or number that is not finite or out of range.
+    """
+    if points.ndim != 3 or points.shape[2] != 2 or points.shape[1] < 1:
+        raise InputError(f"points have shape {tuple(points.shape)}; they must be (N, n, 2) with n of at least 1")
+    count = points.shape[0]
+    if thickness.shape != points.shape[:2]:
+        raise InputError(f"thickness has shape {tuple(thickness.shape)}; points ask for {tuple(points.shape[:2])}")
+    _check_each(points.isfinite().all(dim=2), points, "a point")
+    _check_each(thickness.isfinite(), thickness, "a thickness")
+    for name, value, valid, allowed in (
+        ("c", c, (c > 0) & c.isfinite(), "above 0"),
+        ("q", q, (q >= 0) & (q < 1), "in [0, 1)"),
+        ("o", o, (o > 0) & (o <= 1), "in (0, 1]"),
+    ):
+        if value.ndim != 1 or value.shape[0] not in (1, count):
+            raise InputError(f"{name} has shape {tuple(value.shape)}; it must be ({count},) or (1,)")
+        if not valid.all():
+            stroke = int(valid.logical_not().nonzero()[0])
+            raise InputError.of_range(f"{name} of stroke {stroke}", f"{float(value[stroke]):g}", allowed)
+
+
+def check_canvas(canvas: Tensor, points: Tensor, colours: Tensor, trainable: Tensor | None) -> None:
+    """Refuse a canvas, (C, H, W), colours, (N, C), or choice of strokes, (N,) bool, that do not fit together."""
+    if canvas.ndim != 3 or canvas.numel() == 0:
+        raise InputError(f"the canvas has shape {tuple(canvas.shape)}; it must be (C, H, W), none of them 0")
+    if colours.shape != (points.shape[0], canvas.shape[0]):
+        raise InputError(f"colours have shape {tuple(colours.shape)}; it must be {(points.shape[0], canvas.shape[0])}")
+    _check_each(colours.isfinite(), colours, "a colour")
+    if trainable is not None and (trainable.shape != points.shape[:1] or trainable.dtype != torch.bool):
+        raise InputError(
+            f"trainable is {trainable.dtype} {tuple(trainable.shape)}; it must be torch.bool {tuple(points.shape[:1])}"
+        )
+
+
+def check_size(height: int, width: int) -> None:
+    """Refuse an image without pixels."""
+    if height < 1 or width < 1:
+        raise InputError.of_range("the image size", f"{height} x {width}", "at least 1 x 1")
+
+
+def _check_each(valid: Tensor, values: Tensor, what: str) -> None:
+    if not valid.all():
+        stroke, place = (int(i) for i in valid.logical_not().nonzero()[0])
+        came = values[stroke, place].tolist()
+        raise InputError(f"stroke {stroke} has {what} that is not finite: {came} at index {place}")

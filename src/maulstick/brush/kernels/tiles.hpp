@@ -1,0 +1,61 @@
+// What cpu.cpp asks of tiles.cpp. tiles.cpp is compiled once per instruction set; cpu.cpp picks the
+// widest that this processor has. Only plain pointers cross this line: a standard-library template
+// compiled for AVX2 must not be the copy that the linker keeps for everybody.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace maulstick {
+
+constexpr int tile_height = 16;
+constexpr int tile_width = 64;
+
+struct Segment {
+  float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
+  float inverse_squared_length;   // 0 for a segment without length
+  float thickness, growth;        // half-width at u, and how much larger it is at the end
+  float reach;                    // the larger half-width of the two ends; 0: leaves no mark
+};
+
+struct Strokes {
+  int64_t count, points, segments, channels;
+  const Segment* segment;         // (count, segments)
+  const float* colours;           // (count, channels)
+  const float *c, *q, *o;         // (count,)
+  const uint8_t* trainable;       // (count,), or null: all of them
+};
+
+// One gradient record per stroke (and band): x, y, thickness of each point, then the colour, c, q, o.
+inline int64_t gradient_size(const Strokes& s) { return 3 * s.points + s.channels + 3; }
+
+struct Tile { int x, y, width, height; };   // pixels; at most tile_width x tile_height
+
+// Memory of one thread, reused for every tile.
+struct Scratch {
+  char* bytes;
+  int64_t chunk;                  // strokes whose coverage is remembered at once
+};
+
+struct Kernel {
+  const char* name;
+  int64_t (*scratch_bytes)(int64_t channels, int64_t chunk, int64_t checkpoints);
+  // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
+  void (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
+                    const float* canvas, float* out, Scratch);
+  // The same backwards: reads the gradient of `out`, writes that of `canvas`, adds to the record of each stroke
+  // (`record[k]` floats after `gradients`).
+  void (*composite_backward)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
+                             const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
+                             const int64_t* record, Scratch);
+  // One stroke's own darkness image (H, W), and its gradient.
+  void (*darkness)(const Strokes&, int64_t id, Tile, int64_t width, float* out, Scratch);
+  void (*darkness_backward)(const Strokes&, int64_t id, Tile, int64_t width, const float* grad_out, float* gradient,
+                            Scratch);
+};
+
+extern const Kernel kernel_baseline;
+#ifdef MAULSTICK_X86
+extern const Kernel kernel_avx2;
+#endif
+
+}  // namespace maulstick

@@ -1,0 +1,25 @@
+"""What can go wrong, each error written from the value that came and the values that would have been valid."""
+
+from collections.abc import Iterable
+
+
+class MaulstickError(Exception):
+    """Anything a user can mend; the message is one sentence for them."""
+
+
+class InputError(MaulstickError, ValueError):
+    """A value, an option or a file that cannot be used."""
+
+    @classmethod
+    def of_range(cls, name: str, value: object, allowed: str) -> "InputError":
+        """`name` is `value`, which is outside what is `allowed`."""
+        return cls(f"{name} is {value}; it must be {allowed}")
+
+    @classmethod
+    def of_choice(cls, name: str, value: object, valid: Iterable[str]) -> "InputError":
+        """`name` is `value`, which is none of the `valid` ones."""
+        return cls(f"there is no {name} {str(value)!r}; there are: {', '.join(sorted(valid))}")
+
+
+class OutputError(MaulstickError, OSError):
+    """A result that could not be written."""

@@ -1,0 +1,109 @@
+"""A brush: the few numbers of Traj2Stroke, their file, and where a commanded path leaves its mark (paper: Traj2Stroke)."""
+
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from maulstick.errors import InputError
+
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+_BUILT_IN = files("maulstick").joinpath("brush", "built_in")
+
+
+class Brush(BaseModel):
+    """A fitted medium. Lengths in metres; the last two numbers go beyond the paper and are neutral by default.
+
+    m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark, x' = m_x x + b_x.
+    alpha, beta: half-width of the mark = alpha * press + beta.
+    c: falloff from the centre line.  plateau: the flat part of the mark, q.  opacity: its darkness there, o.
+    depth: how far below first touch the tip was at press 0 and at press 1, in metres.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Annotated[str, Field(min_length=1)]
+    source: str
+    m_x: Annotated[_Number, Field(gt=0)] = 1.0
+    m_y: Annotated[_Number, Field(gt=0)] = 1.0
+    b_x: _Number = 0.0
+    b_y: _Number = 0.0
+    alpha: Annotated[_Number, Field(ge=0)]
+    beta: _Number
+    c: Annotated[_Number, Field(gt=0)] = 1.0
+    plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
+    opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    depth: tuple[_Number, _Number] = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _leaves_a_mark(self) -> Self:
+        if self.alpha + self.beta <= 0:
+            raise ValueError("alpha + beta is the half-width of the deepest stroke and must be above 0")
+        return self
+
+    @property
+    def presses(self) -> bool:
+        """Whether press changes the mark; most plotters can only lift their pen."""
+        return self.alpha > 0
+
+    @property
+    def thinnest(self) -> float:
+        """Half-width at press 0, metres; 0 where the lightest touch leaves no mark."""
+        return max(self.beta, 0.0)
+
+    @property
+    def widest(self) -> float:
+        """Half-width at press 1, metres."""
+        return self.alpha + self.beta
+
+    def half_width(self, press: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Half-width of the mark in metres at each press in [0, 1], any shape."""
+        return self.alpha * np.asarray(press) + self.beta
+
+    def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where a commanded path (..., 2 or more), metres, leaves its mark; further columns are kept."""
+        marked = np.array(path, dtype=np.float64)
+        marked[..., 0] = self.m_x * marked[..., 0] + self.b_x
+        marked[..., 1] = self.m_y * marked[..., 1] + self.b_y
+        return marked
+
+
+def built_in_brushes() -> list[str]:
+    """Names of the brushes that come with Maulstick."""
+    return sorted(entry.name.removesuffix(".json") for entry in _BUILT_IN.iterdir() if entry.name.endswith(".json"))
+
+
+def load_brush(name: str) -> Brush:
+    """A built-in brush by its name, or any brush by the path of its JSON file.
+
+    Raises InputError where there is no such brush, or the file is not one.
+    """
+    if name in built_in_brushes():
+        text = _BUILT_IN.joinpath(f"{name}.json").read_text(encoding="utf-8")
+    elif Path(name).suffix == ".json":
+        try:
+            text = Path(name).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"cannot read the brush {name}: {error}") from error
+    else:
+        raise InputError.of_choice("brush", name, [*built_in_brushes(), "FILE.json"])
+    try:
+        return Brush.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError(f"{name} is not a brush: {first_fault(error)}") from error
+
+
+def first_fault(error: ValidationError) -> str:
+    """The first thing that a model refused, as ``field: what is wrong with it (got …)``."""
+    fault = error.errors()[0]
+    field = _dotted(fault["loc"]) or "the file"
+    came = repr(fault["input"])
+    return f"{field}: {fault['msg']} (got {came if len(came) <= 60 else came[:57] + '...'})"
+
+
+def _dotted(location: Sequence[int | str]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
