@@ -62,10 +62,12 @@ def parse_size(text: str) -> tuple[float, float]:
         short, long = (x * 1e-3 for x in _PAPERS[name])
         return (long, short) if turn == "LANDSCAPE" else (short, long)
     number = r"(\d+(?:\.\d*)?|\.\d+)"
-    match = re.fullmatch(rf"\s*{number}\s*[x×]\s*{number}\s*(mm|cm|m|in)\s*", text)
+    match = re.fullmatch(rf"\s*{number}\s*x\s*{number}\s*(mm|cm|m|in)\s*", text)
     if match is None:
         papers = ", ".join(_PAPERS)
-        raise InputError(f"{text!r} is not a size; write width x height and a unit, as in 200x160mm, or one of {papers}")
+        raise InputError(
+            f"{text!r} is not a size; write width x height and a unit, as in 200x160mm, or one of {papers}"
+        )
     width, height = (float(x) * _UNITS[match[3]] for x in match.group(1, 2))
     for side in (width, height):
         if not _SMALLEST <= side <= _LARGEST:

@@ -1,4 +1,4 @@
-"""A brush: the few numbers of Traj2Stroke, their file, and where a commanded path leaves its mark (paper: Traj2Stroke)."""
+"""A brush: the few numbers of Traj2Stroke (paper), their file, and where a commanded path leaves its mark."""
 
 from collections.abc import Sequence
 from importlib.resources import files
@@ -18,7 +18,7 @@ _BUILT_IN = files("maulstick").joinpath("brush", "built_in")
 class Brush(BaseModel):
     """A fitted medium. Lengths in metres; the last two numbers go beyond the paper and are neutral by default.
 
-    m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark, x' = m_x x + b_x.
+    m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark.
     alpha, beta: half-width of the mark = alpha * press + beta.
     c: falloff from the centre line.  plateau: the flat part of the mark, q.  opacity: its darkness there, o.
     depth: how far below first touch the tip was at press 0 and at press 1, in metres.
@@ -65,10 +65,14 @@ class Brush(BaseModel):
         return self.alpha * np.asarray(press) + self.beta
 
     def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where a commanded path (..., 2 or more), metres, leaves its mark; further columns are kept."""
+        """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
+
+        A standardised stroke starts at its origin, so the first commanded point is the offset (Δx, Δy), and
+        design §4's (m_x x + b_x + Δx, m_y y + b_y + Δy) scales about it.
+        """
         marked = np.array(path, dtype=np.float64)
-        marked[..., 0] = self.m_x * marked[..., 0] + self.b_x
-        marked[..., 1] = self.m_y * marked[..., 1] + self.b_y
+        start = marked[..., :1, :2]
+        marked[..., :2] = start + (self.m_x, self.m_y) * (marked[..., :2] - start) + (self.b_x, self.b_y)
         return marked
 
 

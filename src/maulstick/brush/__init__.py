@@ -1,1 +1,1 @@
-"""Learn a hand, know a brush, plan a painting, paint it."""
+"""A brush: how a commanded stroke becomes a mark, and what a painting will look like."""

@@ -1,1 +1,1 @@
-"""Learn a hand, know a brush, plan a painting, paint it."""
+"""The renderer: a dense reference that is the truth, and the fast kernels that agree with it."""

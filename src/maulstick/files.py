@@ -1,0 +1,70 @@
+"""Files at the edge: one that can be read, and one that is written whole or not at all."""
+
+import errno
+import os
+import secrets
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from maulstick.errors import InputError, OutputError
+
+_REMEDY = {
+    errno.ENOSPC: "the disk is full; free some space and run again",
+    errno.EDQUOT: "your disk quota is used up; free some space and run again",
+    errno.EFBIG: "the file would be larger than is allowed here; write to another disk",
+    errno.EACCES: "there is no permission to write there; choose another folder",
+    errno.EPERM: "there is no permission to write there; choose another folder",
+    errno.EROFS: "that disk can only be read; choose another folder",
+    errno.ENOENT: "its folder does not exist; make the folder first",
+    errno.ENOTDIR: "its folder is a file; choose another folder",
+}
+
+
+def file_to_read(path: str | Path, what: str) -> Path:
+    """The path of an existing, readable file with something in it.
+
+    Raises InputError, which calls it a `what` ("picture", "painting"), where it is none.
+    """
+    path = Path(path)
+    try:
+        status = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise InputError(f"there is no {what} {path}; check its name and folder") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the {what} {path}: {getattr(error, 'strerror', None) or error}") from error
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError(f"{path} is a folder; name the {what} itself")
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(f"{path} is a device or a pipe; a {what} must be a file")
+    if not os.access(path, os.R_OK):
+        raise InputError(f"there is no permission to read the {what} {path}; change its permissions or copy it")
+    if status.st_size == 0:
+        raise InputError(f"the {what} {path} is empty; make or copy it again")
+    return path
+
+
+def atomic_write(path: str | Path, content: bytes) -> None:
+    """Put `content` at `path`, which is at every moment either what it was before or complete.
+
+    The bytes go to a temporary file in the same folder, to the disk, and then take the place of what was there.
+    Raises OutputError where that cannot be done; then what was there is untouched and nothing is left behind.
+    """
+    target = Path(path).resolve()  # a link goes on pointing where it did
+    if target.is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder; name a file")
+    if target.exists() and not target.is_file():
+        raise OutputError(f"cannot write {path}: it is a device or a pipe; name a file")
+    temporary = target.with_name(f".maulstick-{secrets.token_hex(8)}.part")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(target)
+    except OSError as error:
+        remedy = _REMEDY.get(error.errno or 0, error.strerror or str(error))
+        raise OutputError(f"cannot write {path}: {remedy}") from error
+    finally:
+        with suppress(OSError):  # it is gone, or its folder never was
+            temporary.unlink()

@@ -1,0 +1,236 @@
+"""A painting: the commanded strokes in painting order, each with its paint, on a sheet; and its file (design §1, §3).
+
+Numbers are rounded when a painting is made (lengths to a micrometre), so that its file says all there is to say.
+"""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    JsonValue,
+    ValidationError,
+    model_validator,
+)
+
+from maulstick.errors import InputError
+from maulstick.files import atomic_write, file_to_read
+from maulstick.medium import Brush, first_fault
+
+SCHEMA_VERSION: Final = 1
+_LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
+_SLACK = 2e-6  # metres: what rounding may move two ends of a length
+
+
+def _rounded(number: float) -> float:
+    return round(number, 6) + 0.0  # never -0.0
+
+
+def _nine_digits(number: float) -> float:
+    return float(f"{number:.9g}")  # all that a float32 holds
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("a name must be made of printable characters")
+    return name
+
+
+def _encodable(text: Any) -> Any:
+    return text.encode(errors="replace").decode() if isinstance(text, str) else text  # names of files may be any bytes
+
+
+def _plain(options: dict[str, JsonValue]) -> dict[str, JsonValue]:
+    plain: dict[str, JsonValue] = json.loads(_encodable(json.dumps(options, ensure_ascii=False, allow_nan=False)))
+    return plain
+
+
+Metres = Annotated[float, AfterValidator(_rounded)]
+Length = Annotated[float, AfterValidator(_rounded), Field(gt=0)]
+Share = Annotated[float, Field(ge=0, le=1), AfterValidator(_rounded)]
+Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+Point = tuple[Metres, Metres, Share]
+Colour = tuple[Share, Share, Share]
+Area = tuple[Metres, Metres, Length, Length]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Paint(_Part):
+    """A colour (sRGB) and the brush that applies it, by its name in the painting."""
+
+    colour: Colour
+    brush: Name
+
+    @property
+    def hex(self) -> str:
+        """The colour as ``#rrggbb``."""
+        return hex_colour(self.colour)
+
+
+class StyleUse(_Part):
+    """Where a style made a stroke: all that planning again needs.
+
+    name, hash: of the style.  code: what it decoded.  pose: (dx, dy, dtheta), metres and radians.
+    """
+
+    name: Name
+    hash: Name
+    code: tuple[Annotated[float, AfterValidator(_nine_digits)], ...]
+    pose: tuple[Metres, Metres, Annotated[float, AfterValidator(_nine_digits)]]
+
+
+class Stroke(_Part):
+    """One stroke, as it is commanded: R(dtheta)(x, y) + (dx, dy). Where its mark lands is for `Brush.mark` to say.
+
+    id: its name for good, unique in the painting.  paint: index into the painting's paints.
+    trajectory: (n, 3) points (x, y, press), metres on the canvas and [0, 1].  speed: metres a second at each point.
+    """
+
+    id: Annotated[int, Field(ge=0)]
+    paint: Annotated[int, Field(ge=0)]
+    trajectory: Annotated[tuple[Point, ...], Field(min_length=1)]
+    speed: tuple[Length, ...] | None = None
+    style: StyleUse | None = None
+
+    @model_validator(mode="after")
+    def _one_speed_a_point(self) -> Self:
+        if self.speed is not None and len(self.speed) != len(self.trajectory):
+            raise ValueError(f"there are {len(self.speed)} speeds for {len(self.trajectory)} points; give one a point")
+        return self
+
+
+class Sheet(_Part):
+    """What is painted on: width and height in metres, and the colour of the paper (sRGB)."""
+
+    width: Length
+    height: Length
+    paper: Colour = (1.0, 1.0, 1.0)
+
+
+class Making(_Part):
+    """How a painting was made: Maulstick's version, the picture (name and SHA-256), the seed and the options."""
+
+    version: Name
+    image: Annotated[str, BeforeValidator(_encodable)] | None = None
+    image_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
+    seed: int = 0
+    options: Annotated[dict[str, JsonValue], AfterValidator(_plain)] = Field(default_factory=dict)
+
+
+def _whole_sheet(fields: dict[str, Any]) -> Area:
+    sheet = fields.get("canvas") or Sheet(width=1, height=1)  # a canvas that was refused is reported by itself
+    return (0.0, 0.0, sheet.width, sheet.height)
+
+
+class Painting(_Part):
+    """Strokes in painting order, and all that is needed to paint, preview or plan them again.
+
+    canvas: the sheet.  area: the picture's place on it, (x, y, width, height), metres.
+    brushes: embedded whole, by name.  paints: what strokes point into.
+    """
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    canvas: Sheet
+    area: Area = Field(default_factory=_whole_sheet)
+    made: Making
+    brushes: dict[Name, Brush]
+    paints: tuple[Paint, ...]
+    strokes: tuple[Stroke, ...]
+
+    @model_validator(mode="after")
+    def _agrees_with_itself(self) -> Self:
+        x, y, width, height = self.area
+        if min(x, y) < -_SLACK or x + width > self.canvas.width + _SLACK or y + height > self.canvas.height + _SLACK:
+            size = f"{self.canvas.width:g} x {self.canvas.height:g} m"
+            raise ValueError(f"area: {list(self.area)} does not lie on the canvas; it must be within its {size}")
+        for index, paint in enumerate(self.paints):
+            if paint.brush not in self.brushes:
+                there = ", ".join(sorted(self.brushes)) or "none"
+                raise ValueError(f"paints[{index}].brush: there is no {paint.brush!r} in brushes; there are: {there}")
+        seen: set[int] = set()
+        for index, stroke in enumerate(self.strokes):
+            if stroke.paint >= len(self.paints):
+                allowed = f"an index into the {len(self.paints)} paints, from 0"
+                raise ValueError(f"strokes[{index}].paint: it is {stroke.paint}; it must be {allowed}")
+            if stroke.id in seen:
+                raise ValueError(f"strokes[{index}].id: {stroke.id} is an earlier stroke's; give every stroke its own")
+            seen.add(stroke.id)
+        return self
+
+    def trajectories(self) -> NDArray[np.float64]:
+        """(N, n, 3) commanded (x, y, press), metres; a shorter one repeats its last point, which draws nothing new."""
+        longest = max((len(stroke.trajectory) for stroke in self.strokes), default=1)
+        padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
+        return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
+
+    def paint_changes(self) -> int:
+        """How often the painter must take up another paint after the first."""
+        return sum(before.paint != after.paint for before, after in pairwise(self.strokes))
+
+
+def hex_colour(colour: tuple[float, float, float]) -> str:
+    """An sRGB colour in [0, 1] as ``#rrggbb``."""
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
+
+
+def write_painting(painting: Painting, path: str | Path) -> None:
+    """Write `painting` as JSON, an entry a line (so a stroke a line), the same bytes for the same painting.
+
+    Raises OutputError where that fails; what was at `path` is then still there.
+    """
+    fields = painting.model_dump(mode="json")
+    fields["strokes"] = [{k: v for k, v in stroke.items() if v is not None} for stroke in fields["strokes"]]
+    body = ",\n".join(f"  {json.dumps(name)}: {_an_entry_a_line(value)}" for name, value in fields.items())
+    atomic_write(path, f"{{\n{body}\n}}\n".encode())
+
+
+def read_painting(path: str | Path) -> Painting:
+    """The painting in the file at `path`.
+
+    Raises InputError, naming the file and the field, where there is none or it is not a painting of this schema.
+    """
+    path = file_to_read(path, "painting")
+    if path.stat().st_size > _LARGEST_FILE:
+        raise InputError(f"{path} is larger than {_LARGEST_FILE >> 20} MiB; no painting is; name a painting.json")
+    try:
+        painting = Painting.model_validate_json(path.read_bytes(), strict=True)
+    except ValidationError as error:
+        raise InputError(f"{path} is not a painting: {_fault(error)}") from error
+    except OSError as error:
+        raise InputError(f"cannot read the painting {path}: {error.strerror}") from error
+    if "schema_version" not in painting.model_fields_set:
+        raise InputError(f"{path} is not a painting: schema_version: it is missing; write {SCHEMA_VERSION}")
+    return painting
+
+
+def _an_entry_a_line(value: Any) -> str:
+    if isinstance(value, dict):
+        lines = [f"{json.dumps(name)}: {json.dumps(entry)}" for name, entry in value.items()]
+    elif isinstance(value, list):
+        lines = [json.dumps(entry) for entry in value]
+    else:
+        return json.dumps(value)
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return f"{opening}\n    " + ",\n    ".join(lines) + f"\n  {closing}" if lines else opening + closing
+
+
+def _fault(error: ValidationError) -> str:
+    faults = error.errors(include_url=False)
+    for fault in faults:
+        if fault["loc"] == ("schema_version",) and isinstance(came := fault["input"], int):
+            remedy = "update Maulstick" if came > SCHEMA_VERSION else "write the painting again"
+            return f"schema_version: it is {came}, and this Maulstick reads version {SCHEMA_VERSION}; {remedy}"
+    if not faults[0]["loc"] and faults[0]["type"] == "value_error":
+        return str(faults[0]["ctx"]["error"])  # `Painting._agrees_with_itself` names the field
+    return first_fault(error)

@@ -1,0 +1,67 @@
+"""Paints out of colours: k-means in CIELAB, where distance is what the eye sees (paper: Planning)."""
+
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageColor, ImageDraw, ImageFont
+from skimage.color import lab2rgb, rgb2lab
+from sklearn.cluster import KMeans
+from sklearn.exceptions import ConvergenceWarning
+from threadpoolctl import threadpool_limits
+
+from maulstick.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
+    """At most k paints, (k, 3) sRGB in [0, 1], for colours (N, 3) that cover `amounts` (N,) of canvas, light first.
+
+    k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
+    """
+    with threadpool_limits(1), warnings.catch_warnings():  # several threads add up in any order
+        warnings.simplefilter("ignore", ConvergenceWarning)  # fewer different colours than k
+        lab = rgb2lab(colours)
+        k = min(k, len(np.unique(lab.round(3), axis=0)))
+        found = KMeans(k, n_init=4, random_state=seed).fit(lab, sample_weight=amounts)
+    centres = found.cluster_centers_[np.argsort(-found.cluster_centers_[:, 0])]
+    paints: Floats = np.clip(lab2rgb(centres), 0, 1)
+    return paints
+
+
+def nearest_paint(colours: Floats, paints: Floats) -> NDArray[np.int64]:
+    """The index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3)."""
+    difference = rgb2lab(colours)[:, None] - rgb2lab(paints)[None]
+    nearest: NDArray[np.int64] = np.argmin((difference**2).sum(-1), axis=1)
+    return nearest
+
+
+def lightness(colours: Floats) -> Floats:
+    """CIELAB lightness (N,) in [0, 100] of colours (N, 3)."""
+    lab: Floats = rgb2lab(colours)[:, 0]
+    return lab
+
+
+def parse_colour(text: str) -> tuple[float, float, float]:
+    """SRGB in [0, 1] from the name of a colour, as in ``black``, or ``#rrggbb``."""
+    try:
+        red, green, blue = ImageColor.getrgb(text)[:3]
+    except ValueError:
+        raise InputError(f"{text!r} is not a colour; write a name such as black, or #rrggbb") from None
+    return red / 255, green / 255, blue / 255
+
+
+def swatches(paints: Sequence[tuple[float, float, float]], labels: Sequence[str]) -> Image.Image:
+    """A picture of the paints, a labelled row each."""
+    width, height, row = 480, 56, 48
+    sheet = Image.new("RGB", (width, height * max(len(paints), 1)), "white")
+    draw = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(20)
+    for i, (paint, label) in enumerate(zip(paints, labels, strict=True)):
+        top = height * i + (height - row) // 2
+        fill = tuple(round(255 * channel) for channel in paint)
+        draw.rectangle((8, top, 136, top + row), fill=fill, outline="lightgrey")
+        draw.text((152, top + row // 2), label, fill="black", font=font, anchor="lm")
+    return sheet

@@ -1,0 +1,1 @@
+"""Planning: all strokes of a painting at once, by gradient descent."""

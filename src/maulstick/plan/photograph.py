@@ -1,0 +1,124 @@
+"""From a photograph to a painting: lay the picture out on a sheet, plan it, write down the result."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from maulstick.brush.preview import preview
+from maulstick.canvas import Canvas
+from maulstick.figures import Figures, compare
+from maulstick.medium import Brush
+from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse
+from maulstick.picture import lay_out
+from maulstick.plan.objectives import Tone
+from maulstick.plan.planner import Plan, PlanOptions, Progress, plan
+from maulstick.style import Style
+
+Image = NDArray[np.float32]
+
+_HEIGHT_PX = 256
+_LONGEST_PX = 2048
+_PAPER = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A picture on a sheet: target (H, W, 3) of the canvas' pixels, and the picture's area (x, y, width, height), m."""
+
+    canvas: Canvas
+    target: Image
+    area: tuple[float, float, float, float]
+
+    def crop(self, image: Image) -> Image:
+        """The part of an image of the canvas, (H, W, 3), that the picture covers."""
+        left, top, width, height = (round(x * self.canvas.pixels_per_metre) for x in self.area)
+        return image[top : top + max(height, 1), left : left + max(width, 1)]
+
+
+def lay_out_for(
+    picture: Image, size: tuple[float, float], brush: Brush, fit: str = "contain", height_px: int | None = None
+) -> Layout:
+    """Lay a picture (h, w, 3) out on a sheet of `size` (width, height), metres, at the resolution to plan it in.
+
+    height_px: of the picture on the canvas; when left out, at least 256 and as many as show the brush's thinnest mark
+    with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
+    """
+    down = size[1] / picture.shape[0]
+    across = size[0] / picture.shape[1]
+    picture_height = picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across))
+    if height_px is not None:
+        resolution = height_px / min(picture_height, size[1])
+    else:
+        resolution = max(_HEIGHT_PX / min(picture_height, size[1]), 1 / (brush.thinnest or brush.widest / 4))
+        resolution = min(resolution, _LONGEST_PX / max(size))
+    canvas = Canvas(size[0], size[1], resolution)
+    return Layout(canvas, *lay_out(picture, canvas, fit))
+
+
+def plan_photograph(
+    layout: Layout,
+    brush: Brush,
+    style: Style,
+    options: PlanOptions,
+    made: Making,
+    watch: Callable[[Progress], bool] = lambda progress: True,
+) -> Painting:
+    """Plan the painting of a picture that is laid out."""
+    target = torch.from_numpy(np.ascontiguousarray(layout.target.transpose(2, 0, 1)))
+    paper = torch.tensor(_PAPER)[:, None, None].expand_as(target).contiguous()
+    objective = Tone(target, halftone=options.paints is None)
+    planned = plan(target, paper, layout.canvas, brush, style, objective, options, watch)
+    return _painting(planned, layout, brush, style, made)
+
+
+def making(options: PlanOptions, image: str | None = None, sha256: str | None = None, **more: object) -> Making:
+    """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""
+    return Making.model_validate(
+        {
+            "version": version("maulstick"),
+            "image": image,
+            "image_sha256": sha256,
+            "seed": options.seed,
+            "options": {**asdict(options), "ink": list(options.ink), **more},
+        }
+    )
+
+
+def figures_of(painting: Painting, layout: Layout) -> Figures:
+    """How near the painting, as its file orders it, comes to the picture over the picture's area."""
+    return compare(layout.crop(preview(painting, layout.canvas)), layout.crop(layout.target))
+
+
+def _painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making) -> Painting:
+    codes = planned.strokes.codes
+    poses = planned.strokes.poses(style.decode(codes))
+    trajectories = planned.strokes.trajectories(style)
+    trajectories[..., 2].clamp_(0, 1)
+    used = torch.unique(planned.paint_of)
+    paint_of = torch.searchsorted(used, planned.paint_of)
+    strokes = [
+        Stroke.model_validate(
+            {
+                "id": number,
+                "paint": paint,
+                "trajectory": trajectory,
+                "style": StyleUse(name=style.name, hash=style.hash, code=tuple(code), pose=tuple(pose)),
+            }
+        )
+        for number, (paint, trajectory, code, pose) in enumerate(
+            zip(paint_of.tolist(), trajectories.tolist(), codes.tolist(), poses.tolist(), strict=True)
+        )
+    ]
+    paints = [Paint(colour=tuple(colour), brush=brush.name) for colour in planned.paints[used].tolist()]
+    return Painting(
+        canvas=Sheet(width=layout.canvas.width, height=layout.canvas.height, paper=_PAPER),
+        area=layout.area,
+        made=made,
+        brushes={brush.name: brush},
+        paints=tuple(paints),
+        strokes=tuple(strokes),
+    )

@@ -1,0 +1,104 @@
+"""A style that belongs to nobody: any smooth stroke within limits of length."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+import torch
+from scipy.interpolate import BSpline
+from torch import Generator, Tensor
+
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.strokes import POINTS
+from maulstick.style.style import KNOTS, Style
+
+CONTROL_POINTS = 8
+_DEGREE = 3
+
+
+@dataclass(frozen=True)
+class FreeStyle(Style):
+    """Clamped cubic B-splines of 8 control points.
+
+    The first control point is the origin and the last lies on the positive x-axis, so that every code decodes to a
+    standardised path. A code is the chord's length and then the six inner control points, in units of `unit`.
+
+    shortest, longest: limits of the length of a stroke, metres.
+    """
+
+    shortest: float
+    longest: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.shortest < self.longest:
+            limits = f"{self.shortest * 1e3:g} to {self.longest * 1e3:g} mm"
+            raise InputError.of_range("the length of a stroke", limits, "a range of lengths above 0")
+
+    @classmethod
+    def for_canvas(cls, canvas: Canvas) -> Self:
+        """Strokes from a fiftieth to a half of the canvas' shorter side."""
+        side = min(canvas.width, canvas.height)
+        return cls(shortest=side / 50, longest=side / 2)
+
+    @property
+    def name(self) -> str:
+        """The name that ``--style`` takes."""
+        return "free"
+
+    @property
+    def hash(self) -> str:
+        """Of all that decoding depends on."""
+        return hashlib.sha256(f"free {CONTROL_POINTS} {POINTS} {self.unit!r}".encode()).hexdigest()[:16]
+
+    @property
+    def unit(self) -> float:
+        """Metres of a code's 1."""
+        return self.longest / 4
+
+    @cached_property
+    def _basis(self) -> Tensor:
+        knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, CONTROL_POINTS - _DEGREE + 1), np.ones(_DEGREE)])
+        basis = BSpline.design_matrix(np.linspace(0, 1, POINTS), knots, _DEGREE).toarray()
+        return torch.from_numpy(basis)
+
+    def encode(self, paths: Tensor) -> Tensor:
+        """The least-squares B-spline through each path, its ends kept."""
+        basis = self._basis.to(paths)
+        ends = torch.stack([paths[:, 0], paths[:, -1]], dim=1)
+        rest = paths - basis[:, [0, -1]] @ ends
+        inner = torch.linalg.pinv(basis[:, 1:-1]) @ rest
+        chord = paths[:, -1, :1] - paths[:, 0, :1]
+        return torch.cat([chord, inner.flatten(1)], dim=1) / self.unit
+
+    def decode(self, codes: Tensor) -> Tensor:
+        """Paths (N, 32, 2) of codes (N, 13), at equal steps of the spline's parameter."""
+        controls = self._controls(codes)
+        return self._basis.to(codes) @ controls
+
+    def _controls(self, codes: Tensor) -> Tensor:
+        controls = codes.new_zeros(codes.shape[0], CONTROL_POINTS, 2)
+        controls[:, 1:-1] = codes[:, 1:].reshape(-1, CONTROL_POINTS - 2, 2)
+        controls[:, -1, 0] = codes[:, 0].abs()
+        return controls * self.unit
+
+    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Gently bent strokes, log-uniform in length, of even press."""
+        length = self.shortest * (self.longest / self.shortest) ** torch.rand(k, 1, generator=generator)
+        along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]
+        bend = 0.5 * torch.randn(k, 1, generator=generator) * along * (1 - along)
+        inner = torch.stack([along.expand(k, -1), bend], dim=-1) * length[..., None]
+        codes = torch.cat([length, inner.flatten(1)], dim=1) / self.unit
+        return codes, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
+
+    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+        """Bending of the control polygon, in units of its length, length beyond the limits, and changes of press."""
+        steps = self._controls(codes).diff(dim=1)
+        length = steps.square().sum(-1).add(1e-12).sqrt().sum(1)
+        even = length[:, None, None] / (CONTROL_POINTS - 1)
+        bending = (steps.diff(dim=1) / even).square().sum((1, 2))
+        shorter = (torch.log(self.shortest / length)).clamp(min=0)
+        longer = (torch.log(length / self.longest)).clamp(min=0)
+        return bending + 100 * (shorter + longer).square() + press_knots.diff(dim=1).square().sum(1)
