@@ -62,7 +62,7 @@ def parse_size(text: str) -> tuple[float, float]:
         short, long = (x * 1e-3 for x in _PAPERS[name])
         return (long, short) if turn == "LANDSCAPE" else (short, long)
     number = r"(\d+(?:\.\d*)?|\.\d+)"
-    match = re.fullmatch(rf"\s*{number}\s*x\s*{number}\s*(mm|cm|m|in)\s*", text)
+    match = re.fullmatch(rf"\s*{number}\s*[x\u00d7]\s*{number}\s*(mm|cm|m|in)\s*", text)
     if match is None:
         papers = ", ".join(_PAPERS)
         raise InputError(

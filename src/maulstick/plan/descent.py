@@ -44,7 +44,7 @@ class Descent:
         for group in self._adam.param_groups:
             group["lr"] = group["whole"] * rate
         self._adam.zero_grad(set_to_none=True)
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         self._adam.step()
         self._clamp()
 

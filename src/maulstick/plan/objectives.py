@@ -22,9 +22,9 @@ class Tone(Objective):
     fades instead: one ink makes greys by the distance between its lines, which only a coarse level can see.
     """
 
-    def __init__(self, target: Tensor, *, halftone: bool = False) -> None:
+    def __init__(self, target: Tensor, *, halftone: bool = False, levels: int | None = None) -> None:
         self._target = target
-        self._levels = max(1, min(target.shape[1:]).bit_length() - 4)
+        self._levels = levels or max(1, min(target.shape[1:]).bit_length() - 4)
         self._halftone = halftone
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:

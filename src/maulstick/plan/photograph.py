@@ -15,7 +15,7 @@ from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse
 from maulstick.picture import lay_out
 from maulstick.plan.objectives import Tone
-from maulstick.plan.planner import Plan, PlanOptions, Progress, plan
+from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, plan
 from maulstick.style import Style
 
 Image = NDArray[np.float32]
@@ -68,11 +68,16 @@ def plan_photograph(
     watch: Callable[[Progress], bool] = lambda progress: True,
 ) -> Painting:
     """Plan the painting of a picture that is laid out."""
+    planned = plan(commission_of(layout, brush, style, options), options, watch)
+    return as_painting(planned, layout, brush, style, made)
+
+
+def commission_of(layout: Layout, brush: Brush, style: Style, options: PlanOptions) -> Commission:
+    """What a picture that is laid out asks of the planner: its tones, on white paper."""
     target = torch.from_numpy(np.ascontiguousarray(layout.target.transpose(2, 0, 1)))
     paper = torch.tensor(_PAPER)[:, None, None].expand_as(target).contiguous()
     objective = Tone(target, halftone=options.paints is None)
-    planned = plan(target, paper, layout.canvas, brush, style, objective, options, watch)
-    return _painting(planned, layout, brush, style, made)
+    return Commission(target, paper, layout.canvas, brush, style, objective)
 
 
 def making(options: PlanOptions, image: str | None = None, sha256: str | None = None, **more: object) -> Making:
@@ -93,7 +98,8 @@ def figures_of(painting: Painting, layout: Layout) -> Figures:
     return compare(layout.crop(preview(painting, layout.canvas)), layout.crop(layout.target))
 
 
-def _painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making) -> Painting:
+def as_painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making) -> Painting:
+    """A plan as a painting, whose file says all that planning it again needs."""
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
     trajectories = planned.strokes.trajectories(style)

@@ -28,11 +28,22 @@ from maulstick.plan.worth import coverage, removal_costs, seen
 from maulstick.style import Style
 
 _STYLE_WEIGHT = 1e-5
-_SNAP = 0.6
-_SORTS = np.arange(0, _SNAP, 0.025)
-_RESPENDS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 _RESPENT = 0.05
 _HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When what happens, each as a share of all steps.
+
+    sorts: strokes are put in order from light to dark.  respends: the strokes that would be missed least begin anew.
+    snap: free colours become paints; with `grouped`, all strokes of a paint then stand together.
+    """
+
+    sorts: tuple[float, ...] = tuple(0.025 * i for i in range(24))
+    respends: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+    snap: float = 0.6
+    grouped: bool = True
 
 
 @dataclass(frozen=True)
@@ -63,6 +74,22 @@ class PlanOptions:
 
 
 @dataclass(frozen=True)
+class Commission:
+    """What is to be painted, and with what.
+
+    target, paper: (3, H, W) of the canvas' pixels, sRGB in [0, 1].
+    objective: sees the canvas, and says how good it is.
+    """
+
+    target: Tensor
+    paper: Tensor
+    canvas: Canvas
+    brush: Brush
+    style: Style
+    objective: Objective
+
+
+@dataclass(frozen=True)
 class Progress:
     """After a step: how far planning is in [0, 1], the loss, and the canvas (C, H, W)."""
 
@@ -81,22 +108,20 @@ class Plan:
 
 
 def plan(
-    target: Tensor,
-    paper: Tensor,
-    canvas: Canvas,
-    brush: Brush,
-    style: Style,
-    objective: Objective,
+    commission: Commission,
     options: PlanOptions,
     watch: Callable[[Progress], bool] = lambda progress: True,
+    *,
+    schedule: Schedule = Schedule(),
+    start: StrokeParameters | None = None,
 ) -> Plan:
-    """Plan strokes of the style and brush that turn the paper into the target, both (3, H, W) of the canvas' pixels.
+    """Plan strokes that turn the paper into the target.
 
-    `watch` is called after every step; once it returns False, colours become paints at once and the plan is
-    finished in a few more steps.
+    watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
+    a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
     """
-    planning = _Planning(target, paper, canvas, brush, style, objective, options)
-    sorts, respends = list(_SORTS), list(_RESPENDS)
+    planning = _Planning(commission, options, start)
+    sorts, respends = list(schedule.sorts), list(schedule.respends)
     progress, stride, wanted = 0.0, 1 / options.steps, True
     while progress < 1 - stride / 2:
         if respends and progress >= respends[0]:
@@ -105,55 +130,48 @@ def plan(
         if sorts and progress >= sorts[0]:
             sorts.pop(0)
             planning.sort()
-        if progress >= _SNAP:
-            planning.snap()
+        if progress >= schedule.snap:
+            planning.snap(schedule.grouped)
         if not watch(planning.step(progress)) and wanted:
             wanted = False
             progress = max(progress, _HURRIED_FROM)
             stride = max(stride, (1 - progress) / _HURRIED_STEPS)
             respends.clear()
         progress += stride
-    planning.snap()
+    planning.snap(schedule.grouped)
     return planning.finish()
 
 
 class _Planning:
     """The state of a plan in the making. Strokes keep their rows; `_order` says how they are painted."""
 
-    def __init__(
-        self,
-        target: Tensor,
-        paper: Tensor,
-        canvas: Canvas,
-        brush: Brush,
-        style: Style,
-        objective: Objective,
-        options: PlanOptions,
-    ) -> None:
-        self._target, self._paper, self._canvas = target, paper, canvas
-        self._brush, self._style, self._objective, self._options = brush, style, objective, options
-        self._image = _array(target)
+    def __init__(self, commission: Commission, options: PlanOptions, start: StrokeParameters | None) -> None:
+        self._options = options
+        self._target, self._paper, self._canvas = commission.target, commission.paper, commission.canvas
+        self._brush, self._style, self._objective = commission.brush, commission.style, commission.objective
+        self._image = _array(self._target)
         self._rng = np.random.default_rng(options.seed)
         self._chance = torch.Generator().manual_seed(options.seed)
-        self._brushes = Traj2Stroke.of([brush] * options.strokes)
+        self._brushes = Traj2Stroke.of([self._brush] * options.strokes)
         self._order = np.arange(options.strokes)
         self._paints: Tensor | None = None
         self._paint_of = torch.zeros(options.strokes, dtype=torch.long)
         self._pool = 1
         if options.paints is None:
             self._paints = torch.tensor([options.ink])
-            self._pool = max(1, round(4 * brush.widest * canvas.pixels_per_metre))
-        strokes, spacing = self._begin(self._blank_paper_density(), options.strokes)
-        self._spacing = spacing
+            self._pool = max(1, round(4 * self._brush.widest * self._canvas.pixels_per_metre))
+        self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
+        if start is None:
+            start, self._spacing = self._begin(self._blank_paper_density(), options.strokes)
         trained = {
             "codes": True,
             "centres": True,
             "angles": True,
-            "press_knots": brush.presses,
+            "press_knots": self._brush.presses,
             "colours": self._paints is None,
         }
-        strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in strokes.each().items()})
-        self._descent = Descent(strokes, spacing)
+        strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
+        self._descent = Descent(strokes, self._spacing)
 
     @property
     def _strokes(self) -> StrokeParameters:
@@ -221,8 +239,8 @@ class _Planning:
         by_row[self._order] = costs
         return by_row
 
-    def snap(self) -> None:
-        """Turn free colours into paints, and group the strokes by paint, lightest first."""
+    def snap(self, grouped: bool) -> None:
+        """Turn free colours into paints, and if they are to be grouped, paint the lightest first."""
         if self._paints is not None or self._options.paints is None:
             return
         marks, colours = self._drawn()
@@ -231,7 +249,8 @@ class _Planning:
         free = _array(self._strokes.colours)
         paints = mix_paints(free, np.sqrt(shown.clip(min=1)), self._options.paints, self._options.seed)
         self._paint_of = torch.from_numpy(nearest_paint(free, paints))
-        self._order = by_paint(self._paint_of.numpy(), self._order)
+        if grouped:
+            self._order = by_paint(self._paint_of.numpy(), self._order)
         self._paints = torch.tensor(paints, dtype=torch.float32, requires_grad=True)
         self._descent.add_paints(self._paints)
 

@@ -1,0 +1,34 @@
+"""For all tests: with MAULSTICK_NO_SKIPS=1, as on the machine that decides (.ci/run), a skipped test has failed."""
+
+import os
+from collections.abc import Generator
+from typing import TypeVar
+
+import pytest
+
+# Data that is measured with and never shipped (../shared/data): the one thing that no machine can install.
+MAY_BE_ABSENT = "shared data absent"
+
+Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
+
+
+def _skips_fail(report: Report) -> Report:
+    # An expected failure is reported as skipped too, but brings a traceback where a skip has (path, line, reason).
+    if report.skipped and isinstance(report.longrepr, tuple) and os.environ.get("MAULSTICK_NO_SKIPS") == "1":
+        reason = report.longrepr[2]
+        if MAY_BE_ABSENT not in reason:
+            report.outcome = "failed"
+            report.longrepr = f"{report.nodeid} was skipped where nothing may be: {reason}"
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Fail a test that skips itself, in its body or by a mark."""
+    return _skips_fail((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Fail a file that skips itself while it is read, as pytest.importorskip does."""
+    return _skips_fail((yield))
