@@ -18,19 +18,22 @@ class Objective(ABC):
 class Tone(Objective):
     """Squared difference from the target (C, H, W), channel by channel, on a pyramid of halved images.
 
+    weights: (H, W), how much each pixel counts.
+
     Coarse levels weigh most at first and fade by the middle of planning. With `halftone` they stay, and the finest
     fades instead: one ink makes greys by the distance between its lines, which only a coarse level can see.
     """
 
-    def __init__(self, target: Tensor, *, halftone: bool = False, levels: int | None = None) -> None:
+    def __init__(self, target: Tensor, weights: Tensor, *, halftone: bool = False, levels: int | None = None) -> None:
         self._target = target
+        self._scale = weights.sqrt()
         self._levels = levels or max(1, min(target.shape[1:]).bit_length() - 4)
         self._halftone = halftone
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Mean squared difference, averaged over the levels."""
         coarse = 1.0 if self._halftone else max(0.0, 1 - 2 * progress)
-        difference = canvas - self._target
+        difference = (canvas - self._target) * self._scale
         total = 0.2 if self._halftone else 1.0
         loss = total * difference.square().mean()
         for level in range(1, self._levels if coarse > 0 else 1):

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from maulstick.brush.preview import preview
 from maulstick.canvas import Canvas
+from maulstick.errors import InputError
 from maulstick.figures import Figures, compare
 from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse
 from maulstick.picture import lay_out
+from maulstick.plan.attention import attention
 from maulstick.plan.objectives import Tone
 from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, plan
 from maulstick.style import Style
@@ -21,7 +23,7 @@ from maulstick.style import Style
 Image = NDArray[np.float32]
 
 _HEIGHT_PX = 256
-_LONGEST_PX = 2048
+_LONGEST_PX, _MOST_PX = 2048, 6144
 _PAPER = (1.0, 1.0, 1.0)
 
 
@@ -50,11 +52,18 @@ def lay_out_for(
     down = size[1] / picture.shape[0]
     across = size[0] / picture.shape[1]
     picture_height = picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across))
-    if height_px is not None:
-        resolution = height_px / min(picture_height, size[1])
-    else:
+    if height_px is None:
         resolution = max(_HEIGHT_PX / min(picture_height, size[1]), 1 / (brush.thinnest or brush.widest / 4))
         resolution = min(resolution, _LONGEST_PX / max(size))
+    elif height_px < 1:
+        raise InputError.of_range("the height of the picture", f"{height_px} pixels", "at least 1")
+    else:
+        resolution = height_px / min(picture_height, size[1])
+        if resolution * max(size) > _MOST_PX:
+            allowed = (
+                f"such that no side of the sheet needs more than {_MOST_PX} (it would be {resolution * max(size):.0f})"
+            )
+            raise InputError.of_range("the height of the picture", f"{height_px} pixels", allowed)
     canvas = Canvas(size[0], size[1], resolution)
     return Layout(canvas, *lay_out(picture, canvas, fit))
 
@@ -76,8 +85,10 @@ def commission_of(layout: Layout, brush: Brush, style: Style, options: PlanOptio
     """What a picture that is laid out asks of the planner: its tones, on white paper."""
     target = torch.from_numpy(np.ascontiguousarray(layout.target.transpose(2, 0, 1)))
     paper = torch.tensor(_PAPER)[:, None, None].expand_as(target).contiguous()
-    objective = Tone(target, halftone=options.paints is None)
-    return Commission(target, paper, layout.canvas, brush, style, objective)
+    weights = torch.ones_like(target[0])
+    layout.crop(weights.numpy())[:] = attention(layout.crop(layout.target))
+    objective = Tone(target, weights, halftone=options.paints is None)
+    return Commission(target, paper, weights, layout.canvas, brush, style, objective)
 
 
 def making(options: PlanOptions, image: str | None = None, sha256: str | None = None, **more: object) -> Making:

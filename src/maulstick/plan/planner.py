@@ -24,11 +24,11 @@ from maulstick.plan.descent import Descent
 from maulstick.plan.objectives import Objective
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.start import detail, find_places, ink_density, start_strokes
-from maulstick.plan.worth import coverage, removal_costs, seen
+from maulstick.plan.worth import View, coverage, removal_costs
 from maulstick.style import Style
 
 _STYLE_WEIGHT = 1e-5
-_RESPENT = 0.05
+_RESPENT = 0.1
 _HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
 
 
@@ -77,12 +77,13 @@ class PlanOptions:
 class Commission:
     """What is to be painted, and with what.
 
-    target, paper: (3, H, W) of the canvas' pixels, sRGB in [0, 1].
+    target, paper: (3, H, W) of the canvas' pixels, sRGB in [0, 1].  weights: (H, W), how much each place matters.
     objective: sees the canvas, and says how good it is.
     """
 
     target: Tensor
     paper: Tensor
+    weights: Tensor
     canvas: Canvas
     brush: Brush
     style: Style
@@ -147,19 +148,20 @@ class _Planning:
 
     def __init__(self, commission: Commission, options: PlanOptions, start: StrokeParameters | None) -> None:
         self._options = options
-        self._target, self._paper, self._canvas = commission.target, commission.paper, commission.canvas
+        self._paper, self._canvas = commission.paper, commission.canvas
         self._brush, self._style, self._objective = commission.brush, commission.style, commission.objective
-        self._image = _array(self._target)
+        self._image, self._weights = _array(commission.target), _array(commission.weights)
         self._rng = np.random.default_rng(options.seed)
         self._chance = torch.Generator().manual_seed(options.seed)
         self._brushes = Traj2Stroke.of([self._brush] * options.strokes)
         self._order = np.arange(options.strokes)
         self._paints: Tensor | None = None
         self._paint_of = torch.zeros(options.strokes, dtype=torch.long)
-        self._pool = 1
-        if options.paints is None:
+        pool = 1
+        if options.paints is None:  # greys are made of lines, and only seen from further off
             self._paints = torch.tensor([options.ink])
-            self._pool = max(1, round(4 * self._brush.widest * self._canvas.pixels_per_metre))
+            pool = max(1, round(4 * self._brush.widest * self._canvas.pixels_per_metre))
+        self._view = View(commission.target, commission.weights, pool)
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
         if start is None:
             start, self._spacing = self._begin(self._blank_paper_density(), options.strokes)
@@ -183,7 +185,7 @@ class _Planning:
         if self._paints is not None:
             return ink_density(self._image, paper, np.array(self._options.ink))
         differs = np.abs(self._image - paper).max(axis=0) > 2 / 255
-        return detail(self._image) * gaussian_filter(differs.astype(np.float64), 1)
+        return detail(self._image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
 
     def _begin(self, density: NDArray[np.float64], count: int, room: float = np.inf) -> tuple[StrokeParameters, float]:
         """New strokes where the density asks, and the median of their spacing, metres; none takes more than `room`."""
@@ -227,14 +229,14 @@ class _Planning:
         if self._paints is not None:
             density = ink_density(self._image, _array(self._paper), np.array(self._options.ink))
             density -= ink_density(canvas, _array(self._paper), np.array(self._options.ink))
-            density = gaussian_filter(density, blur + self._pool).clip(min=0)
+            density = gaussian_filter(density, blur + self._view.pool).clip(min=0)
         else:
             density = np.sum([gaussian_filter(x, blur) ** 2 for x in canvas - self._image], axis=0)
-        self._descent.replace(rows, self._begin(density, count, room=self._spacing)[0])
+        self._descent.replace(rows, self._begin(density * self._weights, count, room=self._spacing)[0])
 
     def _removal_costs(self) -> Tensor:
         marks, colours = self._drawn()
-        costs = removal_costs(self._paper, self._target, marks, colours, pool=self._pool, generator=self._chance)
+        costs = removal_costs(self._view, self._paper, marks, colours, self._chance)
         by_row = torch.empty_like(costs)
         by_row[self._order] = costs
         return by_row
@@ -245,7 +247,7 @@ class _Planning:
             return
         marks, colours = self._drawn()
         shown = np.empty(len(self._order))
-        shown[self._order] = coverage(self._paper, marks, colours).numpy()
+        shown[self._order] = coverage(self._view, self._paper, marks, colours).numpy()
         free = _array(self._strokes.colours)
         paints = mix_paints(free, np.sqrt(shown.clip(min=1)), self._options.paints, self._options.seed)
         self._paint_of = torch.from_numpy(nearest_paint(free, paints))
@@ -265,14 +267,13 @@ class _Planning:
         """Which strokes (N,) to keep: without the others together the error does not grow."""
         costs = self._removal_costs().numpy()
         candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
-        target, whole = seen(self._target, self._pool), self._order
-        before = (seen(self._render(), self._pool) - target).square().sum()
-        needed = np.ones(len(whole), dtype=bool)
+        before = self._view.error(self._render())
+        needed = np.ones(len(self._order), dtype=bool)
         while len(candidates):
             needed[:] = True
             needed[candidates] = False
             marks, colours = self._drawn()
-            left = torch.from_numpy(np.flatnonzero(needed[whole]))
+            left = torch.from_numpy(np.flatnonzero(needed[self._order]))
             canvas = composite(
                 self._paper,
                 marks.points[left],
@@ -282,7 +283,7 @@ class _Planning:
                 marks.q[left],
                 marks.o[left],
             )
-            if (seen(canvas, self._pool) - target).square().sum() <= before:
+            if self._view.error(canvas) <= before:
                 return needed
             candidates = candidates[: len(candidates) // 2]
         needed[:] = True

@@ -19,8 +19,8 @@ Floats = NDArray[np.float64]
 _ROUNDS = 12
 _SAMPLES_PER_STROKE = 60
 _CHOICE = 4
-_LENGTH_IN_SPACINGS = 2.5
-_WIDTH_IN_SPACINGS = 0.55
+_LENGTH_IN_SPACINGS = 2.0
+_WIDTH_IN_SPACINGS = 0.4
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ The canvas is linear in a stroke's opacity, so that taking the stroke away chang
 quadratic, whose terms a few backward passes give for all strokes at once.
 """
 
+from dataclasses import dataclass
+
 import torch
 from torch import Generator, Tensor
 from torch.nn.functional import avg_pool2d
@@ -14,20 +16,38 @@ from maulstick.brush.traj2stroke import Marks
 _PROBES = 8
 
 
-def removal_costs(
-    paper: Tensor, target: Tensor, marks: Marks, colours: Tensor, *, pool: int, generator: Generator
-) -> Tensor:
-    """How much the summed squared error would grow, (N,), if each stroke alone were not there.
+@dataclass(frozen=True)
+class View:
+    """How a canvas is compared with the target (C, H, W).
 
-    paper, target: (C, H, W), compared after averaging over squares of `pool` pixels.  marks and colours (N, C) are
-    in painting order.  The slope is exact; the curvature, a sum of squares over pixels, is estimated from random
-    signs (Hutchinson).
+    weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
+    """
+
+    target: Tensor
+    weights: Tensor
+    pool: int = 1
+
+    def difference(self, canvas: Tensor) -> Tensor:
+        """(C, h, w); the sum of its squares is the error."""
+        difference = (canvas - self.target) * self.weights.sqrt()
+        return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
+
+    def error(self, canvas: Tensor) -> float:
+        """Summed squared error."""
+        return self.difference(canvas).square().sum().item()
+
+
+def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
+    """How much the error would grow, (N,), if each stroke alone were not there.
+
+    paper: (C, H, W).  marks and colours, (N, C), are in painting order.  The slope is exact; the curvature, a sum of
+    squares over pixels, is estimated from random signs (Hutchinson).
     """
     opacity = marks.o.detach().requires_grad_()
     canvas = composite(
         paper, marks.points.detach(), marks.thickness.detach(), colours.detach(), marks.c, marks.q.detach(), opacity
     )
-    difference = seen(canvas, pool) - seen(target, pool)
+    difference = view.difference(canvas)
 
     def pull(signal: Tensor) -> Tensor:
         (gradient,) = torch.autograd.grad(difference, opacity, signal, retain_graph=True)
@@ -42,16 +62,11 @@ def removal_costs(
     return 0.5 * curvature * amount.square() - slope * amount
 
 
-def coverage(paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
-    """Pixels of the canvas that show each stroke in the end, (N,)."""
+def coverage(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+    """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
     colours = colours.detach().requires_grad_()
     canvas = composite(
         paper, marks.points.detach(), marks.thickness.detach(), colours, marks.c, marks.q.detach(), marks.o.detach()
     )
-    (shown,) = torch.autograd.grad(canvas.sum(), colours)
+    (shown,) = torch.autograd.grad((canvas * view.weights).sum(), colours)
     return shown.mean(dim=1)
-
-
-def seen(image: Tensor, pool: int) -> Tensor:
-    """The image (C, H, W) averaged over squares of `pool` pixels."""
-    return avg_pool2d(image, pool, ceil_mode=True) if pool > 1 else image
