@@ -13,6 +13,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -58,7 +59,10 @@ void share_out(int64_t tasks, int64_t threads, Work work) {
     for (int64_t task; (task = next.fetch_add(1)) < tasks;) work(task, thread);
   };
   std::vector<std::thread> helpers;
-  for (int64_t i = 1; i < std::min(threads, tasks); ++i) helpers.emplace_back(run, i);
+  try {
+    for (int64_t i = 1; i < std::min(threads, tasks); ++i) helpers.emplace_back(run, i);
+  } catch (const std::system_error&) {       // the system gives no more threads: fewer do the work
+  }
   run(0);
   for (std::thread& helper : helpers) helper.join();
 }
@@ -202,7 +206,8 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
             });
 }
 
-// gradients: (count, 3 points + channels + 3), see gradient_size.
+// grad_canvas: as canvas, or empty where nobody asks for it. gradients: (count, 3 points + channels + 3), see
+// gradient_size.
 void composite_backward(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
                         Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 2> colours,
                         Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
@@ -219,8 +224,8 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
   each_tile(kernel, s, bands, height, width, threads, true,
             [&](Tile tile, const TileStrokes& chosen, Scratch scratch) {
               kernel.composite_backward(s, chosen.ids.data(), chosen.ids.size(), tile, height, width, canvas.data(),
-                                        grad_out.data(), grad_canvas.data(), partial.data(), chosen.record.data(),
-                                        scratch);
+                                        grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr,
+                                        partial.data(), chosen.record.data(), scratch);
             });
   for (int64_t i = 0; i < s.count; ++i) {
     float* total = gradients.data() + i * size;

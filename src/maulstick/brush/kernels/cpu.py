@@ -25,11 +25,10 @@ def darkness(
     instructions: str = INSTRUCTION_SETS[0],
 ) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
+    points, thickness, c, q, o = _plain(points, thickness, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_size(height, width)
-    result: Tensor = _Darkness.apply(
-        _plain(points), _plain(thickness), *_one_each(points, c, q, o), height, width, instructions
-    )
+    result: Tensor = _Darkness.apply(points, thickness, *_one_each(points, c, q, o), height, width, instructions)
     return result
 
 
@@ -46,15 +45,16 @@ def composite(
     instructions: str = INSTRUCTION_SETS[0],
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
+    canvas, points, thickness, colours, c, q, o = _plain(canvas, points, thickness, colours, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
         trainable = torch.ones(points.shape[0], dtype=torch.bool)
     result: Tensor = _Composite.apply(
-        _plain(canvas),
-        _plain(points),
-        _plain(thickness),
-        _plain(colours),
+        canvas,
+        points,
+        thickness,
+        colours,
         *_one_each(points, c, q, o),
         trainable.to(torch.uint8).contiguous(),
         instructions,
@@ -62,12 +62,13 @@ def composite(
     return result
 
 
-def _plain(x: Tensor) -> Tensor:
-    return x.to(torch.float32).contiguous()
+def _plain(*tensors: Tensor) -> list[Tensor]:
+    """What the native module reads; to be checked as such, since a number may be too large or small for float32."""
+    return [x.to(torch.float32).contiguous() for x in tensors]
 
 
 def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:
-    return [_plain(x.expand(points.shape[0])) for x in numbers]
+    return [x.expand(points.shape[0]).contiguous() for x in numbers]
 
 
 def _bare(*tensors: Tensor) -> tuple[Any, ...]:
@@ -89,7 +90,7 @@ class _Darkness(torch.autograd.Function):
         *tensors, height, width, instructions = args
         ctx.save_for_backward(*tensors)
         ctx.instructions = instructions
-        out = tensors[0].new_empty(tensors[0].shape[0], height, width)
+        out: Tensor = tensors[0].new_empty(tensors[0].shape[0], height, width)
         _cpu.darkness(instructions, torch.get_num_threads(), *_bare(*tensors, out))
         return out
 
@@ -121,11 +122,12 @@ class _Composite(torch.autograd.Function):
     def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
         canvas, xy, thickness, *rest = ctx.saved_tensors
         (count, points), channels = thickness.shape, canvas.shape[0]
-        grad_canvas = torch.empty_like(canvas)
+        wanted = ctx.needs_input_grad[0]
+        grad_canvas = canvas.new_empty(canvas.shape if wanted else (0, 0, 0))
         gradients = canvas.new_empty(count, 3 * points + channels + 3)
         _cpu.composite_backward(
             ctx.instructions,
             torch.get_num_threads(),
             *_bare(canvas, xy, thickness, *rest, grad_out.contiguous(), grad_canvas, gradients),
         )
-        return grad_canvas, *_split(gradients, points, channels), None, None
+        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None

@@ -6,9 +6,7 @@ from torch import Tensor
 from maulstick.brush.kernels.arguments import check_canvas, check_size, check_strokes
 
 
-def darkness(
-    points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int
-) -> Tensor:
+def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
     """Draw each stroke alone on an image of its own (paper: Traj2Stroke Model; design §4, §5).
 
     points: (N, n, 2) pixels from the upper left corner; the centre of the first pixel is (0.5, 0.5).
@@ -27,11 +25,8 @@ def darkness(
         indexing="ij",
     )
     grid = torch.stack([grid_x, grid_y], dim=-1)  # (H, W, 2)
-    images = [
-        _darkness_of_one(xy, h, *numbers, grid)
-        for xy, h, *numbers in zip(points, thickness, *(x.expand(points.shape[0]) for x in (c, q, o)), strict=True)
-    ]
-    return torch.stack(images)
+    c, q, o = (x.expand(points.shape[0]) for x in (c, q, o))
+    return torch.stack([_darkness_of_one(*stroke, grid) for stroke in zip(points, thickness, c, q, o, strict=True)])
 
 
 def _darkness_of_one(xy: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, grid: Tensor) -> Tensor:
@@ -41,16 +36,18 @@ def _darkness_of_one(xy: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Ten
     squared_length = w.square().sum(-1)
     has_length = squared_length > 0
     projection = ((grid - u) * w).sum(-1) / torch.where(has_length, squared_length, 1.0)
-    T = projection.clamp(0, 1)  # (n-1, H, W), the signed projection
+    between = (projection > 0) & (projection < 1)  # at an end T stands still
+    T = torch.where(between, projection, projection.detach().clamp(0, 1))  # (n-1, H, W), the signed projection
     offset = grid - (u + T[..., None] * w)
     squared_distance = offset.square().sum(-1)
     apart = squared_distance > 0  # the square root has no slope at 0
     distance = torch.where(apart, torch.where(apart, squared_distance, 1.0).sqrt(), 0.0)
     at_pixel = thickness[:-1, None, None] * (1 - T) + thickness[1:, None, None] * T
     marks = at_pixel > 0
-    ratio = torch.where(marks, distance / torch.where(marks, at_pixel, 1.0), torch.inf)
+    ratio = torch.where(marks, distance / torch.where(marks, at_pixel, 1.0), 2.0)  # 1 and more: no mark
     nearest = ratio.argmin(dim=0, keepdim=True)  # the maximum of darkness; the first segment wins a tie
-    base = ((1 - ratio.gather(0, nearest)[0]) / (1 - q)).clamp(max=1)
+    ramp = (1 - ratio.gather(0, nearest)[0]) / (1 - q)
+    base = torch.where(ramp < 1, ramp, 1.0)
     inside = base > 0
     return torch.where(inside, o * torch.where(inside, base, 1.0) ** c, 0.0)
 

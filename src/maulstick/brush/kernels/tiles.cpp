@@ -137,7 +137,7 @@ inline void cover_row(Coverage& cover, const Segment& s, int32_t number, Tile ti
     Floats ex = dx - t * s.wx, ey = dy - t * s.wy;
     Floats thickness = s.thickness + t * s.growth;
     Floats square = (ex * ex + ey * ey) / (thickness * thickness);
-    square = thickness > all(0.0f) ? square : all(2.0f);
+    square = thickness > all(0.0f) ? smaller(square, all(2.0f)) : all(2.0f);   // 2: no mark; NaN is 2 too
     if (cover.touched[row] >> block & 1) {
       Floats before = load(cover.square + at);
       Ints nearer = square < before;
@@ -422,7 +422,7 @@ void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Til
     paint_and_record(room, s, ids + first, size, tile);
     walk_back(room, s, ids + first, size, tile, gradients, record + first);
   }
-  copy_out(room.gradient, grad_canvas, tile, s.channels, height, width);
+  if (grad_canvas) copy_out(room.gradient, grad_canvas, tile, s.channels, height, width);
 }
 
 void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out, Scratch scratch) {

@@ -42,8 +42,8 @@ struct Kernel {
   // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
   void (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                     const float* canvas, float* out, Scratch);
-  // The same backwards: reads the gradient of `out`, writes that of `canvas`, adds to the record of each stroke
-  // (`record[k]` floats after `gradients`).
+  // The same backwards: reads the gradient of `out`, writes that of `canvas` (unless null), adds to the record of
+  // each stroke (`record[k]` floats after `gradients`).
   void (*composite_backward)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                              const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
                              const int64_t* record, Scratch);
