@@ -15,7 +15,7 @@ import json
 import multiprocessing
 import resource
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import torch
@@ -61,8 +61,8 @@ def paint(name: str, layout: Layout, brush: Brush, options: PlanOptions) -> Pain
     if name == "plan":
         planned = plan(commission, options)
     else:
-        one_scale = Tone(commission.target, levels=1)
-        commission = type(commission)(**{**vars(commission), "objective": one_scale})
+        even = torch.ones_like(commission.weights)
+        commission = replace(commission, weights=even, objective=Tone(commission.target, even, levels=1))
         planned = plan(commission, options, schedule=PUBLISHED, start=anywhere(layout, style, options))
     return as_painting(planned, layout, brush, style, making(options))
 

@@ -17,3 +17,7 @@ FLOAT64_METRES = 1e-14
 FLOAT32_METRES = 1e-7
 FILE_METRES = 2e-6  # a trajectory, and the pose beside it, rounded to a micrometre in the painting's file
 INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any place between them
+
+# Golden pictures, in steps of 255: rounding may differ by processor, nothing more.
+GOLDEN_WORST = 2
+GOLDEN_MEAN = 0.05
