@@ -4,7 +4,8 @@ The order of the strokes is part of the plan. While colours are free it goes fro
 paints, all strokes of a paint stand together, and shapes go on adapting to what now lies on top of what.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,6 +109,21 @@ class Plan:
     paint_of: Tensor
 
 
+@contextmanager
+def _one_torch_thread() -> Iterator[None]:
+    """Most tensors here are too small to share out, and torch's threads would wait for each other busily.
+
+    The kernels have threads of their own.
+    """
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+@_one_torch_thread()
 def plan(
     commission: Commission,
     options: PlanOptions,

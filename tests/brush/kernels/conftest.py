@@ -1,6 +1,6 @@
 """Pictures to render, and what a renderer makes of them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -131,11 +131,3 @@ def assert_same(result: dict[str, Tensor], truth: dict[str, Tensor], *, value: f
             else 0
         )
         assert error <= allowed, f"{name}: {error:.3g} from the truth, {allowed:.3g} allowed"
-
-
-@pytest.fixture
-def threads() -> Iterator[Callable[[int], None]]:
-    """torch.set_num_threads, undone after the test."""
-    before = torch.get_num_threads()
-    yield torch.set_num_threads
-    torch.set_num_threads(before)

@@ -30,15 +30,19 @@ def same_bits(a: dict[str, Tensor], b: dict[str, Tensor]) -> bool:
 @each_fast_renderer
 @pytest.mark.parametrize("operation", [composite_with_gradients, darkness_with_gradients])
 def test_the_bits_are_the_same_for_any_number_of_threads_and_every_repeat(
-    fast: Renderer, operation: Callable[..., dict[str, Tensor]], threads: Callable[[int], None]
+    fast: Renderer, operation: Callable[..., dict[str, Tensor]]
 ) -> None:
     scene = random_scene(30, strokes=300, points=16, height=130, width=150)
-    threads(1)
-    alone = operation(fast, scene)
-    for count in (1, 2, 5):
-        threads(count)
+
+    def run(threads: int) -> dict[str, Tensor]:
+        return operation(
+            Renderer(partial(fast.darkness, threads=threads), partial(fast.composite, threads=threads)), scene
+        )
+
+    alone = run(1)
+    for threads in (1, 2, 5):
         for _ in range(3):
-            assert same_bits(operation(fast, scene), alone)
+            assert same_bits(run(threads), alone)
 
 
 def test_several_python_threads_may_render_at_once() -> None:

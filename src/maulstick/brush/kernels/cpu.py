@@ -12,6 +12,9 @@ from maulstick.brush.kernels.arguments import check_canvas, check_size, check_st
 INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
 """Those that this processor can run, the fastest first."""
 
+THREADS = torch.get_num_threads()
+"""As many as torch would use."""
+
 
 def darkness(
     points: Tensor,
@@ -23,12 +26,15 @@ def darkness(
     height: int,
     width: int,
     instructions: str = INSTRUCTION_SETS[0],
+    threads: int = THREADS,
 ) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
     points, thickness, c, q, o = _plain(points, thickness, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_size(height, width)
-    result: Tensor = _Darkness.apply(points, thickness, *_one_each(points, c, q, o), height, width, instructions)
+    result: Tensor = _Darkness.apply(
+        points, thickness, *_one_each(points, c, q, o), height, width, instructions, threads
+    )
     return result
 
 
@@ -43,6 +49,7 @@ def composite(
     *,
     trainable: Tensor | None = None,
     instructions: str = INSTRUCTION_SETS[0],
+    threads: int = THREADS,
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
     canvas, points, thickness, colours, c, q, o = _plain(canvas, points, thickness, colours, c, q, o)
@@ -58,6 +65,7 @@ def composite(
         *_one_each(points, c, q, o),
         trainable.to(torch.uint8).contiguous(),
         instructions,
+        threads,
     )
     return result
 
@@ -87,11 +95,11 @@ def _split(gradients: Tensor, points: int, channels: int) -> tuple[Tensor, ...]:
 class _Darkness(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, *args: Any) -> Tensor:
-        *tensors, height, width, instructions = args
+        *tensors, height, width, instructions, threads = args
         ctx.save_for_backward(*tensors)
-        ctx.instructions = instructions
+        ctx.how = instructions, threads
         out: Tensor = tensors[0].new_empty(tensors[0].shape[0], height, width)
-        _cpu.darkness(instructions, torch.get_num_threads(), *_bare(*tensors, out))
+        _cpu.darkness(instructions, threads, *_bare(*tensors, out))
         return out
 
     @staticmethod
@@ -100,21 +108,19 @@ class _Darkness(torch.autograd.Function):
         tensors = ctx.saved_tensors
         count, points = tensors[1].shape
         gradients = tensors[0].new_empty(count, 3 * points + 3)
-        _cpu.darkness_backward(
-            ctx.instructions, torch.get_num_threads(), *_bare(*tensors, grad_out.contiguous(), gradients)
-        )
+        _cpu.darkness_backward(*ctx.how, *_bare(*tensors, grad_out.contiguous(), gradients))
         xy, thickness, _, *numbers = _split(gradients, points, 0)
-        return xy, thickness, *numbers, None, None, None
+        return xy, thickness, *numbers, None, None, None, None
 
 
 class _Composite(torch.autograd.Function):
     @staticmethod
     def forward(ctx: FunctionCtx, *args: Any) -> Tensor:
-        *tensors, trainable, instructions = args
+        *tensors, trainable, instructions, threads = args
         ctx.save_for_backward(*tensors, trainable)
-        ctx.instructions = instructions  # type: ignore[attr-defined]
+        ctx.how = instructions, threads  # type: ignore[attr-defined]
         out = torch.empty_like(tensors[0])
-        _cpu.composite(instructions, torch.get_num_threads(), *_bare(*tensors, out))
+        _cpu.composite(instructions, threads, *_bare(*tensors, out))
         return out
 
     @staticmethod
@@ -126,8 +132,7 @@ class _Composite(torch.autograd.Function):
         grad_canvas = canvas.new_empty(canvas.shape if wanted else (0, 0, 0))
         gradients = canvas.new_empty(count, 3 * points + channels + 3)
         _cpu.composite_backward(
-            ctx.instructions,
-            torch.get_num_threads(),
+            *ctx.how,
             *_bare(canvas, xy, thickness, *rest, grad_out.contiguous(), grad_canvas, gradients),
         )
-        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None
+        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None, None
