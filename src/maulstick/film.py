@@ -10,7 +10,8 @@ from PIL import Image
 from maulstick.errors import InputError
 
 FORMATS = ("gif", "mp4")
-_FRAMES_A_SECOND = 20
+_FRAMES_A_SECOND, _LAST_SECONDS = 20, 2
+_LARGEST = (1280, 720)  # pixels: 160 frames hold less than half a gigabyte
 
 
 class Film:
@@ -25,20 +26,21 @@ class Film:
         self._frames: list[Image.Image] = []
 
     def add(self, frame: NDArray[np.float32]) -> None:
-        """The next frame; all of one film are of one size."""
-        self._frames.append(Image.fromarray(np.round(frame * 255).astype(np.uint8)))
+        """The next frame, scaled down to at most 1280x720; all of one film are of one size."""
+        image = Image.fromarray(np.round(frame * 255).astype(np.uint8))
+        image.thumbnail(_LARGEST)
+        self._frames.append(image)
 
     def encode(self) -> bytes:
-        """The whole film; its last frame stays for two seconds."""
-        frames = self._frames + self._frames[-1:] * (2 * _FRAMES_A_SECOND)
-        return _gif(frames) if self.kind == "gif" else _mp4(frames)
+        """The whole film; its last frame stays for two seconds more."""
+        return _gif(self._frames) if self.kind == "gif" else _mp4(self._frames)
 
 
 def _gif(frames: list[Image.Image]) -> bytes:
     file = io.BytesIO()
-    frames[0].save(
-        file, format="GIF", save_all=True, append_images=frames[1:], duration=1000 // _FRAMES_A_SECOND, loop=0
-    )
+    milliseconds = [1000 // _FRAMES_A_SECOND] * len(frames)
+    milliseconds[-1] += 1000 * _LAST_SECONDS
+    frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], duration=milliseconds, loop=0)
     return file.getvalue()
 
 
@@ -48,10 +50,10 @@ def _mp4(frames: list[Image.Image]) -> bytes:
     file = io.BytesIO()
     with av.open(file, "w", format="mp4") as container:
         stream = container.add_stream("libx264", rate=_FRAMES_A_SECOND)
-        width, height = (side - side % 2 for side in frames[0].size)  # the format halves its colours
+        width, height = (side + side % 2 for side in frames[0].size)  # the format halves its colours
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-        for image in frames:
-            frame = av.VideoFrame.from_ndarray(np.asarray(image.crop((0, 0, width, height))), format="rgb24")
+        for image in frames + frames[-1:] * (_FRAMES_A_SECOND * _LAST_SECONDS):
+            frame = av.VideoFrame.from_ndarray(np.asarray(image.resize((width, height))), format="rgb24")
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
     return file.getvalue()

@@ -7,11 +7,21 @@ from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError
+from maulstick.files import file_to_read
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("a name must be made of printable characters")
+    return name
+
+
+Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 _BUILT_IN = files("maulstick").joinpath("brush", "built_in")
 
 
@@ -26,7 +36,7 @@ class Brush(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     source: str
     m_x: Annotated[_Number, Field(gt=0)] = 1.0
     m_y: Annotated[_Number, Field(gt=0)] = 1.0
@@ -90,7 +100,7 @@ def load_brush(name: str) -> Brush:
         text = _BUILT_IN.joinpath(f"{name}.json").read_text(encoding="utf-8")
     elif Path(name).suffix == ".json":
         try:
-            text = Path(name).read_text(encoding="utf-8")
+            text = file_to_read(name, "brush").read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot read the brush {name}: {error}") from error
     else:

@@ -23,7 +23,7 @@ from pydantic import (
 
 from maulstick.errors import InputError
 from maulstick.files import atomic_write, file_to_read
-from maulstick.medium import Brush, first_fault
+from maulstick.medium import Brush, Name, first_fault
 
 SCHEMA_VERSION: Final = 1
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
@@ -38,12 +38,6 @@ def _nine_digits(number: float) -> float:
     return float(f"{number:.9g}")  # all that a float32 holds
 
 
-def _printable(name: str) -> str:
-    if not name.isprintable():
-        raise ValueError("a name must be made of printable characters")
-    return name
-
-
 def _encodable(text: Any) -> Any:
     return text.encode(errors="replace").decode() if isinstance(text, str) else text  # names of files may be any bytes
 
@@ -56,7 +50,6 @@ def _plain(options: dict[str, JsonValue]) -> dict[str, JsonValue]:
 Metres = Annotated[float, AfterValidator(_rounded)]
 Length = Annotated[float, AfterValidator(_rounded), Field(gt=0)]
 Share = Annotated[float, Field(ge=0, le=1), AfterValidator(_rounded)]
-Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 Point = tuple[Metres, Metres, Share]
 Colour = tuple[Share, Share, Share]
 Area = tuple[Metres, Metres, Length, Length]

@@ -1,29 +1,28 @@
 """The command line. Every word is one small function; what it does lives elsewhere."""
 
+import os
 import sys
+from io import TextIOWrapper
 
-import typer
-
-from maulstick.cli.paint import paint
-from maulstick.cli.render import render
 from maulstick.errors import MaulstickError, OutputError
 
-app = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    help="Plan paintings out of strokes that a pen plotter or a robot can paint.",
-    epilog="Exit codes: 0 done; 1 a result could not be written; 2 a file or an option cannot be used; "
-    "130 stopped with Ctrl-C (paint saves the plan so far).",
-)
-app.command()(paint)
-app.command()(render)
+STOPPED = 130
 
 
 def main() -> None:
     """Run the command line; a user's mistake is one line."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files may be any bytes
     try:
+        from maulstick.cli.app import app  # takes a moment, in which Ctrl-C may come
+
         app()
+    except KeyboardInterrupt:
+        sys.exit(STOPPED)
     except MaulstickError as error:
         print(f"maulstick: {error}", file=sys.stderr)
         sys.exit(1 if isinstance(error, OutputError) else 2)
+    except OSError as error:  # a file would be a MaulstickError
+        print(f"maulstick: cannot write to the standard output: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python, leaving, writes what it still holds, and fails again
+        sys.exit(1)

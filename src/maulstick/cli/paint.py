@@ -1,99 +1,134 @@
 """``maulstick paint``: from a photograph to a painting in a folder."""
 
 import io
-import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from functools import partial
 from importlib.resources import files
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from maulstick.canvas import Canvas, parse_size
+from maulstick.cli import STOPPED
+from maulstick.cli.folder import all_or_nothing, check_free, made_folder
 from maulstick.cli.render import png
-from maulstick.errors import InputError, OutputError
-from maulstick.figures import Figures
+from maulstick.cli.watch import Camera, progress_bar, stop_on_interrupt
+from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.film import Film
 from maulstick.medium import load_brush
 from maulstick.painting import Painting, write_painting
-from maulstick.palette import parse_colour, swatches
-from maulstick.picture import picture_hash, read_picture
+from maulstick.picture import FITS, picture_hash, read_picture
 from maulstick.svg import painting_svg
 
 if TYPE_CHECKING:
+    from maulstick.figures import Figures
     from maulstick.plan.planner import Progress as Step
 
-STOPPED = 130
-_PREVIEW_PX = 1024
+_PREVIEW_PX, _WIDEST_PX = 1024, 4096
 _READ_PX = 4096
-_FRAMES = 160
+_PAINTS = 12
+_MOST_STROKES, _MOST_STEPS, _MOST_SEED = 100_000, 1_000_000, 2**32 - 1
+_FEWEST_PX, _MOST_PX = 16, 4096
+
+_painting = partial(typer.Option, rich_help_panel="The painting")
+_planning = partial(typer.Option, rich_help_panel="How it is planned")
+_writing = partial(typer.Option, rich_help_panel="What is written")
 
 
 def paint(
     photo: Annotated[Path | None, typer.Argument(help="The picture to paint: JPEG, PNG, TIFF, WebP …")] = None,
-    demo: Annotated[bool, typer.Option("--demo", help="Paint the portrait that comes along instead.")] = False,
-    out: Annotated[Path, typer.Option(help="Folder for the painting.")] = Path("painting"),
-    size: Annotated[str, typer.Option(help="Of the sheet: 200x160mm, 8x10in, A4, A4-landscape …")] = "200x160mm",
-    fit: Annotated[str, typer.Option(help="contain: all of the picture. cover: all of the sheet.")] = "contain",
-    strokes: Annotated[int, typer.Option(help="At most so many; those that do nothing are left out.")] = 400,
-    exact: Annotated[bool, typer.Option("--exact", help="Exactly so many strokes.")] = False,
-    paints: Annotated[int, typer.Option(help="How many paints to mix, of the picture's colours.")] = 12,
-    ink: Annotated[str | None, typer.Option(help="One ink instead of paints: black, or #rrggbb.")] = None,
-    brush: Annotated[str, typer.Option(help="round, marker, fineliner, or a brush's JSON file.")] = "round",
-    style: Annotated[str, typer.Option(help="Whose strokes; free: nobody's, any smooth stroke.")] = "free",
-    steps: Annotated[int, typer.Option(help="Of the planner: more is finer, and takes longer.")] = 1500,
-    seed: Annotated[int, typer.Option(help="Another seed, another painting; the same repeats it.")] = 0,
-    px: Annotated[int | None, typer.Option(help="Height of the picture while planning, pixels.")] = None,
-    film: Annotated[str | None, typer.Option(help="Film the planning, too: mp4 or gif.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the painting in the folder.")] = False,
+    demo: Annotated[bool, typer.Option("--demo", metavar="", help="Paint the portrait that comes along.")] = False,
+    size: Annotated[
+        str, _painting(metavar="SIZE", help="Of the sheet: 200x160mm, 8x10in, A4-landscape.")
+    ] = "200x160mm",
+    fit: Annotated[
+        str, _painting(metavar="FIT", help="contain: all of the picture; cover: all of the sheet.")
+    ] = "contain",
+    strokes: Annotated[int, _painting(metavar="N", help="At most so many; those that do nothing are left out.")] = 400,
+    exact: Annotated[bool, _painting("--exact", metavar="", help="Exactly so many strokes.")] = False,
+    paints: Annotated[
+        int | None, _painting(metavar="N", show_default=f"{_PAINTS}", help="How many to mix, of the picture's colours.")
+    ] = None,
+    ink: Annotated[
+        str | None, _painting(metavar="COLOUR", help="One ink instead of paints: black, or #rrggbb.")
+    ] = None,
+    brush: Annotated[str, _painting(metavar="BRUSH", help="round, marker, fineliner, or a JSON file.")] = "round",
+    style: Annotated[
+        str, _painting(metavar="STYLE", help="Whose strokes; free: nobody's, any smooth stroke.")
+    ] = "free",
+    steps: Annotated[int, _planning(metavar="N", help="More are finer, and take longer.")] = 1500,
+    px: Annotated[
+        int | None,
+        _planning(
+            metavar="N", show_default="as the brush needs", help="Pixels over the picture's height while planning."
+        ),
+    ] = None,
+    seed: Annotated[int, _planning(metavar="N", help="Another seed, another painting; the same repeats it.")] = 0,
+    out: Annotated[Path, _writing(metavar="FOLDER", help="Where the painting goes.")] = Path("painting"),
+    overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace what an earlier run wrote.")] = False,
+    film: Annotated[str | None, _writing(metavar="FORMAT", help="Film the planning, too: mp4 or gif.")] = None,
 ) -> None:
     """Plan a painting of a photograph.
 
-    Writes into the folder: painting.json (the plan itself), painting.svg (for plotters: real millimetres, a layer a
-    paint), preview.png and palette.png. Ctrl-C stops early and saves the plan so far; a second one saves nothing.
+    Writes painting.json (the plan itself), painting.svg (for plotters: real millimetres, a layer a paint), preview.png
+    and palette.png. Ctrl-C stops early and saves the plan so far; a second one leaves without it.
     """
     path = _picture_path(photo, demo)
-    picture = read_picture(path, longest_px=_READ_PX)
     sheet, chosen_brush = parse_size(size), load_brush(brush)
-    colour = parse_colour(ink) if ink is not None else None
-    recorder = _Recorder(Film(film) if film is not None else None, steps)
-    _check_folder(out, overwrite)
+    if fit not in FITS:
+        raise InputError.of_choice("fit", fit, FITS)
+    _check("--strokes", strokes, 1, _MOST_STROKES)
+    _check("--steps", steps, 1, _MOST_STEPS)
+    _check("--px", px, _FEWEST_PX, _MOST_PX)
+    _check("--seed", seed, 0, _MOST_SEED)
+    mixed, colour = _paints_or_ink(paints, ink, strokes)
+    camera = Camera(Film(film), steps) if film is not None else None
+    check_free(out, overwrite)
+    picture = read_picture(path, longest_px=_READ_PX)
 
-    from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph  # loads torch
+    from maulstick.brush.preview import preview  # loads torch
+    from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph
     from maulstick.plan.planner import PlanOptions
     from maulstick.style import load_style
 
-    options = PlanOptions(strokes, exact, None if colour else paints, colour or (0.0, 0.0, 0.0), steps, seed)
+    options = PlanOptions(strokes, exact, mixed, colour, steps, seed)
     layout = lay_out_for(picture, sheet, chosen_brush, fit, px)
+    if min(layout.target.shape[:2]) < 2:
+        raise InputError(f"--size is {size}, too long and narrow to plan in pixels; it must be less so")
     hand = load_style(style, layout.canvas)
-    thinnest = chosen_brush.thinnest * layout.canvas.pixels_per_metre
-    console = Console(stderr=True)
-    if 0 < thinnest < 1:
-        note = (
-            f"thinnest mark is {thinnest:.2f} pixels in half-width at this resolution, so fine lines are planned pale"
-        )
-        console.print(f"note: the {chosen_brush.name}'s {note}", highlight=False)
     made = making(options, path.name, picture_hash(path), size=size, fit=fit, px=px, brush=brush, style=style)
+    console = Console(stderr=True, markup=False, highlight=False)
+    thinnest = chosen_brush.thinnest * layout.canvas.pixels_per_metre
+    if 0 < thinnest < 1:
+        console.print(
+            f"note: the thinnest mark of the brush {chosen_brush.name} is {thinnest:.2f} pixels in half-width at this "
+            "resolution, so fine lines are planned pale",
+            soft_wrap=True,
+        )
     started = time.monotonic()
-    with _progress_bar(console, strokes) as show, _stop_on_interrupt(console) as wanted:
+    with made_folder(out), stop_on_interrupt(console) as wanted:
+        with progress_bar(console, strokes) as show:
 
-        def watch(step: "Step") -> bool:
-            show(step)
-            recorder.watch(step)
-            return wanted()
+            def watch(step: "Step") -> bool:
+                show(step)
+                if camera is not None:
+                    camera.watch(step)
+                return wanted()
 
-        painting = plan_photograph(layout, chosen_brush, hand, options, made, watch)
+            painting = plan_photograph(layout, chosen_brush, hand, options, made, watch)
+        seconds = time.monotonic() - started
+        if camera is not None:
+            camera.film.add(preview(painting, layout.canvas))
+        written = _write_results(painting, out, camera.film if camera is not None else None)
         stopped = not wanted()
-    seconds = time.monotonic() - started
-    _write_results(painting, out, recorder)
-    _print_summary(painting, figures_of(painting, layout), seconds, out)
+    _print_summary(painting, figures_of(painting, layout), seconds, out, written)
     if stopped:
         raise typer.Exit(STOPPED)
 
@@ -104,79 +139,51 @@ def _picture_path(photo: Path | None, demo: bool) -> Path:
     return photo or Path(str(files("skimage.data").joinpath("astronaut.png")))
 
 
-def _check_folder(out: Path, overwrite: bool) -> None:
-    try:
-        if out.is_dir() and any(out.iterdir()) and not overwrite:
-            raise OutputError(f"the folder {out} is not empty; choose another --out, or add --overwrite")
-        out.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise OutputError(f"{out} is a file, not a folder; choose another --out") from None
-    except OutputError:
-        raise
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+def _check(name: str, number: int | None, least: int, most: int) -> None:
+    if number is not None and not least <= number <= most:
+        raise InputError.of_range(name, number, f"from {least} to {most}")
 
 
-@contextmanager
-def _progress_bar(console: Console, strokes: int) -> Iterator[Callable[["Step"], None]]:
-    columns = (
-        TextColumn(f"{strokes} strokes"),
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("loss {task.fields[loss]:.5f}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console) as bar:
-        task = bar.add_task("planning", total=1.0, loss=float("nan"))
-        yield lambda step: bar.update(task, completed=step.done, loss=step.loss)
-        bar.update(task, completed=1.0)
+def _paints_or_ink(paints: int | None, ink: str | None, strokes: int) -> tuple[int | None, tuple[float, float, float]]:
+    """How many paints, or None and the colour of the only ink."""
+    if ink is None:
+        if paints is not None and not 1 <= paints <= strokes:
+            raise InputError.of_range("--paints", paints, f"from 1 to the {strokes} strokes")
+        return paints or min(_PAINTS, strokes), (0.0, 0.0, 0.0)
+    if paints is not None:
+        raise InputError("--ink paints in one colour and --paints in several; leave one of them out")
+    from maulstick.palette import parse_colour  # takes a moment
+
+    return None, parse_colour(ink)
 
 
-@contextmanager
-def _stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
-    """Whether to go on: until the first Ctrl-C. The second one interrupts as usual."""
-    going = [True]
-
-    def stop(*_: object) -> None:
-        going[0] = False
-        signal.signal(signal.SIGINT, before)
-        console.print("stopping: finishing the plan so far (Ctrl-C again leaves without it)")
-
-    before = signal.signal(signal.SIGINT, stop)
-    try:
-        yield lambda: going[0]
-    finally:
-        signal.signal(signal.SIGINT, before)
+def _write_results(painting: Painting, out: Path, film: Film | None) -> list[str]:
+    """Write all files; their names."""
+    with all_or_nothing(out) as folder:
+        write_painting(painting, folder / "painting.json")
+        atomic_write(folder / "painting.svg", painting_svg(painting).encode())
+        atomic_write(folder / "preview.png", _preview(painting))
+        atomic_write(folder / "palette.png", _palette(painting))
+        if film is not None:
+            atomic_write(folder / f"progress.{film.kind}", film.encode())
+        return sorted(path.name for path in folder.iterdir())
 
 
-class _Recorder:
-    """Takes some 160 frames of a plan as it is made, if there is a film."""
-
-    def __init__(self, film: Film | None, steps: int) -> None:
-        self.film = film
-        self._every = max(1, steps // _FRAMES)
-        self._seen = 0
-
-    def watch(self, step: "Step") -> None:
-        if self.film is not None and self._seen % self._every == 0:
-            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).numpy())
-        self._seen += 1
-
-
-def _write_results(painting: Painting, out: Path, recorder: _Recorder) -> None:
+def _preview(painting: Painting) -> bytes:
     from maulstick.brush.preview import preview
 
-    write_painting(painting, out / "painting.json")
-    atomic_write(out / "painting.svg", painting_svg(painting).encode())
-    canvas = Canvas.of_height((painting.canvas.width, painting.canvas.height), _PREVIEW_PX)
-    atomic_write(out / "preview.png", png(preview(painting, canvas)))
+    width, height = painting.canvas.width, painting.canvas.height
+    return png(preview(painting, Canvas(width, height, min(_PREVIEW_PX / height, _WIDEST_PX / width))))
+
+
+def _palette(painting: Painting) -> bytes:
+    from maulstick.palette import swatches
+
     metres = _metres_of_paints(painting)
     labels = [f"{i + 1}   {paint.hex}   {metres[i]:.2f} m" for i, paint in enumerate(painting.paints)]
     file = io.BytesIO()
     swatches([paint.colour for paint in painting.paints], labels).save(file, format="PNG")
-    atomic_write(out / "palette.png", file.getvalue())
-    if recorder.film is not None:
-        atomic_write(out / f"progress.{recorder.film.kind}", recorder.film.encode())
+    return file.getvalue()
 
 
 def _metres_of_paints(painting: Painting) -> list[float]:
@@ -186,16 +193,19 @@ def _metres_of_paints(painting: Painting) -> list[float]:
     return [float(lengths[paint_of == i].sum()) for i in range(len(painting.paints))]
 
 
-def _print_summary(painting: Painting, figures: Figures, seconds: float, out: Path) -> None:
-    table = Table(title=str(out), show_header=False)
+def _print_summary(painting: Painting, figures: "Figures", seconds: float, out: Path, written: list[str]) -> None:
+    structure = "" if isnan(figures.ssim) else f", {figures.ssim:.2f} SSIM"
     rows = {
         "strokes": f"{len(painting.strokes)}",
         "drawn": f"{sum(_metres_of_paints(painting)):.1f} m",
-        "paints": f"{len(painting.paints)}, changed {painting.paint_changes()} times",
-        "likeness": f"{figures.psnr:.1f} dB PSNR, {figures.ssim:.2f} SSIM",
+        "paints": f"{len(painting.paints)} (changes: {painting.paint_changes()})",
+        "likeness": f"{figures.psnr:.1f} dB PSNR{structure}",
         "planned in": f"{seconds:.0f} s",
-        "files": ", ".join(sorted(path.name for path in out.iterdir())),
+        "files": ", ".join(written),
     }
+    table = Table(title=Text(str(out)), show_header=False)
+    table.add_column()
+    table.add_column(overflow="fold")
     for name, value in rows.items():
         table.add_row(name, value)
     Console().print(table)

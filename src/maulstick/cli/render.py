@@ -1,6 +1,7 @@
 """``maulstick render``: draw a painting again."""
 
 import io
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -14,28 +15,30 @@ from maulstick.errors import InputError, OutputError
 from maulstick.files import atomic_write
 from maulstick.painting import read_painting
 
-_LARGEST_PX = 16384
+_LARGEST_PX = 8192
 
 
 def render(
     painting: Annotated[Path, typer.Argument(help="The painting.json to draw.")],
-    px: Annotated[int, typer.Option(help="Height of the image in pixels.")] = 1024,
-    out: Annotated[Path | None, typer.Option(help="The PNG to write; by default beside the painting.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an image that is already there.")] = False,
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the image, in pixels.")] = 1024,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the painting.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an image that is there.")] = False,
 ) -> None:
     """Draw a painting again, at any size."""
+    path = out or painting.with_name(f"{painting.stem}-{px}px.png")
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     plan = read_painting(painting)
     longest = px * max(1.0, plan.canvas.width / plan.canvas.height)
     if not 1 <= px <= longest <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"at least 1, with no side of the image above {_LARGEST_PX}")
-    path = out or painting.with_name(f"{painting.stem}-{px}px.png")
-    if path.exists() and not overwrite:
+    if os.path.lexists(path) and not overwrite:
         raise OutputError(f"{path} is already there; choose another --out, or add --overwrite")
     from maulstick.brush.preview import preview  # loads torch
 
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
     atomic_write(path, png(preview(plan, canvas)))
-    print(path)
+    print(path, flush=True)
 
 
 def png(image: NDArray[np.float32]) -> bytes:

@@ -49,6 +49,7 @@ def lay_out_for(
     height_px: of the picture on the canvas; when left out, at least 256 and as many as show the brush's thinnest mark
     with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
     """
+    size = (round(size[0], 6), round(size[1], 6))  # as its file will say, so that the style is known again from there
     down = size[1] / picture.shape[0]
     across = size[0] / picture.shape[1]
     picture_height = picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across))

@@ -1,0 +1,36 @@
+"""All words of the command line."""
+
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from maulstick.cli.paint import paint
+from maulstick.cli.render import render
+
+app = typer.Typer(
+    rich_markup_mode="markdown", add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
+)
+app.command()(paint)
+app.command()(render)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"maulstick {version('maulstick')}")
+        raise typer.Exit
+
+
+@app.callback(
+    epilog="Exit codes: 0 done; 1 a result could not be written; 2 a file or an option cannot be used; "
+    "130 stopped with Ctrl-C (paint saves the plan so far)."
+)
+def maulstick(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", metavar="", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Plan paintings out of strokes that a pen plotter or a robot can paint."""

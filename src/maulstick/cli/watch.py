@@ -1,0 +1,65 @@
+"""What watches a plan as it is made: the progress bar, Ctrl-C and the camera."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import ceil
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from maulstick.film import Film
+
+if TYPE_CHECKING:
+    from maulstick.plan.planner import Progress as Step
+
+_FRAMES = 160
+
+
+@contextmanager
+def progress_bar(console: Console, strokes: int) -> Iterator[Callable[["Step"], None]]:
+    """A bar that shows the step it is called with."""
+    columns = (
+        TextColumn(f"{strokes} strokes"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("loss {task.fields[loss]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("planning", total=1.0, loss="…")
+        yield lambda step: bar.update(task, completed=step.done, loss=f"{step.loss:.5f}")
+        bar.update(task, completed=1.0)
+
+
+@contextmanager
+def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
+    """Whether to go on: until the first Ctrl-C. The second one interrupts as usual."""
+    going = [True]
+
+    def stop(*_: object) -> None:
+        going[0] = False
+        signal.signal(signal.SIGINT, before)
+        console.print("stopping: finishing the plan so far (Ctrl-C again leaves without it)")
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield lambda: going[0]
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class Camera:
+    """Films a plan of so many steps, at most 160 frames of it."""
+
+    def __init__(self, film: Film, steps: int) -> None:
+        self.film = film
+        self._every = ceil(steps / _FRAMES)
+        self._seen = 0
+
+    def watch(self, step: "Step") -> None:
+        """Take a frame of this step, if it is its turn."""
+        if self._seen % self._every == 0:
+            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).numpy())
+        self._seen += 1

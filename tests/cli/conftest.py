@@ -1,0 +1,72 @@
+"""The command line, run in this process (torch takes seconds to load) or as its users run it."""
+
+import io
+import os
+import subprocess
+import sys
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import NamedTuple
+from unittest.mock import patch
+
+import pytest
+from skimage.data import data_dir
+
+from maulstick.cli import main
+
+COMMAND = Path(sys.executable).with_name("maulstick")
+PORTRAIT = str(Path(data_dir) / "astronaut.png")
+QUICK = ("--steps", "30", "--strokes", "20", "--px", "48")
+RESULTS = ["painting.json", "painting.svg", "palette.png", "preview.png"]
+
+
+class Ran(NamedTuple):
+    code: int
+    stdout: str
+    stderr: str
+
+    @property
+    def mistake(self) -> str:
+        """The one line that a user's mistake gets, on standard error and nothing else anywhere."""
+        assert self.stdout == ""
+        assert self.stderr.startswith("maulstick: ")
+        assert self.stderr.count("\n") == 1
+        return self.stderr.removeprefix("maulstick: ").rstrip("\n")
+
+
+def run(*words: str | Path) -> Ran:
+    """Run ``maulstick`` with these words in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        patch.object(sys, "argv", ["maulstick", *map(str, words)]),
+        redirect_stdout(out),
+        redirect_stderr(err),
+        pytest.raises(SystemExit) as left,
+    ):
+        main()
+    assert isinstance(left.value.code, int)
+    return Ran(left.value.code, out.getvalue(), err.getvalue())
+
+
+def paint(out: Path, *words: str | Path, photo: str | Path = PORTRAIT) -> Ran:
+    """Paint quickly and badly."""
+    return run("paint", photo, *QUICK, "--out", out, *words)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files in a folder."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def run_command(*words: str | Path, stdout: int = subprocess.PIPE, **environment: str) -> Ran:
+    """Run ``maulstick`` as a command of its own."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", **environment}
+    ran = subprocess.run([COMMAND, *words], stdout=stdout, stderr=subprocess.PIPE, text=True, env=environment)
+    return Ran(ran.returncode, ran.stdout or "", ran.stderr)
+
+
+@pytest.fixture(scope="session")
+def painted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ran]:
+    """A folder with a painting, that no test changes, and what was said while it was made."""
+    out = tmp_path_factory.mktemp("painted") / "new" / "folder"
+    return out, run("paint", PORTRAIT, *QUICK, "--out", out)
