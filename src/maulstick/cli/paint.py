@@ -100,8 +100,6 @@ def paint(
 
     options = PlanOptions(strokes, exact, mixed, colour, steps, seed)
     layout = lay_out_for(picture, sheet, chosen_brush, fit, px)
-    if min(layout.target.shape[:2]) < 2:
-        raise InputError(f"--size is {size}, too long and narrow to plan in pixels; it must be less so")
     hand = load_style(style, layout.canvas)
     made = making(options, path.name, picture_hash(path), size=size, fit=fit, px=px, brush=brush, style=style)
     console = Console(stderr=True, markup=False, highlight=False)

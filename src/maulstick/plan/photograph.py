@@ -48,6 +48,7 @@ def lay_out_for(
 
     height_px: of the picture on the canvas; when left out, at least 256 and as many as show the brush's thinnest mark
     with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
+    Raises InputError for a sheet that is too narrow or too large in pixels.
     """
     size = (round(size[0], 6), round(size[1], 6))  # as its file will say, so that the style is known again from there
     down = size[1] / picture.shape[0]
@@ -61,11 +62,12 @@ def lay_out_for(
     else:
         resolution = height_px / min(picture_height, size[1])
         if resolution * max(size) > _MOST_PX:
-            allowed = (
-                f"such that no side of the sheet needs more than {_MOST_PX} (it would be {resolution * max(size):.0f})"
-            )
+            allowed = f"less, so that no side of the sheet has more than {_MOST_PX}"
             raise InputError.of_range("the height of the picture", f"{height_px} pixels", allowed)
     canvas = Canvas(size[0], size[1], resolution)
+    if min(canvas.width_px, canvas.height_px) < 2:
+        pixels = f"{canvas.width_px} x {canvas.height_px}"
+        raise InputError.of_range("the sheet in pixels", pixels, "at least 2 x 2; choose a less narrow size")
     return Layout(canvas, *lay_out(picture, canvas, fit))
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude
 from scipy.spatial import cKDTree
 from skimage.feature import structure_tensor
 from torch import Generator
@@ -38,8 +38,8 @@ def detail(target: Floats) -> Floats:
     height = target.shape[1]
     change = np.zeros(target.shape[1:])
     for sigma in (height / 256, height / 100):
-        slopes = [np.gradient(gaussian_filter(channel, sigma)) for channel in target]
-        change += np.sqrt(sum(gy**2 + gx**2 for gy, gx in slopes)) * sigma
+        slopes = [gaussian_gradient_magnitude(channel, sigma) for channel in target]
+        change += np.sqrt(np.square(slopes).sum(axis=0)) * sigma
     density: Floats = gaussian_filter(change, height / 128) + 0.25 * change.mean()
     return density
 

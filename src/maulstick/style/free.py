@@ -86,12 +86,13 @@ class FreeStyle(Style):
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Gently bent strokes, log-uniform in length, of even press."""
-        length = self.shortest * (self.longest / self.shortest) ** torch.rand(k, 1, generator=generator)
         along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]
         bend = 0.5 * torch.randn(k, 1, generator=generator) * along * (1 - along)
-        inner = torch.stack([along.expand(k, -1), bend], dim=-1) * length[..., None]
-        codes = torch.cat([length, inner.flatten(1)], dim=1) / self.unit
-        return codes, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
+        inner = torch.stack([along.expand(k, -1), bend], dim=-1)
+        shapes = torch.cat([torch.ones(k, 1), inner.flatten(1)], dim=1)
+        drawn = self.decode(shapes).diff(dim=1).square().sum(-1).sqrt().sum(1, keepdim=True)
+        length = self.shortest * (self.longest / self.shortest) ** torch.rand(k, 1, generator=generator)
+        return shapes * length / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
 
     def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
         """Bending of the control polygon, in units of its length, length beyond the limits, and changes of press."""

@@ -1,0 +1,232 @@
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from maulstick import strokes
+from maulstick.brush.preview import preview
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.medium import Brush, load_brush
+from maulstick.painting import Making, Painting, read_painting, write_painting
+from maulstick.palette import lightness
+from maulstick.plan.photograph import Image as Picture
+from maulstick.plan.photograph import Layout, figures_of, lay_out_for, making, plan_photograph
+from maulstick.plan.planner import PlanOptions
+from maulstick.style import load_style
+from tests.plan.conftest import QUICK, options
+from tests.tolerances import FILE_METRES
+
+LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
+
+
+def painted(layout: Layout, brush: Brush, wanted: PlanOptions = QUICK) -> Painting:
+    style = load_style("free", layout.canvas)
+    return plan_photograph(layout, brush, style, wanted, making(wanted, "a.jpg"))
+
+
+@pytest.fixture(scope="module")
+def layout(portrait: Picture, round_brush: Brush) -> Layout:
+    """The portrait on a square sheet, so that there is bare paper above and below."""
+    return lay_out_for(portrait, (0.103, 0.103), round_brush, height_px=48)
+
+
+@pytest.fixture(scope="module")
+def painting(layout: Layout, round_brush: Brush) -> Painting:
+    return painted(layout, round_brush)
+
+
+@pytest.fixture(scope="module")
+def file(painting: Painting, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("plan") / "painting.json"
+    write_painting(painting, path)
+    return path
+
+
+def test_a_photograph_becomes_a_painting_like_it(painting: Painting, layout: Layout) -> None:
+    figures = figures_of(painting, layout)
+    assert figures.psnr > 15
+    blank = painting.model_copy(update={"strokes": ()})
+    assert figures.mse < 0.2 * figures_of(blank, layout).mse
+    assert figures.ssim > 0.3 + figures_of(blank, layout).ssim
+
+
+def test_figures_are_taken_over_the_picture_and_not_the_paper_around_it(painting: Painting, layout: Layout) -> None:
+    image = preview(painting, layout.canvas)
+    crop = layout.crop(image)
+    assert crop.shape == (48, 60, 3)
+    assert crop.shape[0] < image.shape[0]
+    expected = np.mean((crop.astype(np.float64) - layout.crop(layout.target)) ** 2)
+    assert figures_of(painting, layout).mse == pytest.approx(expected, rel=1e-9)
+
+
+def test_figures_of_the_file_are_those_of_the_painting_in_memory(
+    painting: Painting, file: Path, layout: Layout
+) -> None:
+    assert read_painting(file) == painting
+    assert figures_of(read_painting(file), layout) == figures_of(painting, layout)
+
+
+def test_a_seed_repeats_the_file_to_the_bit(
+    painting: Painting, file: Path, layout: Layout, round_brush: Brush, tmp_path: Path
+) -> None:
+    again = painted(layout, round_brush)
+    assert again == painting
+    write_painting(again, tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == file.read_bytes()
+    other = painted(layout, round_brush, options(seed=1))
+    assert other.strokes != painting.strokes
+
+
+def test_code_and_pose_in_the_file_decode_to_the_trajectory(file: Path) -> None:
+    read = read_painting(file)
+    style = load_style("free", Canvas(read.canvas.width, read.canvas.height, 1))
+    uses = [stroke.style for stroke in read.strokes]
+    assert len(uses) > 10
+    for stroke, use in zip(read.strokes, uses, strict=True):
+        assert use is not None
+        path = style.decode(torch.tensor([use.code])).double().numpy()
+        placed = strokes.place(path, np.array([use.pose]))[0]
+        assert np.array(stroke.trajectory)[:, :2] == pytest.approx(placed, abs=FILE_METRES)
+
+
+@pytest.mark.parametrize("size", [(0.2, 0.16), (103 * 1e-3, 0.2), (3.333 * 25.4e-3, 5 * 25.4e-3)])
+def test_the_style_of_a_file_is_known_again_from_its_canvas(
+    size: tuple[float, float], portrait: Picture, round_brush: Brush
+) -> None:
+    layout = lay_out_for(portrait, size, round_brush, height_px=32)
+    found = painted(layout, round_brush, options(strokes=6, steps=1, exact=True))
+    style = load_style("free", Canvas(found.canvas.width, found.canvas.height, 1))
+    for stroke in found.strokes:
+        assert stroke.style is not None
+        assert (stroke.style.name, stroke.style.hash) == (style.name, style.hash)
+
+
+def test_trajectories_stay_on_the_sheet_with_press_in_range(painting: Painting) -> None:
+    found = painting.trajectories()
+    assert found.shape == (len(painting.strokes), 32, 3)
+    assert found[..., :2].min() >= -FILE_METRES
+    assert found[..., :2].max() <= 0.103 + FILE_METRES
+    assert found[..., 2].min() >= 0
+    assert found[..., 2].max() <= 1
+    assert np.ptp(found[..., 2]) > 0.1
+
+
+def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: Layout, round_brush: Brush) -> None:
+    assert painting.made.image == "a.jpg"
+    assert painting.made.seed == 0
+    assert painting.made.options["strokes"] == 30
+    assert painting.made.options["paints"] == 4
+    assert painting.brushes == {"round": round_brush}
+    assert painting.area == pytest.approx(layout.area, abs=FILE_METRES)
+    assert [stroke.id for stroke in painting.strokes] == list(range(len(painting.strokes)))
+
+
+def test_making_holds_every_option_and_more() -> None:
+    digest = hashlib.sha256(b"a picture").hexdigest()
+    made = making(options(ink=(0.5, 0.0, 0.25)), "a.jpg", digest, size="20x16cm")
+    assert isinstance(made, Making)
+    assert made.image_sha256 == digest
+    assert made.options == {
+        "strokes": 30,
+        "exact": False,
+        "paints": 4,
+        "ink": [0.5, 0.0, 0.25],
+        "steps": 80,
+        "seed": 0,
+        "size": "20x16cm",
+    }
+
+
+def test_twelve_paints_mean_eleven_changes_at_most_and_each_stands_together(layout: Layout, round_brush: Brush) -> None:
+    found = painted(layout, round_brush, options(strokes=60, paints=12))
+    order = [stroke.paint for stroke in found.strokes]
+    assert order == sorted(order)
+    assert set(order) == set(range(len(found.paints))), "no paint is mixed that no stroke takes"
+    assert 6 < len(found.paints) <= 12
+    assert found.paint_changes() == len(found.paints) - 1 <= 11
+    shades = lightness(np.array([paint.colour for paint in found.paints]))
+    assert np.diff(shades).max() < LIGHTNESS_DRIFT
+
+
+def test_one_ink_is_one_paint(layout: Layout) -> None:
+    found = painted(layout, load_brush("marker"), options(paints=None, ink=(0.0, 0.2, 0.4), steps=20))
+    assert [paint.colour for paint in found.paints] == [(0.0, 0.2, 0.4)]
+    assert found.paint_changes() == 0
+    assert {stroke.paint for stroke in found.strokes} == {0}
+
+
+def test_a_pen_that_can_only_lift_is_commanded_without_press(layout: Layout) -> None:
+    found = painted(layout, load_brush("fineliner"), options(steps=20))
+    assert len(found.strokes) > 10
+    assert not found.trajectories()[..., 2].any()
+
+
+@pytest.mark.parametrize("paints", [4, None])
+def test_a_white_picture_makes_a_painting_that_can_be_written(
+    paints: int | None, round_brush: Brush, tmp_path: Path
+) -> None:
+    white = lay_out_for(np.ones((9, 12, 3), dtype=np.float32), (0.08, 0.06), round_brush, height_px=32)
+    found = painted(white, round_brush, options(paints=paints, steps=20))
+    assert len(found.strokes) <= 3
+    write_painting(found, tmp_path / "white.json")
+    assert read_painting(tmp_path / "white.json") == found
+    assert preview(found, white.canvas).min() > 0.98
+    assert figures_of(found, white).mse < 1e-4
+
+
+@pytest.mark.parametrize("paints", [2, None])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 3)])
+def test_a_picture_of_a_few_pixels_is_painted(paints: int | None, shape: tuple[int, int], round_brush: Brush) -> None:
+    picture = np.full((*shape, 3), 0.2, dtype=np.float32)
+    small = lay_out_for(picture, (0.08, 0.06), round_brush, height_px=2 if shape == (1, 40) else 32)
+    found = painted(small, round_brush, options(strokes=12, paints=paints, steps=100))
+    assert len(found.strokes) > 0
+    blank = figures_of(found.model_copy(update={"strokes": ()}), small)
+    assert figures_of(found, small).mse < 0.8 * blank.mse
+
+
+@pytest.mark.parametrize("size", [(0.3, 0.005), (0.005, 0.3)])
+def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: Picture) -> None:
+    pen = load_brush("marker")
+    ribbon = lay_out_for(portrait, size, pen, fit="cover", height_px=6 if size[0] > size[1] else 240)
+    found = painted(ribbon, pen, options(strokes=12, steps=20))
+    assert len(found.strokes) > 0
+    assert figures_of(found, ribbon).mse < figures_of(found.model_copy(update={"strokes": ()}), ribbon).mse
+    xy = found.trajectories()[..., :2]
+    assert xy.min() >= -FILE_METRES
+    assert (xy - size).max() <= FILE_METRES
+
+
+def test_the_planning_resolution_shows_the_thinnest_mark_with_a_pixel_at_least(portrait: Picture) -> None:
+    for name, size in (("round", (0.2, 0.16)), ("marker", (0.2, 0.16)), ("fineliner", (0.2, 0.16))):
+        brush = load_brush(name)
+        found = lay_out_for(portrait, size, brush).canvas
+        assert brush.thinnest * found.pixels_per_metre >= 1 - 1e-9
+        assert found.height_px >= 256
+        assert found.width_px <= 2048
+
+
+def test_a_resolution_is_bounded_on_a_large_sheet_whatever_the_pen(portrait: Picture) -> None:
+    found = lay_out_for(portrait, (1.0, 0.8), load_brush("fineliner")).canvas
+    assert (found.width_px, found.height_px) == (2048, round(2048 * 0.8))
+
+
+@pytest.mark.parametrize(("fit", "shown"), [("contain", (64, 80)), ("cover", (64, 128))])
+def test_a_resolution_on_request_is_of_the_picture_s_height_on_the_sheet(
+    portrait: Picture, round_brush: Brush, fit: str, shown: tuple[int, int]
+) -> None:
+    found = lay_out_for(portrait, (0.2, 0.1), round_brush, fit, height_px=64)
+    assert found.crop(found.target).shape == (*shown, 3)
+    assert found.target.shape == (found.canvas.height_px, found.canvas.width_px, 3)
+
+
+def test_what_cannot_be_laid_out_is_refused(portrait: Picture, round_brush: Brush) -> None:
+    with pytest.raises(InputError, match="there is no fit 'stretch'; there are: contain, cover"):
+        lay_out_for(portrait, (0.2, 0.1), round_brush, "stretch", height_px=32)
+    with pytest.raises(InputError, match="the height of the picture is 0 pixels; it must be at least 1"):
+        lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=0)
+    with pytest.raises(InputError, match="so that no side of the sheet has more than 6144"):
+        lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=5000)
