@@ -151,6 +151,14 @@ def test_twelve_paints_mean_eleven_changes_at_most_and_each_stands_together(layo
     assert np.diff(shades).max() < LIGHTNESS_DRIFT
 
 
+def test_one_ink_makes_the_tones_of_a_photograph(portrait: Picture) -> None:
+    pen = load_brush("marker")
+    drawn = lay_out_for(portrait, (0.1, 0.08), pen, height_px=64)
+    found = painted(drawn, pen, options(strokes=60, paints=None, steps=100))
+    assert figures_of(found, drawn).tone_mse_sigma4 < 0.006
+    assert figures_of(found.model_copy(update={"strokes": ()}), drawn).tone_mse_sigma4 > 0.1
+
+
 def test_one_ink_is_one_paint(layout: Layout) -> None:
     found = painted(layout, load_brush("marker"), options(paints=None, ink=(0.0, 0.2, 0.4), steps=20))
     assert [paint.colour for paint in found.paints] == [(0.0, 0.2, 0.4)]
@@ -230,3 +238,5 @@ def test_what_cannot_be_laid_out_is_refused(portrait: Picture, round_brush: Brus
         lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=0)
     with pytest.raises(InputError, match="so that no side of the sheet has more than 6144"):
         lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=5000)
+    with pytest.raises(InputError, match="the sheet in pixels is 2048 x 1; it must be at least 2 x 2"):
+        lay_out_for(portrait, (10.0, 0.005), round_brush)

@@ -90,6 +90,7 @@ std::vector<Segment> segments_of(const float* xy, const float* thickness, int64_
 }
 
 struct Bands {                               // of rows, and which strokes cross each, in order
+  std::vector<float> left, right;            // of each stroke: the columns between which it lies
   std::vector<int32_t> first, last;          // of each stroke; empty where last < first
   std::vector<int64_t> slot;                 // of each stroke: its first gradient record; one more at the end
   std::vector<int64_t> begin;                // of each band, into ids and records; one more at the end
@@ -98,18 +99,19 @@ struct Bands {                               // of rows, and which strokes cross
 
   Bands(const Strokes& s, int64_t height, int64_t width) {
     const int64_t bands = (height + tile_height - 1) / tile_height;
+    left.assign(s.count, INFINITY), right.assign(s.count, -INFINITY);
     first.resize(s.count), last.resize(s.count), slot.resize(s.count + 1), begin.assign(bands + 1, 0);
     for (int64_t i = 0; i < s.count; ++i) {
-      float left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+      float top = INFINITY, bottom = -INFINITY;
       for (int64_t k = 0; k < s.segments; ++k) {
         const Segment& g = s.segment[i * s.segments + k];
         if (!(g.reach > 0)) continue;
-        left = std::min(left, std::min(g.ux, g.ux + g.wx) - g.reach);
-        right = std::max(right, std::max(g.ux, g.ux + g.wx) + g.reach);
+        left[i] = std::min(left[i], std::min(g.ux, g.ux + g.wx) - g.reach);
+        right[i] = std::max(right[i], std::max(g.ux, g.ux + g.wx) + g.reach);
         top = std::min(top, std::min(g.uy, g.uy + g.wy) - g.reach);
         bottom = std::max(bottom, std::max(g.uy, g.uy + g.wy) + g.reach);
       }
-      const bool seen = left <= width && right >= 0 && top <= height && bottom >= 0;
+      const bool seen = left[i] <= width && right[i] >= 0 && top <= height && bottom >= 0;
       first[i] = seen ? int32_t(std::max(top, 0.0f) / tile_height) : 0;
       last[i] = seen ? int32_t(std::min<int64_t>(int64_t(std::min(bottom, float(height)) / tile_height), bands - 1)) : -1;
       slot[i + 1] = slot[i] + std::max(last[i] - first[i] + 1, 0);
@@ -141,7 +143,9 @@ struct TileStrokes {
   void choose(const Strokes& s, const Bands& bands, int64_t band, Tile tile) {
     ids.clear(), record.clear();
     for (int64_t n = bands.begin[band]; n < bands.begin[band + 1]; ++n) {
-      const Segment* segment = s.segment + bands.ids[n] * s.segments;
+      const int32_t id = bands.ids[n];
+      if (bands.left[id] > tile.x + tile.width || bands.right[id] < tile.x) continue;
+      const Segment* segment = s.segment + id * s.segments;
       bool near = false;
       for (int64_t k = 0; k < s.segments && !near; ++k) {
         const Segment& g = segment[k];
@@ -150,7 +154,7 @@ struct TileStrokes {
                std::min(g.uy, g.uy + g.wy) - g.reach <= tile.y + tile.height &&
                std::max(g.uy, g.uy + g.wy) + g.reach >= tile.y;
       }
-      if (near) ids.push_back(bands.ids[n]), record.push_back(bands.record[n]);
+      if (near) ids.push_back(id), record.push_back(bands.record[n]);
     }
   }
 };
