@@ -32,7 +32,7 @@ class Film:
         self._frames.append(image)
 
     def encode(self) -> bytes:
-        """The whole film; its last frame stays for two seconds more."""
+        """The whole film of at least one frame; the last stays for two seconds more."""
         return _gif(self._frames) if self.kind == "gif" else _mp4(self._frames)
 
 

@@ -64,7 +64,8 @@ class Traj2Stroke:
         half_width = (self.alpha[:, None] * trajectories[..., 2] + self.beta[:, None]) * pixels_per_metre
         inked = self.plateau + (1 - self.plateau) / (self.c + 1)  # half-width of a hard mark with as much ink
         mean = half_width.clamp(min=1e-3).mean(dim=1)
-        edge = (1 - self.plateau) * self.c.clamp(max=1) * mean
+        slope = torch.where(self.c > 1, (2 / (self.c * (self.c + 1))).sqrt(), self.c)
+        edge = (1 - self.plateau) * slope * mean  # how wide a cone's would be that is as hard to sample
         hard = inked * mean
         q = ((hard - 1) / (hard + 1)).clamp(min=0)
         even = (hard * 2 / (1 + q)).clamp(min=2) / mean

@@ -70,6 +70,8 @@ class PlanOptions:
             raise InputError.of_range("the number of paints", self.paints, f"1 to the {self.strokes} strokes")
         if self.steps < 1:
             raise InputError.of_range("the number of steps", self.steps, "at least 1")
+        if not all(0 <= channel <= 1 for channel in self.ink):
+            raise InputError.of_range("the colour of the ink", self.ink, "sRGB in [0, 1]")
         if not 0 <= self.seed < 2**32:
             raise InputError.of_range("the seed", self.seed, "in 0 to 4294967295")
 
@@ -137,11 +139,13 @@ def plan(
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
     """
+    if start is not None and len(start) != options.strokes:
+        raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
     planning = _Planning(commission, options, start)
     sorts, respends = list(schedule.sorts), list(schedule.respends)
     progress, stride, wanted = 0.0, 1 / options.steps, True
     while progress < 1 - stride / 2:
-        if respends and progress >= respends[0]:
+        if respends and progress >= respends[0] and progress < schedule.snap:
             respends.pop(0)
             planning.respend()
         if sorts and progress >= sorts[0]:

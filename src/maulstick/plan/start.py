@@ -37,7 +37,7 @@ def detail(target: Floats) -> Floats:
     """How densely strokes should lie where colour covers all, (H, W): most where the target (C, H, W) changes."""
     height = target.shape[1]
     change = np.zeros(target.shape[1:])
-    for sigma in (height / 256, height / 100):
+    for sigma in (max(height / 256, 0.7), max(height / 100, 0.7)):
         slopes = [gaussian_gradient_magnitude(channel, sigma) for channel in target]
         change += np.sqrt(np.square(slopes).sum(axis=0)) * sigma
     density: Floats = gaussian_filter(change, height / 128) + 0.25 * change.mean()
@@ -65,7 +65,8 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
     """
     centres, spacing = _stipple(density, count, rng)
     height, width = density.shape
-    sigma = max(1.0, float(np.median(spacing)) / 3)
+    spacing = spacing.clip(max=room)
+    sigma = max(1.0, min(float(np.median(spacing)) / 3, min(height, width) / 40))
     tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
     at = tuple(np.clip(centres[:, i].astype(int), 0, size - 1) for i, size in ((1, height), (0, width)))
     rr, rc, cc = (sum(parts)[at] for parts in zip(*tensors, strict=True))
@@ -73,7 +74,7 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
     coherence = np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
     wander = rng.normal(size=count) * (1 - coherence) * np.pi / 2
     colours = np.stack([gaussian_filter(channel, sigma / 2)[at] for channel in target], axis=1)
-    return Places(centres, along_edge + wander, spacing.clip(max=room), colours)
+    return Places(centres, along_edge + wander, spacing, colours)
 
 
 def start_strokes(
