@@ -54,7 +54,7 @@ class Traj2Stroke:
     def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
         """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1].
 
-        An edge sharper than the pixels can show is drawn two pixels wide, and a mark thinner than that paler, such
+        An edge narrower than pixels can show is drawn two pixels wide, and a mark thinner than that paler, such
         that its ink per millimetre stays what it is: a ramp of two pixels adds up to the same ink wherever it lies
         between their centres. So no optimiser can gain by a place on the grid, and a plan looks alike at every
         resolution.
