@@ -21,8 +21,6 @@ def resample(path: Floats, n: int = POINTS) -> Floats:
         raise InputError(f"a path has shape {path.shape}; it must be (m, 2 or more) with m of at least 1")
     steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    if along[-1] == 0:
-        return np.repeat(path[:1], n, axis=0)
     keep = np.concatenate([[True], steps > 0])
     places = np.linspace(0, along[-1], n)
     return np.stack([np.interp(places, along[keep], column[keep]) for column in path.T], axis=1)

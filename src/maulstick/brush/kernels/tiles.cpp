@@ -4,104 +4,13 @@
 // maximum of darkness is the minimum of that ratio) and which segment it was. Blocks of LANES pixels that no segment
 // comes near are never touched, nor initialised.
 #include "tiles.hpp"
-
-#include <cstring>
-
-#ifndef LANES
-#define LANES 4
-#endif
+#include "lanes.hpp"
 
 namespace maulstick {
 namespace {
 
-typedef float Floats __attribute__((vector_size(4 * LANES)));
-typedef int32_t Ints __attribute__((vector_size(4 * LANES)));
-
 constexpr int tile_pixels = tile_height * tile_width;
-constexpr int row_blocks = tile_width / LANES;
 constexpr int tile_blocks = tile_pixels / LANES;
-
-inline Floats all(float x) { return Floats{} + x; }
-inline Ints all(int32_t x) { return Ints{} + x; }
-inline Floats load(const float* p) { Floats x; std::memcpy(&x, p, sizeof x); return x; }
-inline void store(float* p, Floats x) { std::memcpy(p, &x, sizeof x); }
-inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
-inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }
-
-inline float smaller(float a, float b) { return a < b ? a : b; }
-inline float larger(float a, float b) { return a > b ? a : b; }
-
-inline Floats root(Floats x) {
-  Floats y;
-  for (int i = 0; i < LANES; ++i) y[i] = __builtin_sqrtf(x[i]);
-  return y;
-}
-
-inline float sum(Floats x) {
-  float half[LANES];
-  std::memcpy(half, &x, sizeof x);
-  for (int n = LANES / 2; n > 0; n /= 2)
-    for (int i = 0; i < n; ++i) half[i] += half[i + n];
-  return half[0];
-}
-
-inline bool any(Ints mask) {
-  typedef int64_t Words __attribute__((vector_size(4 * LANES)));
-  Words w = (Words)mask;
-  int64_t or_all = 0;
-  for (int i = 0; i < LANES / 2; ++i) or_all |= w[i];
-  return or_all != 0;
-}
-
-inline Floats lane_numbers() {
-  Floats x;
-  for (int i = 0; i < LANES; ++i) x[i] = i;
-  return x;
-}
-
-// Natural logarithm for positive, normal x, to one unit in the last place or so: exponent out, then a polynomial in
-// the mantissa (the coefficients of Cephes' logf).
-inline Floats natural_log(Floats x) {
-  Ints bits = (Ints)x;
-  Ints exponent = (bits >> 23) - 126;
-  Floats m = (Floats)((bits & 0x007fffff) | 0x3f000000);   // [0.5, 1)
-  Ints low = m < all(0.707106781f);
-  exponent += low;                                         // a true comparison is -1
-  m = (low ? m + m : m) - 1.0f;
-  Floats e = __builtin_convertvector(exponent, Floats);
-  Floats z = m * m;
-  Floats y = all(7.0376836292e-2f);
-  y = y * m - 1.1514610310e-1f;
-  y = y * m + 1.1676998740e-1f;
-  y = y * m - 1.2420140846e-1f;
-  y = y * m + 1.4249322787e-1f;
-  y = y * m - 1.6668057665e-1f;
-  y = y * m + 2.0000714765e-1f;
-  y = y * m - 2.4999993993e-1f;
-  y = y * m + 3.3333331174e-1f;
-  y = y * m * z;
-  y += e * -2.12194440e-4f;
-  y -= 0.5f * z;
-  return m + y + e * 0.693359375f;
-}
-
-// e to the x for x <= 0 (Cephes' expf); 0 below -87.
-inline Floats exponential(Floats x) {
-  Ints vanishes = x < all(-87.0f);
-  x = larger(x, all(-87.0f));
-  Ints n = __builtin_convertvector(x * 1.44269504f - 0.5f, Ints);   // truncation towards 0 rounds, as x <= 0
-  Floats e = __builtin_convertvector(n, Floats);
-  x = x - e * 0.693359375f + e * 2.12194440e-4f;
-  Floats y = all(1.9875691500e-4f);
-  y = y * x + 1.3981999507e-3f;
-  y = y * x + 8.3334519073e-3f;
-  y = y * x + 4.1665795894e-2f;
-  y = y * x + 1.6666665459e-1f;
-  y = y * x + 5.0000001201e-1f;
-  y = y * x * x + x + 1.0f;
-  y = y * (Floats)((n + 127) << 23);
-  return vanishes ? all(0.0f) : y;
-}
 
 struct Coverage {                     // of one stroke over one tile
   alignas(64) float square[tile_pixels];   // (distance / thickness)^2
@@ -109,11 +18,11 @@ struct Coverage {                     // of one stroke over one tile
   uint32_t touched[tile_height];      // a bit per block of LANES pixels
 };
 
-// Where the segment, widened by its reach, crosses the rows [top, bottom] of pixel centres: columns [left, right].
-inline bool crossing(const Segment& s, float top, float bottom, float* left, float* right) {
+// Where the segment, widened by its reach, crosses the row at y: columns [left, right].
+inline bool crossing(const Segment& s, float y, float* left, float* right) {
   float from = 0, to = 1;
   if (s.wy != 0) {
-    float a = (top - s.reach - s.uy) / s.wy, b = (bottom + s.reach - s.uy) / s.wy;
+    float a = (y - s.reach - s.uy) / s.wy, b = (y + s.reach - s.uy) / s.wy;
     from = larger(0.0f, smaller(a, b));
     to = smaller(1.0f, larger(a, b));
     if (from > to) return false;
@@ -170,7 +79,7 @@ void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile
     for (int row = first; row <= last; ++row) {
       float a = left, b = right;
       const float y = y0 + row + 0.5f;
-      if (narrow || crossing(s, y, y, &a, &b)) cover_row(cover, s, int32_t(k), tile, row, a, b);
+      if (narrow || crossing(s, y, &a, &b)) cover_row(cover, s, int32_t(k), tile, row, a, b);
     }
   }
 }
