@@ -284,10 +284,10 @@ class _Planning:
         return Plan(self._strokes[rows], self._paints.detach(), self._paint_of[rows])
 
     def _needed(self) -> NDArray[np.bool_]:
-        """Which strokes (N,) to keep: without the others together the error does not grow."""
+        """Which strokes (N,) to keep: without the others together the loss does not grow."""
         costs = self._removal_costs().numpy()
         candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
-        before = self._view.error(self._render())
+        before = self._objective.loss(self._render(), 1.0)
         needed = np.ones(len(self._order), dtype=bool)
         while len(candidates):
             needed[:] = True
@@ -303,7 +303,7 @@ class _Planning:
                 marks.q[left],
                 marks.o[left],
             )
-            if self._view.error(canvas) <= before:
+            if self._objective.loss(canvas, 1.0) <= before:
                 return needed
             candidates = candidates[: len(candidates) // 2]
         needed[:] = True
