@@ -32,10 +32,6 @@ class View:
         difference = (canvas - self.target) * self.weights.sqrt()
         return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
 
-    def error(self, canvas: Tensor) -> float:
-        """Summed squared error."""
-        return self.difference(canvas).square().sum().item()
-
 
 def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
     """How much the error would grow, (N,), if each stroke alone were not there.
