@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.paint import paint
+from maulstick.cli.record import record
 from maulstick.cli.render import render
 
 app = typer.Typer(
@@ -13,6 +14,7 @@ app = typer.Typer(
 )
 app.command()(paint)
 app.command()(render)
+app.add_typer(record, name="record")
 
 
 def _print_version(wanted: bool) -> None:

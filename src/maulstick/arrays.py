@@ -1,0 +1,58 @@
+"""Files of arrays: NumPy's own format with a kind and a version, so that each file says what it holds."""
+
+import io
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.errors import InputError
+from maulstick.files import atomic_write, file_to_read
+
+VERSION = 1
+_LARGEST = 2**31  # bytes, unpacked: over 60 hours of drawing
+
+
+def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+    """Write the arrays as a file of this kind, the same bytes for the same arrays.
+
+    Raises OutputError where that fails; what was at `path` is then still there.
+    """
+    file = io.BytesIO()
+    np.savez_compressed(file, allow_pickle=False, kind=np.array(kind), version=np.array(VERSION), **arrays)
+    atomic_write(path, file.getvalue())
+
+
+def kind_of(path: str | Path) -> str | None:
+    """The kind of the file at `path`, or None where it is no file of arrays."""
+    try:
+        with np.load(file_to_read(path, "file"), allow_pickle=False) as arrays:
+            return str(arrays["kind"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError):
+        return None
+
+
+def read_arrays(path: str | Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
+    """The arrays with these names in the file of this kind at `path`.
+
+    Raises InputError where there is no such file, or it is of another kind, broken or of a later version.
+    """
+    path = file_to_read(path, kind)
+    try:
+        with zipfile.ZipFile(path) as entries:
+            unpacked = sum(entry.file_size for entry in entries.infolist())
+        if unpacked > _LARGEST:
+            raise InputError(f"{path} unpacks to {unpacked >> 20} MiB; no {kind} is that large")
+        with np.load(path, allow_pickle=False) as file:
+            came, version = str(file["kind"]), int(file["version"])
+            if came != kind:
+                raise InputError(f"{path} holds {came}; it must be a file of {kind}")
+            if version != VERSION:
+                raise InputError(f"{path} is of version {version}, and this Maulstick reads {VERSION}; write it again")
+            return {name: file[name] for name in names}
+    except InputError:
+        raise
+    except Exception as error:  # a broken zip raises nearly anything
+        raise InputError(f"{path} is not a file of {kind}, or it is damaged: {error}") from error

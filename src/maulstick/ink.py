@@ -1,0 +1,90 @@
+"""Ink: what a hand drew, as it was recorded; and its file."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.arrays import read_arrays, write_arrays
+from maulstick.errors import InputError
+
+Floats = NDArray[np.float64]
+
+KIND = "ink"
+_LARGEST_SHEET = 100.0  # metres
+
+
+@dataclass(frozen=True)
+class Ink:
+    """Raw strokes on a sheet, ragged.
+
+    samples: (P, 4) of (t, x, y, press), stroke after stroke: seconds since the recording began; metres, x to the right
+    and y down from the sheet's upper left corner; press in [0, 1].  A stroke whose times or press were not recorded
+    has NaN there throughout.
+    lengths: (N,) how many samples each stroke has, at least 1.
+    size: (width, height) of the sheet, metres.
+    source: where it comes from, for people.
+    """
+
+    samples: Floats
+    lengths: NDArray[np.int64]
+    size: tuple[float, float]
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.samples.ndim != 2 or self.samples.shape[1] != 4:
+            raise InputError(f"samples of ink have shape {self.samples.shape}; it must be (P, 4) of (t, x, y, press)")
+        if self.lengths.ndim != 1 or (self.lengths < 1).any() or self.lengths.sum() != len(self.samples):
+            raise InputError("the lengths of the strokes must be at least 1 each and add up to the number of samples")
+        if not np.isfinite(self.samples[:, 1:3]).all():
+            raise InputError("a sample of the ink has no place; every x and y must be a finite number of metres")
+        if not all(0 < side <= _LARGEST_SHEET for side in self.size):
+            raise InputError.of_range("the sheet of the ink", f"{self.size} m", "between 0 and 100 m wide and high")
+        for name, column in (("times", 0), ("press", 3)):
+            values = self.samples[:, column]
+            known = np.add.reduceat(np.isfinite(values), self._starts()) if len(values) else self.lengths
+            if np.isinf(values).any() or ((known != 0) & (known != self.lengths)).any():
+                raise InputError(f"the {name} of a stroke must be known at all of its samples, or NaN at all of them")
+        press = self.samples[:, 3]
+        if ((press < 0) | (press > 1)).any():
+            raise InputError.of_range("press", f"{np.nanmin(press):g} to {np.nanmax(press):g}", "in [0, 1]")
+        backwards = np.diff(self.samples[:, 0]) < 0
+        backwards[self._starts()[1:] - 1] = False
+        if backwards.any():
+            raise InputError("the times of a stroke run backwards; they must never fall from sample to sample")
+
+    def __len__(self) -> int:
+        return len(self.lengths)
+
+    @classmethod
+    def of(cls, strokes: Sequence[Floats], size: tuple[float, float], source: str = "") -> Self:
+        """Ink of strokes (m, 4) of (t, x, y, press), each with a number of samples of its own."""
+        samples = np.concatenate([np.zeros((0, 4)), *strokes])
+        return cls(samples, np.array([len(stroke) for stroke in strokes], dtype=np.int64), size, source)
+
+    def strokes(self) -> list[Floats]:
+        """Each stroke's samples, (m, 4)."""
+        return np.split(self.samples, self._starts()[1:]) if len(self) else []
+
+    def _starts(self) -> NDArray[np.int64]:
+        return np.cumsum(self.lengths) - self.lengths
+
+
+def write_ink(ink: Ink, path: str | Path) -> None:
+    """Write the ink to a file. Raises OutputError where that fails; what was at `path` is then still there."""
+    size, source = np.array(ink.size), np.array(ink.source)
+    write_arrays(path, KIND, {"samples": ink.samples, "lengths": ink.lengths, "size": size, "source": source})
+
+
+def read_ink(path: str | Path) -> Ink:
+    """The ink in the file at `path`. Raises InputError where there is none."""
+    arrays = read_arrays(path, KIND, ("samples", "lengths", "size", "source"))
+    try:
+        width, height = arrays["size"].astype(np.float64).tolist()
+        samples, lengths = arrays["samples"].astype(np.float64), arrays["lengths"].astype(np.int64)
+        return Ink(samples, lengths, (width, height), str(arrays["source"]))
+    except (InputError, ValueError, TypeError) as error:
+        raise InputError(f"{path} is not a file of {KIND}: {error}") from error
