@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from maulstick.errors import InputError
@@ -26,33 +27,45 @@ def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, NDArray[np.ge
 
 
 def kind_of(path: str | Path) -> str | None:
-    """The kind of the file at `path`, or None where it is no file of arrays."""
+    """The kind of the file at `path`, or None where it is no file of arrays. Raises InputError where there is none."""
+    path = file_to_read(path, "file")
     try:
-        with np.load(file_to_read(path, "file"), allow_pickle=False) as arrays:
-            return str(arrays["kind"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError):
+        return str(_read(path, "file", ("kind",))["kind"])
+    except Exception:  # a broken zip raises nearly anything
         return None
 
 
 def read_arrays(path: str | Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
-    """The arrays with these names in the file of this kind at `path`.
+    """The arrays with these names, of numbers or text, in the file of this kind at `path`.
 
     Raises InputError where there is no such file, or it is of another kind, broken or of a later version.
     """
     path = file_to_read(path, kind)
+    came = kind_of(path)
+    if came not in (None, kind):
+        raise InputError(f"{path} holds {came}; it must be a file of {kind}")
     try:
-        with zipfile.ZipFile(path) as entries:
-            unpacked = sum(entry.file_size for entry in entries.infolist())
-        if unpacked > _LARGEST:
-            raise InputError(f"{path} unpacks to {unpacked >> 20} MiB; no {kind} is that large")
-        with np.load(path, allow_pickle=False) as file:
-            came, version = str(file["kind"]), int(file["version"])
-            if came != kind:
-                raise InputError(f"{path} holds {came}; it must be a file of {kind}")
-            if version != VERSION:
-                raise InputError(f"{path} is of version {version}, and this Maulstick reads {VERSION}; write it again")
-            return {name: file[name] for name in names}
+        arrays = _read(path, kind, ("kind", "version", *names))
+        version = int(arrays["version"])
     except InputError:
         raise
-    except Exception as error:  # a broken zip raises nearly anything
-        raise InputError(f"{path} is not a file of {kind}, or it is damaged: {error}") from error
+    except Exception as error:
+        raise InputError(f"{path} is not a file of {kind}, or it is damaged: {' '.join(str(error).split())}") from error
+    if version != VERSION:
+        raise InputError(f"{path} is of version {version}, and this Maulstick reads {VERSION}; write it again")
+    return {name: arrays[name] for name in names}
+
+
+def _read(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
+    with zipfile.ZipFile(path) as entries:  # reads no more of an entry than it declares
+        unpacked = sum(entry.file_size for entry in entries.infolist())
+        if unpacked > _LARGEST:
+            raise InputError(f"{path} unpacks to {unpacked >> 20} MiB; no {kind} is that large")
+        arrays = {}
+        for name in names:
+            with entries.open(f"{name}.npy") as entry:
+                arrays[name] = npy.read_array(entry, allow_pickle=False)
+    for name, array in arrays.items():
+        if array.dtype.kind not in "fiuU":
+            raise InputError(f"{path} is not a file of {kind}: {name} is made of {array.dtype}, not of numbers or text")
+    return arrays

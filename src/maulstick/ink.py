@@ -37,7 +37,8 @@ class Ink:
     def __post_init__(self) -> None:
         if self.samples.ndim != 2 or self.samples.shape[1] != 4:
             raise InputError(f"samples of ink have shape {self.samples.shape}; it must be (P, 4) of (t, x, y, press)")
-        if self.lengths.ndim != 1 or (self.lengths < 1).any() or self.lengths.sum() != len(self.samples):
+        counts = self.lengths.ravel().tolist()  # whose sum does not overflow
+        if self.lengths.ndim != 1 or min(counts, default=1) < 1 or sum(counts) != len(self.samples):
             raise InputError("the lengths of the strokes must be at least 1 each and add up to the number of samples")
         if not np.isfinite(self.samples[:, 1:3]).all():
             raise InputError("a sample of the ink has no place; every x and y must be a finite number of metres")
@@ -69,8 +70,28 @@ class Ink:
         """Each stroke's samples, (m, 4)."""
         return np.split(self.samples, self._starts()[1:]) if len(self) else []
 
+    def summary(self) -> str:
+        """What there is, in a line for people."""
+        strokes = self.strokes()
+        metres = sum(float(np.hypot(*np.diff(stroke[:, 1:3], axis=0).T).sum()) for stroke in strokes)
+        width, height = (f"{round(1e3 * side, 1):g}" for side in self.size)
+        drawn = f"{metres:.0f}" if metres >= 100 else f"{metres:.3g}"
+        told = f"{len(self)} stroke{'' if len(self) == 1 else 's'}, {drawn} m drawn on {width} x {height} mm"
+        if not strokes:
+            return told
+        times = self.samples[:, 0]
+        unknown = np.isnan(times).all()
+        told += ", times not recorded" if unknown else f", {_duration(np.nanmax(times) - np.nanmin(times))}"
+        pressed = sum(not np.isnan(stroke[0, 3]) for stroke in strokes)
+        part = {0: "not recorded", len(self): "recorded"}.get(pressed, f"recorded in {pressed} of them")
+        return f"{told}, press {part}"
+
     def _starts(self) -> NDArray[np.int64]:
         return np.cumsum(self.lengths) - self.lengths
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds < 60 else f"{seconds // 60:.0f} min {seconds % 60:.0f} s"
 
 
 def write_ink(ink: Ink, path: str | Path) -> None:
@@ -83,7 +104,11 @@ def read_ink(path: str | Path) -> Ink:
     """The ink in the file at `path`. Raises InputError where there is none."""
     arrays = read_arrays(path, KIND, ("samples", "lengths", "size", "source"))
     try:
+        if arrays["size"].shape != (2,):
+            raise InputError(f"its size has shape {arrays['size'].shape}; it must be (2,) of width and height")
         width, height = arrays["size"].astype(np.float64).tolist()
+        if arrays["lengths"].dtype.kind not in "iu":
+            raise InputError(f"the lengths of its strokes are {arrays['lengths'].dtype}; they must be whole numbers")
         samples, lengths = arrays["samples"].astype(np.float64), arrays["lengths"].astype(np.int64)
         return Ink(samples, lengths, (width, height), str(arrays["source"]))
     except (InputError, ValueError, TypeError) as error:

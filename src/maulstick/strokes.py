@@ -43,6 +43,9 @@ class Strokes:
             )
         if not (np.isfinite(self.trajectories[..., :2]).all() and np.isfinite(self.poses).all()):
             raise InputError("a point or a pose of a stroke is not a finite number")
+        press = self.trajectories[..., 2]
+        if ((press < 0) | (press > 1)).any():
+            raise InputError.of_range("press", f"{np.nanmin(press):g} to {np.nanmax(press):g}", "in [0, 1]")
 
     @classmethod
     def of(cls, ink: Ink, n: int = POINTS) -> Self:

@@ -8,12 +8,14 @@ import typer
 from maulstick.cli.paint import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
+from maulstick.cli.show import show
 
 app = typer.Typer(
     rich_markup_mode="markdown", add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
 )
 app.command()(paint)
 app.command()(render)
+app.command()(show)
 app.add_typer(record, name="record")
 
 

@@ -7,9 +7,8 @@ import torch
 from torch import Tensor
 
 from maulstick.brush.traj2stroke import place
-from maulstick.strokes import POINTS
 from maulstick.style import Style
-from maulstick.style.style import KNOTS
+from maulstick.style.press import press_along
 
 
 @dataclass(frozen=True)
@@ -58,10 +57,3 @@ class StrokeParameters:
         paths = self.trajectories(style)[..., :2]
         size = torch.tensor([width, height])
         self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))
-
-
-def press_along(knots: Tensor) -> Tensor:
-    """Press (N, n) at each point of strokes with equally spaced press knots (N, 4)."""
-    at = torch.linspace(0, KNOTS - 1, POINTS)
-    weights = (1 - (at[None] - torch.arange(KNOTS)[:, None]).abs()).clamp(min=0)
-    return knots @ weights.to(knots)

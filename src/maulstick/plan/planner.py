@@ -7,6 +7,7 @@ paints, all strokes of a paint stand together, and shapes go on adapting to what
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 import torch
@@ -29,6 +30,8 @@ from maulstick.plan.worth import View, coverage, removal_costs
 from maulstick.style import Style
 
 _STYLE_WEIGHT = 1e-5
+_HOLD = 30.0
+_JUDGED_BY = 256
 _RESPENT = 0.1
 _HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
 
@@ -153,7 +156,7 @@ def plan(
             planning.sort()
         if progress >= schedule.snap:
             planning.snap(schedule.grouped)
-        if not watch(planning.step(progress)) and wanted:
+        if not watch(planning.step(progress, stride)) and wanted:
             wanted = False
             progress = max(progress, _HURRIED_FROM)
             stride = max(stride, (1 - progress) / _HURRIED_STEPS)
@@ -182,6 +185,8 @@ class _Planning:
             self._paints = torch.tensor([options.ink])
             pool = max(1, round(4 * self._brush.widest * self._canvas.pixels_per_metre))
         self._view = View(commission.target, commission.weights, pool)
+        self._style_weight = _STYLE_WEIGHT
+        self._allowed_cost = self._style.leeway * self._usual_cost()
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
         if start is None:
             start, self._spacing = self._begin(self._blank_paper_density(), options.strokes)
@@ -198,6 +203,11 @@ class _Planning:
     @property
     def _strokes(self) -> StrokeParameters:
         return self._descent.strokes
+
+    def _usual_cost(self) -> float:
+        """Of strokes that the style draws by itself."""
+        chance = torch.Generator().manual_seed(self._options.seed)
+        return float(self._style.cost(*self._style.sample(_JUDGED_BY, chance)).mean())
 
     def _blank_paper_density(self) -> NDArray[np.float64]:
         """Where strokes belong on the empty sheet, (H, W); nowhere that the target is paper."""
@@ -225,12 +235,19 @@ class _Planning:
         marks, colours = self._drawn()
         return composite(self._paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)
 
-    def step(self, progress: float) -> Progress:
-        """One step of all strokes."""
+    def step(self, progress: float, stride: float) -> Progress:
+        """One step of all strokes, of size `stride` in progress.
+
+        The style weighs more as long as the strokes are less likely than it allows, and less afterwards: it is held
+        alike with a broad brush or a thin pen.
+        """
         canvas = self._render()
         loss = self._objective.loss(canvas, progress)
-        cost = self._style.cost(self._strokes.codes, self._strokes.press_knots).mean()
-        self._descent.step(loss + _STYLE_WEIGHT * cost, progress)
+        costs = self._style.cost(self._strokes.codes, self._strokes.press_knots)
+        price = (costs * (1 + costs / self._allowed_cost)).mean()  # few that go far pay more than many that go a little
+        self._descent.step(loss + self._style_weight * price, progress)
+        excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
+        self._style_weight = max(self._style_weight * exp(_HOLD * stride * excess), _STYLE_WEIGHT)
         self._strokes.keep_inside(self._style, self._canvas.width, self._canvas.height)
         return Progress(progress, loss.item(), canvas.detach())
 

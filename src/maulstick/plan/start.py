@@ -18,7 +18,6 @@ Floats = NDArray[np.float64]
 
 _ROUNDS = 12
 _SAMPLES_PER_STROKE = 60
-_CHOICE = 4
 _LENGTH_IN_SPACINGS = 2.0
 _WIDTH_IN_SPACINGS = 0.4
 
@@ -80,22 +79,16 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
 def start_strokes(
     places: Places, style: Style, brush: Brush, pixels_per_metre: float, generator: Generator
 ) -> StrokeParameters:
-    """Strokes of the style at the places: for each, the sampled one whose length suits its room."""
+    """Strokes of the style at the places, as long as the style lets them be for the room there."""
     spacing = places.spacing / pixels_per_metre
-    codes, press_knots = style.sample(_CHOICE * len(spacing), generator)
-    steps = style.decode(codes).diff(dim=1)
-    length = steps.square().sum(-1).sqrt().sum(1).numpy()
-    by_length = np.argsort(length)
-    wanted = np.searchsorted(length[by_length], _LENGTH_IN_SPACINGS * spacing)
-    chosen = torch.from_numpy(by_length[np.clip(wanted, 0, len(by_length) - 1)])
-    knots = press_knots[chosen]
+    codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
     if brush.presses:
         press = np.clip((_WIDTH_IN_SPACINGS * spacing - brush.beta) / brush.alpha, 0, 1)
         knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(press)[:, None]).clamp(0, 1)
     else:
         knots = torch.zeros_like(knots)
     return StrokeParameters(
-        codes[chosen],
+        codes,
         _tensor(places.centres / pixels_per_metre),
         _tensor(places.angles),
         knots,

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
-import numpy as np
 import torch
-from scipy.interpolate import BSpline
 from torch import Generator, Tensor
 
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.strokes import POINTS
-from maulstick.style.style import KNOTS, Style
+from maulstick.style.press import KNOTS
+from maulstick.style.shape import spline_basis
+from maulstick.style.style import Style
 
 CONTROL_POINTS = 8
-_DEGREE = 3
 
 
 @dataclass(frozen=True)
@@ -60,9 +59,7 @@ class FreeStyle(Style):
 
     @cached_property
     def _basis(self) -> Tensor:
-        knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, CONTROL_POINTS - _DEGREE + 1), np.ones(_DEGREE)])
-        basis = BSpline.design_matrix(np.linspace(0, 1, POINTS), knots, _DEGREE).toarray()
-        return torch.from_numpy(basis)
+        return torch.from_numpy(spline_basis(CONTROL_POINTS))
 
     def encode(self, paths: Tensor) -> Tensor:
         """The least-squares B-spline through each path, its ends kept."""
@@ -86,13 +83,29 @@ class FreeStyle(Style):
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Gently bent strokes, log-uniform in length, of even press."""
+        return self.sample_for(
+            self.shortest * (self.longest / self.shortest) ** torch.rand(k, generator=generator), generator
+        )
+
+    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Gently bent strokes of these lengths, as far as its limits allow, of even press."""
+        k = len(lengths)
         along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]
         bend = 0.5 * torch.randn(k, 1, generator=generator) * along * (1 - along)
         inner = torch.stack([along.expand(k, -1), bend], dim=-1)
         shapes = torch.cat([torch.ones(k, 1), inner.flatten(1)], dim=1)
         drawn = self.decode(shapes).diff(dim=1).square().sum(-1).sqrt().sum(1, keepdim=True)
-        length = self.shortest * (self.longest / self.shortest) ** torch.rand(k, 1, generator=generator)
-        return shapes * length / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
+        wanted = lengths.to(drawn).clamp(self.shortest, self.longest)[:, None]
+        return shapes * wanted / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
+
+    @property
+    def leeway(self) -> float:
+        """Nobody's strokes need not look like anybody's."""
+        return float("inf")
+
+    def speeds(self, codes: Tensor) -> Tensor | None:
+        """Nobody's."""
+        return None
 
     def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
         """Bending of the control polygon, in units of its length, length beyond the limits, and changes of press."""

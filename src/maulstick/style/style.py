@@ -4,9 +4,6 @@ from abc import ABC, abstractmethod
 
 from torch import Generator, Tensor
 
-KNOTS = 4
-"""Press knots of a stroke, equally spaced along it; the paper optimises its heights as parameters of their own."""
-
 
 class Style(ABC):
     """A prior over standardised strokes.
@@ -38,5 +35,22 @@ class Style(ABC):
         """Codes (k, K) and press knots (k, 4) in [0, 1]; all chance comes from the generator."""
 
     @abstractmethod
+    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """As `sample`, a stroke for each of the places (k,) that have room for these lengths, metres.
+
+        A style that belongs to nobody fills the room; a hand keeps its own lengths, and its longest stroke goes where
+        there is most room.
+        """
+
+    @abstractmethod
     def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
-        """How far from the style each stroke is, (N,), 0 at its likeliest; differentiable."""
+        """How unlikely each stroke is, (N,), in nats above about the style's likeliest; differentiable."""
+
+    @property
+    @abstractmethod
+    def leeway(self) -> float:
+        """How many times as unlikely as its samples the strokes of a plan may be on average; inf binds nobody."""
+
+    @abstractmethod
+    def speeds(self, codes: Tensor) -> Tensor | None:
+        """How fast the hand draws, metres a second at each of the points, (N, n); None where nobody knows."""

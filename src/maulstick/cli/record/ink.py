@@ -1,0 +1,42 @@
+"""``maulstick record ink``: from a file that another program drew to ink."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from maulstick.canvas import parse_length, parse_size
+from maulstick.cli.record.writing import check_out, write_result
+from maulstick.errors import InputError
+
+_SMALLEST, _LARGEST = 1e-3, 50.0  # metres
+
+
+def ink(
+    file: Annotated[Path, typer.Argument(help="InkML, SVG, Wacom's UIM or WILL 2, or JSON of pointer events.")],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="NAME.ink.npz; or NAME.strokes.npz for standardised strokes.")
+    ],
+    size: Annotated[
+        str | None, typer.Option(metavar="SIZE", help="The sheet that the page fills, as in 150x150mm or A4.")
+    ] = None,
+    longest: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="The longer side of the drawing; 150mm where the file gives no scale."),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+) -> None:
+    """Read a drawing that a pen tablet, a web page or a drawing program wrote."""
+    check_out(out, overwrite)
+    if size is not None and longest is not None:
+        raise InputError("--size and --longest cannot both be kept; give one of them")
+    sheet = None if size is None else parse_size(size)
+    longer = None if longest is None else parse_length(longest)
+    if longer is not None and not _SMALLEST <= longer <= _LARGEST:
+        raise InputError.of_range("--longest", longest, "between 1 mm and 50 m")
+    from maulstick.recording.ink_files import read_ink_file  # loads parsers
+
+    drawn, kind = read_ink_file(file, sheet, longer)
+    write_result(drawn, out, overwrite)
+    print(f"{kind}: {drawn.summary()}")
+    print(out, flush=True)

@@ -1,0 +1,111 @@
+"""``maulstick record live``: from what Motive streams to ink."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.status import Status
+
+from maulstick.cli.folder import made_folder
+from maulstick.cli.record import pen as options
+from maulstick.cli.watch import stop_on_interrupt
+from maulstick.errors import InputError, MaulstickError, OutputError
+
+if TYPE_CHECKING:
+    from maulstick.recording.natnet import Seen
+    from maulstick.recording.take import Take
+
+
+def live(
+    server: Annotated[str, typer.Option(metavar="ADDRESS", help="Of Motive's machine: 192.168.1.5.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="NAME.ink.npz, or NAME.strokes.npz.")],
+    local: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", show_default="the one that reaches it", help="Of this machine, on the same network."
+        ),
+    ] = None,
+    multicast: Annotated[
+        bool, typer.Option("--multicast", metavar="", help="Motive streams in multicast, rather than in unicast.")
+    ] = False,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="N", show_default="until Ctrl-C", help="How long to record.")
+    ] = None,
+    pen_length: options.PenLength = None,
+    pen_axis: options.PenAxis = "-y",
+    pivot: options.PivotTake = None,
+    pen: options.Pen = None,
+    canvas: options.Board = None,
+    corner: options.Corner = "upper-left",
+    threshold: options.Threshold = None,
+    merge: options.Merge = "20ms",
+    shortest: options.Shortest = "30ms",
+    plot: options.Plot = None,
+    overwrite: options.Overwrite = False,
+) -> None:
+    """Record a pen that OptiTrack's Motive is tracking, and find its strokes.
+
+    Ctrl-C ends the recording. It is kept as NAME.take.npz, which `maulstick record motive` reads as well: to try
+    another threshold, say.
+    """
+    contact = options.contact_options(threshold, merge, shortest)
+    plot = options.check_outs(out, plot, overwrite)
+    kept = out.with_name(out.name.rsplit(".", 2)[0] + ".take.npz")
+    if os.path.lexists(kept) and not overwrite:
+        raise OutputError(f"{kept} is already there; choose another --out, or add --overwrite")
+    if seconds is not None and not seconds > 0:
+        raise InputError.of_range("--seconds", f"{seconds:g}", "more than 0")
+    tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
+
+    from maulstick.recording.drawing import drawing_of  # these load scipy
+    from maulstick.recording.take_file import write_take
+
+    with made_folder(out.parent):  # before anything is recorded
+        take = _record(server, local, pen, canvas, multicast, seconds)
+        write_take(take, kept)
+        try:
+            drawing = drawing_of(take, tip, contact, corner, kept.name)
+            print(how)
+            options.write_drawing(drawing, out, plot, overwrite)
+        except MaulstickError as error:
+            raise type(error)(f"{error} (the take is kept; try again with: maulstick record motive {kept})") from error
+    print(kept, flush=True)
+
+
+def _record(
+    server: str, local: str | None, pen: str | None, canvas: str | None, multicast: bool, seconds: float | None
+) -> "Take":
+    from maulstick.recording.natnet import receive
+
+    console = Console(stderr=True, markup=False, highlight=False)
+    with stop_on_interrupt(Console(quiet=True)) as wanted, console.status(f"asking {server} …") as status:
+        recording = _Recording(status, wanted, seconds)
+        take = receive(
+            server, recording.going, local=local, pen=pen, canvas=canvas, multicast=multicast, watch=recording.show
+        )
+    if recording.going():
+        console.print(f"note: {server} fell silent, so the recording ends there", soft_wrap=True)
+    return take
+
+
+class _Recording:
+    """Shows what comes, and says how long to go on."""
+
+    def __init__(self, status: Status, wanted: Callable[[], bool], seconds: float | None) -> None:
+        self._status, self._wanted, self._seconds = status, wanted, seconds
+        self._recorded = 0.0
+
+    def going(self) -> bool:
+        """Until Ctrl-C, or until there are so many seconds."""
+        return self._wanted() and (self._seconds is None or self._recorded < self._seconds)
+
+    def show(self, seen: "Seen") -> None:
+        """Say what has come."""
+        self._recorded = seen.seconds
+        pen, canvas = ("seen" if what else "NOT SEEN" for what in (seen.pen, seen.canvas))
+        self._status.update(
+            f"recording: {seen.frames} frames, {seen.seconds:.1f} s, pen {pen}, canvas {canvas} (Ctrl-C ends)"
+        )

@@ -1,0 +1,43 @@
+"""``maulstick record motive``: from a take of OptiTrack's Motive to ink."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from maulstick.cli.record import pen as options
+
+
+def motive(
+    take: Annotated[Path, typer.Argument(help="The take as CSV, with its header, rigid bodies and markers.")],
+    pen_length: options.PenLength = None,
+    pen_axis: options.PenAxis = "-y",
+    pivot: options.PivotTake = None,
+    pen: options.Pen = None,
+    canvas: options.Board = None,
+    corner: options.Corner = "upper-left",
+    threshold: options.Threshold = None,
+    merge: options.Merge = "20ms",
+    shortest: options.Shortest = "30ms",
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", show_default="TAKE.ink.npz here", help="NAME.ink.npz, or NAME.strokes.npz."),
+    ] = None,
+    plot: options.Plot = None,
+    overwrite: options.Overwrite = False,
+) -> None:
+    """Find the strokes in a motion-capture take of a pen and a canvas.
+
+    The canvas has a marker at three of its corners, and the pen is a rigid body. Writes the ink, and a plot of the
+    tip's height over time with the strokes marked in it: where they are wrong, set a threshold by it.
+    """
+    out = out or Path(f"{Path(take.name.removesuffix('.npz')).stem}.ink.npz")  # of TAKE.csv, or a live TAKE.take.npz
+    contact = options.contact_options(threshold, merge, shortest)
+    plot = options.check_outs(out, plot, overwrite)
+    from maulstick.recording.drawing import drawing_of  # these load pandas and scipy
+    from maulstick.recording.motive import read_motive
+
+    tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
+    drawing = drawing_of(read_motive(take, pen, canvas), tip, contact, corner, take.name)
+    print(how)
+    options.write_drawing(drawing, out, plot, overwrite)

@@ -1,0 +1,105 @@
+"""``maulstick show``: a picture of whatever Maulstick has written."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from maulstick.arrays import kind_of
+from maulstick.errors import InputError, OutputError
+from maulstick.files import atomic_write, file_to_read
+
+_SMALLEST_PX, _LARGEST_PX = 240, 2400
+_WIDEST_PX = 8192
+_LARGEST_FILE = 256 * 2**20  # bytes
+
+
+def show(
+    file: Annotated[Path, typer.Argument(help="Ink, strokes, a brush or a painting: NAME.npz or NAME.json.")],
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the file.")] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
+    ] = False,
+) -> None:
+    """Draw a picture of ink, strokes, a brush or a painting."""
+    path = out or file.with_name(f"{file.stem}-{px}px.png")
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--out is {path}; a picture is written as PNG, so let its name end in .png")
+    if not _SMALLEST_PX <= px <= _LARGEST_PX:
+        raise InputError.of_range("--px", px, f"from {_SMALLEST_PX} to {_LARGEST_PX}")
+    kind = _kind(file)
+    if os.path.lexists(path) and not overwrite:
+        raise OutputError(f"{path} is already there; choose another --out, or add --overwrite")
+    atomic_write(path, _PICTURES[kind](file, px))
+    print(path, flush=True)
+
+
+def _kind(file: Path) -> str:
+    """Which of the things that have a picture is in the file."""
+    kind = kind_of(file)
+    if kind is None and file.suffix.lower() == ".json":
+        kind = _kind_of_json(file)
+    if kind not in _PICTURES:
+        raise InputError(
+            f"{file} is none of what can be shown: {', '.join(sorted(_PICTURES))}; "
+            "where it is another program's drawing, make ink of it with maulstick record ink"
+        )
+    return kind
+
+
+def _kind_of_json(file: Path) -> str | None:
+    """A painting by its paints, a brush by its alpha; whether all is well with them, their readers say."""
+    try:
+        with file_to_read(file, "file").open("rb") as opened:
+            content = opened.read(_LARGEST_FILE)
+    except OSError as error:
+        raise InputError(f"cannot read the file {file}: {error.strerror}") from error
+    return next(
+        (kind for kind, sign in {"painting": b'"paints"', "brush": b'"alpha"'}.items() if sign in content), None
+    )
+
+
+def _ink(file: Path, px: int) -> bytes:
+    from maulstick.ink import read_ink
+    from maulstick.plates.ink import ink_plate
+
+    return ink_plate(read_ink(file), file.name, px)
+
+
+def _strokes(file: Path, px: int) -> bytes:
+    from maulstick.plates.strokes import strokes_plate
+    from maulstick.strokes import read_strokes
+
+    return strokes_plate(read_strokes(file), file.name, px)
+
+
+def _brush(file: Path, px: int) -> bytes:
+    from maulstick.medium import load_brush
+    from maulstick.plates.brush import brush_plate  # loads torch
+
+    return brush_plate(load_brush(str(file)), file.name, px)
+
+
+def _painting(file: Path, px: int) -> bytes:
+    from maulstick.canvas import Canvas
+    from maulstick.cli.render import png
+    from maulstick.painting import read_painting
+
+    plan = read_painting(file)
+    canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
+    if canvas.width_px > _WIDEST_PX:
+        raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
+    from maulstick.brush.preview import preview  # loads torch
+
+    return png(preview(plan, canvas))
+
+
+_PICTURES: dict[str, Callable[[Path, int], bytes]] = {
+    "ink": _ink,
+    "strokes": _strokes,
+    "brush": _brush,
+    "painting": _painting,
+}

@@ -1,0 +1,1 @@
+"""Plates: pictures of ink, strokes and brushes, for people to look at."""

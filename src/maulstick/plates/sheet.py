@@ -1,0 +1,122 @@
+"""What all plates share: colours, type, captions, and the step to a PNG."""
+
+import io
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+TABLE, PAPER, INK, QUIET, FAINT, ACCENT = "#f4f2ed", "#ffffff", "#211f1c", "#7d786f", "#dcd8cf", "#c4452c"
+
+_DPI = 128  # a power of two: pixels / dpi * dpi is then exact
+_TYPE = ["STIXGeneral", "DejaVu Sans"]
+_LINES = 56  # of type in the height of a plate
+_MARGIN = 2.0  # lines
+
+
+@contextmanager
+def _missing_glyphs() -> Iterator[None]:
+    """Be silent about a name in a script that no font here has."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")
+        yield
+
+
+class Plate:
+    """A figure measured in pixels from its upper left corner.
+
+    width, height: pixels.  line: the size of its type.  margin: what is left free around it.
+    """
+
+    def __init__(self, width: float, height: int) -> None:
+        self.width, self.height = round(width), height
+        self.line = height / _LINES
+        self.margin = _MARGIN * self.line
+        self.figure = Figure(figsize=(self.width / _DPI, height / _DPI), dpi=_DPI, facecolor=TABLE)
+
+    def axes(self, x: float, y: float, width: float, height: float, scale: float) -> Axes:
+        """Axes without any furniture, their upper left corner at (x, y), y down, in units of `scale` pixels."""
+        place = (x / self.width, 1 - (y + height) / self.height, width / self.width, height / self.height)
+        axes = self.figure.add_axes(place, frameon=False, xticks=[], yticks=[])
+        axes.set_xlim(0, width / scale)
+        axes.set_ylim(height / scale, 0)
+        return axes
+
+    def paper(self, x: float, y: float, width: float, height: float, scale: float) -> Axes:
+        """A white sheet with a fine edge; axes as above."""
+        axes = self.axes(x, y, width, height, scale)
+        axes.add_patch(
+            Rectangle((0, 0), 1, 1, transform=axes.transAxes, fc=PAPER, ec=FAINT, lw=self.points(1), clip_on=False)
+        )
+        return axes
+
+    def text(
+        self,
+        x: float,
+        y: float,
+        text: str,
+        colour: str = QUIET,
+        size: float = 1.0,
+        room: float = np.inf,
+        ha: str = "left",
+    ) -> None:
+        """Type with its baseline at (x, y), pixels; `size` in lines, smaller where it would be wider than `room`."""
+        options: dict[str, Any] = {"color": colour, "family": _TYPE, "parse_math": False, "ha": ha}
+        drawn = self.figure.text(
+            x / self.width, 1 - y / self.height, text, size=self.points(size * self.line), **options
+        )
+        if np.isfinite(room):
+            renderer = FigureCanvasAgg(self.figure).get_renderer()  # type: ignore[no-untyped-call]
+            with _missing_glyphs():
+                wide = drawn.get_window_extent(renderer).width
+            drawn.set_fontsize(self.points(size * self.line) * min(1, room / max(wide, 1)))
+
+    def rule(self, x: float, y: float, width: float, colour: str = QUIET, weight: float = 0.08) -> None:
+        """A horizontal rule; `weight` in lines."""
+        xs, ys = np.array([x, x + width]) / self.width, [1 - y / self.height] * 2
+        self.figure.add_artist(Line2D(xs, ys, color=colour, lw=self.points(weight * self.line), solid_capstyle="butt"))
+
+    def caption(self, title: str, told: str, note: str, scale: float) -> None:
+        """At the foot of the plate: a title, two lines about it, and a scale bar for `scale` pixels a metre."""
+        left, right, base = self.margin, self.width - self.margin, self.height - self.margin
+        bar = round_length(self.width / 5 / scale)
+        y = base - 2.75 * self.line
+        self.text(left, y, title, INK, 1.2, room=right - left - bar * scale - self.margin)
+        self.text(left, base - 1.3 * self.line, told, room=right - left)
+        self.text(left, base, note, room=right - left)
+        self.rule(right - bar * scale, y, bar * scale, INK)
+        self.text(right, y - 0.5 * self.line, length_text(bar), ha="right")
+
+    @property
+    def foot(self) -> float:
+        """Pixels that a caption takes, with its margins."""
+        return 2 * self.margin + 5.4 * self.line
+
+    def points(self, pixels: float) -> float:
+        """What matplotlib measures type and lines in."""
+        return pixels * 72 / _DPI
+
+    def png(self) -> bytes:
+        """The plate as a PNG."""
+        file = io.BytesIO()
+        with _missing_glyphs():
+            self.figure.savefig(file, format="png", dpi=_DPI, metadata={"Software": None})
+        return file.getvalue()
+
+
+def round_length(most: float) -> float:
+    """The largest of 1, 2, 5, 10, ... that is no longer than `most` metres."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(power * max(step for step in (1, 2, 5) if step * power <= most * (1 + 1e-9)))
+
+
+def length_text(metres: float) -> str:
+    """A length for people."""
+    return f"{metres:.3g} m" if metres >= 1 else f"{metres * 1e3:.3g} mm"

@@ -1,0 +1,64 @@
+"""Which of the rigid bodies that motion capture tracks is the pen, and which the canvas."""
+
+from collections.abc import Mapping
+
+from maulstick.errors import InputError
+
+CORNERS = 3
+"""Markers on a canvas, each at a corner of its own."""
+
+_PEN = ("pen", "brush", "stylus")
+_CANVAS = ("canvas", "paper", "board", "sheet")
+_LISTED = 12
+
+
+def pen_and_canvas(
+    markers: Mapping[str, int], loose: int, pen: str | None = None, canvas: str | None = None
+) -> tuple[str, str | None]:
+    """The names of the rigid bodies of the pen and of the canvas; None where the canvas is three loose markers.
+
+    markers: how many markers each rigid body has.  loose: how many markers belong to none.
+
+    The pen is the rigid body named `pen`; or the only one whose name contains pen, brush or stylus; or the only one
+    that is not the canvas.  The canvas is the rigid body named `canvas`, or the only one whose name contains canvas,
+    paper, board or sheet, with exactly three markers; or three loose markers, if there are exactly three.
+
+    Raises InputError, which says what there is, where that leaves none or several.
+    """
+    there = f"there are {_listed(markers)} and {loose} loose markers"
+    for name in (pen, canvas):
+        if name is not None and name not in markers:
+            raise InputError(f"there is no rigid body {name!r}; {there}")
+    if pen is not None and pen == canvas:
+        raise InputError(f"the pen and the canvas are both {pen!r}; they must be two rigid bodies")
+    if canvas is not None and markers[canvas] != CORNERS:
+        raise InputError(
+            f"the canvas {canvas!r} has {markers[canvas]} markers; it must have exactly three, each at a corner"
+        )
+    if canvas is None:
+        named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CORNERS]
+        if len(named) > 1 or (not named and loose != CORNERS):
+            raise InputError(
+                "there is no telling which is the canvas; name it (--canvas), a rigid body of exactly three markers, "
+                f"or let exactly three markers be loose: {there}"
+            )
+        canvas = named[0] if named else None
+    if pen is None:
+        others = [name for name in markers if name != canvas]
+        named = _named(others, _PEN)
+        if len(named) != 1 and len(others) != 1:
+            raise InputError(f"there is no telling which rigid body is the pen; name it (--pen): {there}")
+        pen = named[0] if len(named) == 1 else others[0]
+    return pen, canvas
+
+
+def _named(names: Mapping[str, int] | list[str], words: tuple[str, ...]) -> list[str]:
+    return [name for name in names if any(word in name.casefold() for word in words)]
+
+
+def _listed(markers: Mapping[str, int]) -> str:
+    if not markers:
+        return "no rigid bodies"
+    names = [f"{name[:40]!r} ({count} markers)" for name, count in markers.items()]
+    more = [f"{len(names) - _LISTED} more"] if len(names) > _LISTED else []
+    return "the rigid bodies " + ", ".join(names[:_LISTED] + more)

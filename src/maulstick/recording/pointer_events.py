@@ -1,0 +1,50 @@
+"""Strokes that a web page recorded from pointer events, in a JSON form of our own (docs/pointer-events.md)."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.dataclasses import dataclass
+
+from maulstick.errors import InputError
+from maulstick.medium import first_fault
+from maulstick.recording.page import Floats, Page
+
+NO_PRESSURE = 0.5
+"""What a browser must report where the hardware knows nothing of pressure, as with a mouse (W3C Pointer Events)."""
+
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+_Side = Annotated[_Number, Field(gt=0)]
+
+
+@dataclass(slots=True, config=ConfigDict(extra="ignore"))  # a page may write more of its events, as tiltX
+class _Point:
+    timeStamp: _Number  # noqa: N815
+    x: _Number
+    y: _Number
+    pressure: Annotated[_Number, Field(ge=0, le=1)]
+
+
+class _Recording(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    schema_version: Literal[1]
+    size_mm: tuple[_Side, _Side]
+    strokes: list[Annotated[list[_Point], Field(min_length=1)]]
+
+
+def read_pointer_events(content: bytes) -> Page:
+    """The page in a JSON recording. Raises InputError, naming the field, where it is none."""
+    try:
+        recording = _Recording.model_validate_json(content, strict=True)
+    except ValidationError as error:
+        raise InputError(first_fault(error)) from error
+    strokes = [_stroke(points) for points in recording.strokes]
+    return Page(strokes, unit=1e-3, size=recording.size_mm, kind="pointer events")
+
+
+def _stroke(points: list[_Point]) -> Floats:
+    stroke = np.array([(point.timeStamp * 1e-3, point.x, point.y, point.pressure) for point in points])
+    if (stroke[:, 3] == NO_PRESSURE).all():
+        stroke[:, 3] = np.nan
+    return stroke

@@ -1,0 +1,73 @@
+"""A smooth density around what was seen: a mixture of Gaussians, one around each sample (a kernel density estimate)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import log
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Generator, Tensor
+
+Floats = NDArray[np.float64]
+
+_POOLED = 0.4
+_LEAST_SPREAD = 0.02
+
+
+@dataclass(frozen=True)
+class Density:
+    """Gaussians around centres (M, d): one covariance (d, d), stretched for each centre by its scales (M, d)."""
+
+    centres: Tensor
+    scales: Tensor
+    covariance: Tensor
+
+    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Draw k points (k, d), and which of the centres each is drawn around, (k,)."""
+        around = torch.randint(len(self.centres), (k,), generator=generator)
+        noise = torch.randn(k, self.centres.shape[1], generator=generator).to(self.centres)
+        return self.centres[around] + self.scales[around] * (noise @ torch.linalg.cholesky(self.covariance).T), around
+
+    def cost(self, points: Tensor) -> Tensor:
+        """Half the squared distance of points (N, d) to the centres, in standard deviations: the soft minimum, nats.
+
+        It is at most log M at a centre. All kernels count as equally high, so that a narrow one does not outweigh
+        the others.
+        """
+        return log(len(self.centres)) - torch.logsumexp(-self._apart(points) / 2, dim=1)
+
+    def nearest(self, points: Tensor) -> Tensor:
+        """Which centre each of the points (N, d) is nearest to, (N,)."""
+        return self._apart(points).argmin(dim=1)
+
+    def _apart(self, points: Tensor) -> Tensor:
+        points = points.double()
+        squares = (points[:, :, None] * points[:, None, :]).flatten(1)
+        quadratic, linear, constant = self._terms
+        return (squares @ quadratic - 2 * points @ linear + constant).clamp(min=0)
+
+    @cached_property
+    def _terms(self) -> tuple[Tensor, Tensor, Tensor]:
+        """(x - c)ᵀ P (x - c) multiplied out, so that all distances are one product of matrices."""
+        inverse = torch.linalg.inv(self.covariance)
+        precisions = inverse / (self.scales[:, :, None] * self.scales[:, None, :])
+        linear = torch.einsum("mij,mj->im", precisions, self.centres)
+        return precisions.flatten(1).T.contiguous(), linear, (linear.T * self.centres).sum(1)
+
+
+def kernel(centres: Floats, pooled: Floats) -> Floats:
+    """How few samples (M, d) of one hand vary, as a covariance (d, d), with the help of how many hands do.
+
+    The pooled covariance says how the numbers vary together; by how much, it says together with the hand's own, after
+    it was scaled to the hand.
+    """
+    own = np.cov(centres, rowvar=False)
+    others = np.sqrt(np.diag(pooled))
+    spread = np.maximum(np.sqrt(np.diag(own)), _LEAST_SPREAD * others)
+    scale = np.exp(np.mean(np.log(spread / others)))
+    correlation = (1 - _POOLED) * own / np.outer(spread, spread) + _POOLED * pooled / np.outer(others, others)
+    np.fill_diagonal(correlation, 1)
+    both = np.sqrt(spread * scale * others)
+    covariance: Floats = correlation * np.outer(both, both)
+    return covariance

@@ -1,0 +1,94 @@
+"""The code that a hand's strokes are learned in: length, a spline for the shape, and the residual that it leaves.
+
+The cubic B-spline through a standardised path has nine control points, the first at the origin and the last on the
+x-axis: 15 numbers, in units of the spline's length, which with the logarithm of that length make the 16 of a **gist**.
+The spline leaves a residual of 47 numbers, in the same unit and an orthonormal basis of all that splines cannot draw.
+It is small, and it is what tells a human stroke from a smooth curve (design §5). Together they are the path again, to
+float precision.
+"""
+
+from functools import cache
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+from torch import Tensor
+
+from maulstick.strokes import POINTS
+
+Floats = NDArray[np.float64]
+
+_DEGREE = 3
+_CONTROL_POINTS = 9
+_SPLINE = 2 * (_CONTROL_POINTS - 1) - 1
+GIST = 1 + _SPLINE
+"""Numbers of a stroke's gist: log length, and eight control points whose last has no y."""
+RESIDUAL = 2 * (POINTS - 1) - _SPLINE
+"""Numbers of what the spline leaves."""
+_SHORTEST = 1e-6  # metres
+
+
+def spline_basis(control_points: int) -> Floats:
+    """(32, control_points): a clamped cubic B-spline at equal steps of its parameter."""
+    knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, control_points - _DEGREE + 1), np.ones(_DEGREE)])
+    basis: Floats = BSpline.design_matrix(np.linspace(0, 1, POINTS), knots, _DEGREE).toarray()
+    return basis
+
+
+def encode(paths: Tensor) -> Tensor:
+    """Gist and residual, (N, 63), of standardised paths (N, 32, 2), metres."""
+    parts = [paths[:, 1:, axis] @ _tensor(_inverse(axis), paths) for axis in (0, 1)]
+    splines = [part[:, : _splines(axis)] for axis, part in enumerate(parts)]
+    residuals = [part[:, _splines(axis) :] for axis, part in enumerate(parts)]
+    length = _length(*splines)
+    return torch.cat([length.log(), *(part / length for part in splines + residuals)], dim=1)
+
+
+def decode(numbers: Tensor) -> Tensor:
+    """Standardised paths (N, 32, 2), metres, of gist and residual, (N, 63)."""
+    size = numbers[:, :1].exp()
+    splines = numbers[:, 1:GIST].split([_splines(axis) for axis in (0, 1)], dim=1)
+    residuals = numbers[:, GIST:].split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
+    scale = size / _length(*splines)
+    drawn = [
+        torch.cat([spline * scale, residual * size], dim=1) @ _tensor(_basis(axis).T, numbers)
+        for axis, (spline, residual) in enumerate(zip(splines, residuals, strict=True))
+    ]
+    return torch.nn.functional.pad(torch.stack(drawn, dim=-1), (0, 0, 1, 0))
+
+
+def _length(spline_x: Tensor, spline_y: Tensor) -> Tensor:
+    """Length of the splines with these control points, (N, 1), metres."""
+    x, y = (part @ _tensor(_basis(axis)[:, : _splines(axis)].T, part) for axis, part in enumerate((spline_x, spline_y)))
+    steps = torch.nn.functional.pad(torch.stack([x, y], dim=-1), (0, 0, 1, 0)).diff(dim=1)
+    return steps.square().sum(-1).clamp(min=1e-30).sqrt().sum(1, keepdim=True).clamp(min=_SHORTEST)
+
+
+def _splines(axis: int) -> int:
+    return _CONTROL_POINTS - 1 - axis
+
+
+@cache
+def _basis(axis: int) -> Floats:
+    """(31, 31): the spline's part for x or y, then an orthonormal basis of what is orthogonal to it.
+
+    The latter is the one that Gram and Schmidt make of cosines; its signs are fixed, so that a code means the same
+    stroke on every machine.
+    """
+    spline = spline_basis(_CONTROL_POINTS)[1:, 1 : 1 + _splines(axis)]
+    along = (np.arange(POINTS - 1) + 0.5) * np.pi / (POINTS - 1)
+    waves = np.cos(np.outer(along, np.arange(_splines(axis), POINTS - 1)))
+    q, r = np.linalg.qr(np.concatenate([spline, waves], axis=1))
+    q = q * np.sign(np.diag(r))
+    return np.concatenate([spline, q[:, _splines(axis) :]], axis=1)
+
+
+@cache
+def _inverse(axis: int) -> Floats:
+    inverse: Floats = np.linalg.inv(_basis(axis)).T
+    return inverse
+
+
+def _tensor(array: Floats, like: Tensor) -> Tensor:
+    return torch.from_numpy(np.ascontiguousarray(array)).to(like)

@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from maulstick.errors import InputError
+from maulstick.recording.page import Page, on_sheet
+
+LINE = np.array([[10.0, 100.0, 50.0, 0.5], [11.0, 300.0, 150.0, 0.75]])  # 200 by 100 units
+
+
+def page(unit: float | None = None, size: tuple[float, float] | None = None, line: NDArray[np.float64] = LINE) -> Page:
+    return Page([line], unit, size, "test")
+
+
+def ends(page: Page, size: tuple[float, float] | None = None, longest: float | None = None) -> list[list[float]]:
+    """The sheet and the two ends of the line in millimetres."""
+    ink = on_sheet(page, size, longest, "a test")
+    assert ink.source == "a test"
+    mm = np.round(1e3 * np.vstack([ink.size, ink.samples[:, 1:3]]), 6)
+    return [list(row) for row in mm.tolist()]
+
+
+def test_a_drawing_of_unknown_scale_is_150_mm_on_its_longer_side_with_a_twentieth_as_margin() -> None:
+    assert ends(page()) == [[165, 90], [7.5, 7.5], [157.5, 82.5]]
+
+
+def test_a_drawing_of_known_scale_keeps_its_size() -> None:
+    assert ends(page(unit=1e-4)) == [[22, 12], [1, 1], [21, 11]]
+
+
+def test_a_page_that_the_file_has_is_the_sheet() -> None:
+    assert ends(page(unit=1e-4, size=(400, 300))) == [[40, 30], [10, 5], [30, 15]]
+    assert ends(page(size=(400, 300))) == [[300, 225], [75, 37.5], [225, 112.5]]
+
+
+@pytest.mark.parametrize("unit", [None, 1e-4])
+def test_the_longer_side_of_the_drawing_is_as_long_as_asked_for(unit: float | None) -> None:
+    assert ends(page(unit), longest=0.1) == [[110, 60], [5, 5], [105, 55]]
+    assert ends(page(unit, size=(400, 300)), longest=0.1) == [[200, 150], [50, 25], [150, 75]]
+
+
+@pytest.mark.parametrize("unit", [None, 1e-4])
+def test_a_page_fills_the_sheet_asked_for_without_being_distorted(unit: float | None) -> None:
+    assert ends(page(unit), size=(0.22, 0.2)) == [[220, 200], [10, 50], [210, 150]]
+    assert ends(page(unit, size=(400, 300)), size=(0.08, 0.03)) == [[80, 30], [30, 5], [50, 15]]
+
+
+@pytest.mark.parametrize("unit", [None, 1e-4])
+def test_a_single_dot_lies_in_the_middle_of_a_small_sheet(unit: float | None) -> None:
+    dot = page(unit, line=LINE[:1])
+    assert ends(dot) == ends(dot, longest=0.1) == [[10, 10], [5, 5]]
+    assert ends(dot, size=(0.2, 0.1)) == [[200, 100], [100, 50]]
+
+
+def test_times_begin_at_zero_and_empty_strokes_are_none() -> None:
+    strokes = [LINE, np.zeros((0, 4)), LINE - [4, 0, 0, 0], LINE * [np.nan, 1, 1, np.nan]]
+    ink = on_sheet(Page(strokes, None, None, "test"), None, None, "")
+    assert ink.lengths.tolist() == [2, 2, 2]
+    assert np.array_equal(ink.samples[:, 0], [4, 5, 0, 1, np.nan, np.nan], equal_nan=True)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))
+def test_neither_where_a_drawing_lay_nor_its_unit_matters_where_no_scale_is_known(offset: float, scale: float) -> None:
+    moved = LINE * [1, scale, scale, 1] + [0, offset * scale, -offset * scale, 0]
+    assert on_sheet(page(line=moved), None, None, "").samples == pytest.approx(
+        on_sheet(page(), None, None, "").samples, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("place", [np.nan, np.inf, -np.inf, 1e13])
+def test_a_sample_at_no_place_is_refused(place: float) -> None:
+    with pytest.raises(InputError, match="a sample has no place: its x or y is no number, or too large"):
+        on_sheet(page(line=LINE + np.array([0, 0, place, 0])), None, None, "")
+
+
+def test_nothing_and_too_much_are_refused() -> None:
+    with pytest.raises(InputError, match="there are no strokes in it"):
+        on_sheet(Page([], None, None, "test"), None, None, "")
+    endless = np.broadcast_to(LINE[:1], (5_000_001, 4))
+    with pytest.raises(InputError, match="it has 5000001 samples; 5000000 are the most that a drawing may have"):
+        on_sheet(page(line=endless), None, None, "")
+
+
+def test_a_drawing_larger_than_any_sheet_is_refused() -> None:
+    with pytest.raises(
+        InputError, match=r"the sheet of the ink is \(220\.0, 120\.0\) m; it must be between 0 and 100 m"
+    ):
+        on_sheet(page(unit=1.0), None, None, "")

@@ -1,0 +1,162 @@
+import numpy as np
+import pytest
+from defusedxml import EntitiesForbidden
+
+from maulstick.errors import InputError
+from maulstick.painting import Stroke
+from maulstick.recording.page import Floats, Page
+from maulstick.recording.svg_ink import read_svg
+from maulstick.svg import painting_svg
+from tests.test_painting import CURVE, a_painting
+
+SHEET = 'width="100mm" height="50mm" viewBox="0 0 100 50"'
+
+
+def svg(body: str, root: str = SHEET) -> Page:
+    spaces = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
+    return read_svg(f"<svg {spaces} {root}>{body}</svg>".encode())
+
+
+def strokes(body: str, root: str = SHEET) -> list[Floats]:
+    """The x, y of each stroke, in millimetres."""
+    page = svg(body, root)
+    assert page.unit is not None
+    return [np.round(1e3 * page.unit * stroke[:, 1:3], 6) for stroke in page.strokes]
+
+
+def ends(body: str, root: str = SHEET) -> list[list[list[float]]]:
+    return [stroke[[0, -1]].tolist() for stroke in strokes(body, root)]
+
+
+def test_lines_and_polylines_keep_their_points() -> None:
+    body = '<line x1="1" y1="2" x2="3" y2="4"/><polyline points="0,0 5,0 5,7"/><polygon points="0,0 5,0 5,7"/>'
+    expected = [[[1, 2], [3, 4]], [[0, 0], [5, 0], [5, 7]], [[0, 0], [5, 0], [5, 7], [0, 0]]]
+    assert [stroke.tolist() for stroke in strokes(body)] == expected
+
+
+def test_there_are_no_times_and_no_press() -> None:
+    page = svg('<path d="M0 0L9 9"/>')
+    assert np.isnan(page.strokes[0][:, [0, 3]]).all()
+    assert page.kind == "SVG"
+
+
+def test_each_subpath_is_a_stroke_and_a_closed_one_returns_to_its_start() -> None:
+    body = '<path d="M1 1H5V5z m10 0l1 1M20 20"/>'
+    assert [stroke.tolist() for stroke in strokes(body)] == [[[1, 1], [5, 1], [5, 5], [1, 1]], [[11, 1], [12, 2]]]
+
+
+@pytest.mark.parametrize(
+    ("path", "end"),
+    [
+        ("C10 20 30 20 40 10", [40, 10]),
+        ("Q25 30 40 10", [40, 10]),
+        ("A15 15 0 0 0 40 10", [40, 10]),
+        ("S30 0 40 9", [40, 9]),
+    ],
+)
+def test_curves_are_sampled_finely_between_their_ends(path: str, end: list[float]) -> None:
+    (stroke,) = strokes(f'<path d="M10 10{path}"/>')
+    assert stroke[[0, -1]].tolist() == [[10, 10], end]
+    turns = np.abs(np.diff(np.unwrap(np.arctan2(*np.diff(stroke, axis=0).T))))
+    assert turns.max() < 0.2, "no corner"
+
+
+def test_a_circle_is_within_ten_micrometres_of_itself() -> None:
+    (stroke,) = strokes('<circle cx="50" cy="25" r="20"/>')
+    assert np.linalg.norm(stroke - [50, 25], axis=1) == pytest.approx(20, abs=0.01)
+    middles = (stroke[1:] + stroke[:-1]) / 2
+    assert np.linalg.norm(middles - [50, 25], axis=1) == pytest.approx(20, abs=0.01)
+    assert stroke[-1].tolist() == stroke[0].tolist()
+
+
+def test_transforms_of_groups_and_shapes_are_applied() -> None:
+    body = '<g transform="translate(10 20)"><g transform="scale(2)"><path transform="rotate(90)" d="M0 0L3 0"/></g></g>'
+    assert ends(body) == [[[10, 20], [10, 26]]]
+
+
+def test_what_is_used_is_drawn_where_it_is_used_and_nowhere_else() -> None:
+    defined = '<defs><path id="a" d="M0 0L1 1"/></defs><symbol id="b"><path d="M0 0L2 0"/></symbol>'
+    assert ends(defined + '<use href="#a" x="5"/><use xlink:href="#b" y="7"/>') == [[[5, 0], [6, 1]], [[0, 7], [2, 7]]]
+
+
+@pytest.mark.parametrize("name", ["defs", "symbol", "clipPath", "mask", "marker", "pattern"])
+def test_what_is_only_referred_to_is_no_stroke(name: str) -> None:
+    assert ends(f'<{name} id="a"><path d="M0 0L9 9"/></{name}><path d="M0 0L1 1"/>') == [[[0, 0], [1, 1]]]
+
+
+def test_what_is_not_displayed_is_no_stroke() -> None:
+    body = '<g style="display:none"><path d="M0 0L9 9"/></g><path display="none" d="M0 0L8 8"/><path d="M0 0L1 1"/>'
+    assert ends(body) == [[[0, 0], [1, 1]]]
+
+
+@pytest.mark.parametrize(
+    ("root", "end"),
+    [
+        ('width="5in" height="5in" viewBox="0 0 50 50"', [2.54, 5.08]),
+        ('width="10cm" height="10cm" viewBox="0 0 1000 1000"', [0.1, 0.2]),
+        ('width="72pt" height="6pc"', [25.4 / 96, 25.4 / 48]),
+        ('width="96" height="96px"', [25.4 / 96, 25.4 / 48]),
+        ('width="100mm" height="50mm" viewBox="-1 -2 100 50"', [2, 4]),
+    ],
+)
+def test_lengths_are_as_the_document_says(root: str, end: list[float]) -> None:
+    assert strokes('<path d="M0 0L1 2"/>', root)[0][-1] == pytest.approx(end, abs=1e-5)
+
+
+def test_the_page_is_the_sheet() -> None:
+    page = svg('<path d="M0 0L1 2"/>')
+    assert page.size is not None
+    assert page.unit is not None
+    assert np.array(page.size) * page.unit == pytest.approx([0.1, 0.05])
+
+
+@pytest.mark.parametrize(
+    "root", ["", 'width="100%" height="100%" viewBox="0 0 9 9"', 'viewBox="0 0 9 9"', 'width="9mm"']
+)
+def test_without_lengths_the_unit_and_the_page_are_unknown(root: str) -> None:
+    page = svg('<path d="M0 0L1 2"/>', root)
+    assert (page.unit, page.size) == (None, None)
+
+
+def test_a_path_is_drawn_as_far_as_it_can_be_read() -> None:
+    assert ends('<path d="M0 0L1 1 foo L9 9"/>') == [[[0, 0], [1, 1]]]
+
+
+def test_a_drawing_without_paths_is_refused_with_the_remedy() -> None:
+    for body in ("", "<text>cat</text>", '<image href="cat.png" width="9" height="9"/>', '<path d="M1 1"/>'):
+        with pytest.raises(InputError, match="there is no path or shape in it; convert text and objects to paths in"):
+            svg(body)
+
+
+def test_a_dot_is_a_stroke_of_one_point() -> None:
+    assert [stroke.tolist() for stroke in strokes('<path d="M3 4L3 4"/>')] == [[[3, 4]]]
+
+
+def test_entities_are_refused() -> None:
+    for entity in ('"M0 0"', 'SYSTEM "file:///etc/hostname"'):
+        with pytest.raises(EntitiesForbidden):
+            read_svg(f"<!DOCTYPE svg [<!ENTITY a {entity}>]><svg>&a;</svg>".encode())
+
+
+def test_a_use_that_repeats_itself_without_end_is_refused() -> None:
+    with pytest.raises(InputError, match="a <use> in it uses itself; take that out"):
+        svg('<g id="a"><use href="#b"/></g><g id="b"><use href="#a"/></g>')
+
+
+def test_uses_that_multiply_are_refused_before_they_are_drawn() -> None:
+    doubling = "".join(f'<g id="a{i}"><use href="#a{i - 1}"/><use href="#a{i - 1}"/></g>' for i in range(1, 60))
+    with pytest.raises(InputError, match="its shapes come to over 12 MiB, counting every <use> of them; split it"):
+        svg(f'<path id="a0" d="M0 0L1 1"/>{doubling}')
+
+
+def test_another_kind_of_document_is_refused() -> None:
+    with pytest.raises(InputError, match="its outermost element is <html>; it must be <svg>"):
+        read_svg(b"<html/>")
+
+
+def test_what_maulstick_draws_it_reads_again() -> None:
+    painting = a_painting([Stroke(id=i, paint=i, trajectory=CURVE) for i in range(2)])
+    page = read_svg(painting_svg(painting).encode())
+    assert page.unit is not None
+    for stroke, drawn in zip(page.strokes, painting.trajectories(), strict=True):
+        assert page.unit * stroke[:, 1:3] == pytest.approx(drawn[:, :2], abs=1e-6)
