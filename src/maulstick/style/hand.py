@@ -69,7 +69,7 @@ class Hand:
 
         A stroke without times takes those of the hand on average; None where no stroke has any.
         """
-        known: NDArray[np.bool_] = np.isfinite(self.speeds).all(axis=1)
+        known = np.isfinite(self.speeds[:, 0])
         if not known.any():
             return None
         usual = np.exp(np.log(self.speeds[known]).mean(axis=0))

@@ -86,8 +86,7 @@ def _basis(axis: int) -> Floats:
 
 @cache
 def _inverse(axis: int) -> Floats:
-    inverse: Floats = np.linalg.inv(_basis(axis)).T
-    return inverse
+    return np.asarray(np.linalg.inv(_basis(axis)).T, dtype=np.float64)
 
 
 def _tensor(array: Floats, like: Tensor) -> Tensor:

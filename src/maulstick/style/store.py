@@ -3,7 +3,7 @@
 import hashlib
 import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from maulstick.medium import first_fault
 from maulstick.style.exemplar import Exemplar, Hands
 from maulstick.style.hand import Hand
 
-VERSION = 1
+VERSION: Final = 1
 _LARGEST_FILE = 256 * 2**20
 _NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,39}")
 _HAND, _HANDS = ("paths", "press", "speeds"), ("covariance", "residual")
