@@ -169,7 +169,7 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
         (["--demo", "--fit", "stretch"], "there is no fit 'stretch'; there are: contain, cover"),
         (["--demo", "--brush", "broom"], "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round"),
         (["--demo", "--brush", "none.json"], "there is no brush none.json"),
-        (["--demo", "--style", "rococo"], "there is no style 'rococo'; there are: free"),
+        (["--demo", "--style", "rococo"], "there is no style 'rococo'; there are: FILE.json, "),
         (["--demo", "--ink", "octarine"], "'octarine' is not a colour; write a name such as black, or #rrggbb"),
         (["--demo", "--ink", "red", "--paints", "2"], "--ink paints in one colour and --paints in several; leave one"),
         (["--demo", "--film", "avi"], "there is no film format 'avi'; there are: gif, mp4"),

@@ -14,6 +14,7 @@ from tests.cli.conftest import Ran, run
 STROKE = np.array([[0.0, 0.01, 0.02, 0.2], [0.5, 0.05, 0.04, 0.6], [1.0, 0.09, 0.01, 1.0]])
 INK = Ink.of([STROKE, STROKE[:1]], (0.1, 0.05))
 BRUSH = Path(word.__file__).parents[1] / "brush" / "built_in" / "marker.json"
+STYLE = Path(word.__file__).parents[1] / "style" / "built_in" / "hatching.json"
 
 
 @pytest.fixture
@@ -22,7 +23,7 @@ def ink(tmp_path: Path) -> Path:
     return tmp_path / "cat.ink.npz"
 
 
-@pytest.fixture(params=["ink", "strokes", "brush", "painting"])
+@pytest.fixture(params=["ink", "strokes", "style", "brush", "painting"])
 def file(request: pytest.FixtureRequest, tmp_path: Path, painted: tuple[Path, Ran]) -> Path:
     """One file of each kind that has a picture."""
     path = tmp_path / {"ink": "a.ink.npz", "strokes": "a.strokes.npz"}.get(request.param, f"{request.param}.json")
@@ -31,7 +32,10 @@ def file(request: pytest.FixtureRequest, tmp_path: Path, painted: tuple[Path, Ra
     elif request.param == "strokes":
         write_strokes(Strokes.of(INK), path)
     else:
-        shutil.copy(BRUSH if request.param == "brush" else painted[0] / "painting.json", path)
+        written = {"style": STYLE, "brush": BRUSH, "painting": painted[0] / "painting.json"}[request.param]
+        shutil.copy(written, path)
+        if request.param == "style":
+            shutil.copy(STYLE.with_suffix(".safetensors"), path.with_suffix(".safetensors"))
     return path
 
 
@@ -47,6 +51,21 @@ def test_whatever_maulstick_wrote_has_a_picture_beside_it(file: Path) -> None:
 def test_a_painting_is_shown_as_it_is_rendered(painted: tuple[Path, Ran], tmp_path: Path) -> None:
     assert run("show", painted[0] / "painting.json", "--out", tmp_path / "a.png").code == 0
     assert (tmp_path / "a.png").read_bytes() == (painted[0] / "preview.png").read_bytes()
+
+
+def test_a_style_is_shown_as_it_is_by_its_name(tmp_path: Path) -> None:
+    assert run("show", STYLE, "--px", "240", "--out", tmp_path / "file.png").code == 0
+    assert run("style", "show", STYLE, "--px", "240", "--out", tmp_path / "style.png").code == 0
+    pictures = [Image.open(tmp_path / name).convert("L") for name in ("file.png", "style.png")]
+    strokes = [np.array(picture)[:180] for picture in pictures]  # below stands what it is called
+    assert np.array_equal(*strokes)
+
+
+def test_a_style_without_its_arrays_is_refused(tmp_path: Path) -> None:
+    shutil.copy(STYLE, tmp_path / "a.json")
+    ran = run("show", tmp_path / "a.json")
+    assert ran.code == 2
+    assert ran.mistake == f"there is no style {tmp_path / 'a.safetensors'}; check its name and folder"
 
 
 def test_a_picture_that_is_there_is_replaced_only_when_told_to(ink: Path) -> None:
@@ -82,7 +101,7 @@ def test_what_cannot_be_shown_is_refused_with_the_remedy(tmp_path: Path, name: s
     ran = run("show", path)
     assert ran.code == 2
     assert ran.mistake == (
-        f"{path} is none of what can be shown: brush, ink, painting, strokes; "
+        f"{path} is none of what can be shown: brush, ink, painting, strokes, style; "
         "where it is another program's drawing, make ink of it with maulstick record ink"
     )
 
@@ -92,6 +111,7 @@ def test_a_file_with_a_fault_is_refused_by_what_it_is(tmp_path: Path) -> None:
     for content, text in (
         ('{"alpha": -1}', f"{path} is not a brush: name: Field required"),
         ('{"paints": ', f"{path} is not a painting: the file: Invalid JSON"),
+        ('{"sha256": ""}', f"{path} is not a style: name: Field required"),
     ):
         path.write_text(content)
         assert run("show", path).mistake.startswith(text)

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from maulstick import strokes
-from maulstick.plan.parameters import StrokeParameters, press_along
+from maulstick.plan.parameters import StrokeParameters
 from maulstick.style import FreeStyle
+from maulstick.style.press import press_along
 from tests.tolerances import FLOAT32_METRES
 
 STYLE = FreeStyle(shortest=0.002, longest=0.05)
@@ -88,20 +89,6 @@ def test_strokes_that_train_are_kept_inside_without_a_gradient() -> None:
     parameters.keep_inside(STYLE, WIDTH, HEIGHT)
     assert parameters.centres.is_leaf
     assert parameters.centres.requires_grad
-
-
-def test_press_is_a_line_between_equally_spaced_knots() -> None:
-    knots = torch.tensor([[0.0, 1.0, 0.25, 0.5], [0.3, 0.3, 0.3, 0.3]])
-    expected = np.stack([np.interp(np.linspace(0, 3, 32), range(4), row) for row in knots.numpy()])
-    assert press_along(knots).numpy() == pytest.approx(expected, abs=1e-6)
-
-
-@given(st.lists(st.floats(0, 1, width=32), min_size=4, max_size=4))
-def test_press_stays_between_its_knots(knots: list[float]) -> None:
-    press = press_along(torch.tensor([knots]))
-    assert press.min() >= min(knots) - 1e-6
-    assert press.max() <= max(knots) + 1e-6
-    assert press[0, [0, -1]].tolist() == [knots[0], knots[-1]]
 
 
 def test_some_strokes_are_a_copy_without_gradients() -> None:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -7,14 +9,16 @@ from maulstick.brush.traj2stroke import Traj2Stroke, paint
 from maulstick.errors import InputError
 from maulstick.medium import Brush, load_brush
 from maulstick.palette import lightness
+from maulstick.plan import planner
 from maulstick.plan.objectives import Objective
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, Schedule, plan
 from maulstick.plan.start import Places, start_strokes
-from maulstick.style import FreeStyle
+from maulstick.style import FreeStyle, Style
 from tests.plan.conftest import QUICK, commission, mse, options
-from tests.tolerances import FLOAT32_METRES
+from tests.style.synthetic_hands import exemplar_of, zigzag
+from tests.tolerances import FLOAT32_METRES, LEEWAY
 
 LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
 
@@ -277,6 +281,32 @@ def test_a_paint_is_mixed_for_the_strokes_that_show_most(asked: Commission) -> N
     at_once = Schedule(respends=(), snap=0.0)
     found = plan(asked, options(strokes=2, paints=1, steps=1, exact=True), schedule=at_once, start=start)
     assert lightness(found.paints.double().numpy())[0] > 70
+
+
+def as_unlikely(style: Style, found: Plan) -> float:
+    """Mean cost of a plan's strokes, in those of as many strokes that the style draws by itself."""
+    chance = torch.Generator().manual_seed(1)
+    usual = torch.stack([style.cost(*style.sample(len(found.strokes), chance)).mean() for _ in range(8)]).mean()
+    return (style.cost(found.strokes.codes, found.strokes.press_knots).mean() / usual).item()
+
+
+def test_a_plan_in_a_hand_stays_within_the_hands_leeway(portrait: Picture, round_brush: Brush) -> None:
+    asked, hand = commission(portrait, round_brush), exemplar_of(zigzag)
+    held, left = (
+        plan(replace(asked, style=replace(hand, held=held)), options(paints=4, exact=True))
+        for held in (1.5, float("inf"))
+    )
+    assert as_unlikely(hand, held) < 1.5 * LEEWAY
+    assert as_unlikely(hand, left) > 1.2 * as_unlikely(hand, held)
+    assert mse(rendered(replace(asked, style=hand), held), asked.target) < 0.7 * mse(asked.paper, asked.target)
+
+
+def test_a_style_that_binds_nobody_never_weighs_more(
+    asked: Commission, planned: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(planner, "_HOLD", 0.0)
+    monkeypatch.setattr(planner, "_JUDGED_BY", 1)
+    assert same(plan(asked, QUICK), planned)
 
 
 class Darker(Objective):

@@ -9,7 +9,11 @@ from maulstick.medium import Brush, load_brush
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.start import Floats, Places, detail, find_places, ink_density, start_strokes
 from maulstick.style import FreeStyle, load_style
+from maulstick.style.exemplar import Exemplar
+from maulstick.style.hand import Hand
 from tests.plan.conftest import commission, mse
+from tests.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, strokes_of
+from tests.tolerances import FLOAT32_VALUE
 
 STYLE = FreeStyle(shortest=0.001, longest=0.05)
 PPM = 1000.0
@@ -176,6 +180,26 @@ def test_more_room_makes_longer_and_wider_strokes(round_brush: Brush) -> None:
         assert np.ptp(length) < 0.1 * length.mean(), "the same room takes the same length"
         assert knots.min() >= 0
         assert knots.max() <= 1
+
+
+def test_a_hand_starts_with_its_own_lengths_whatever_the_room_and_the_longest_where_there_is_most(
+    round_brush: Brush,
+) -> None:
+    hand, room = exemplar_of(circle), np.linspace(1, 300, 50)
+    found = Places(np.zeros((50, 2)), np.zeros(50), room, np.zeros((50, 3)))
+    strokes = start_strokes(found, hand, round_brush, PPM, torch.Generator().manual_seed(0))
+    gists = strokes.codes[:, 0]
+    assert (gists.diff() >= 0).all()
+    own = hand.encode(torch.from_numpy(hand.hand.paths))[:, 0]
+    assert own.min() - 2 < gists.min() < gists.max() < own.max() + 2
+
+
+def test_press_rises_and_falls_as_the_style_has_it_about_the_width_that_the_room_asks(round_brush: Brush) -> None:
+    falling = strokes_of(drawn(circle, 20), np.linspace(0.9, 0.6, 32))
+    style = Exemplar.fit("falling", Hand.of(falling), all_hands())
+    found = crowd((round_brush.beta + 0.5 * round_brush.alpha) / 0.4 * PPM)
+    press = start_strokes(found, style, round_brush, PPM, torch.Generator().manual_seed(0)).press_knots
+    assert press.numpy() == pytest.approx(np.tile([0.65, 0.55, 0.45, 0.35], (200, 1)), abs=FLOAT32_VALUE)
 
 
 def test_a_pen_that_cannot_press_starts_without_press() -> None:

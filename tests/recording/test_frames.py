@@ -12,9 +12,7 @@ from maulstick.ink import Floats
 from maulstick.recording.frames import CORNERS, CanvasPath, canvas_path
 from maulstick.recording.take import Take
 from tests.recording.simulated_take import NONE, RATE, SHEET, Faults, loops_and_lines, simulate
-
-EXACT = 1e-12
-NOISY = 0.15e-3  # with 0.1 mm of noise on each marker, smoothed: at any place on the sheet, in any frame
+from tests.tolerances import FRAME_METRES, FRAME_METRES_NOISY
 
 PLACES = np.array([(0.0, 0.0, 0.0), (0.24, 0.0, 0.0), (0.05, 0.15, 0.0), (0.1, 0.1, -0.2)])
 PEN = np.array([0.1, 0.1, -0.14])
@@ -57,8 +55,8 @@ def test_any_corner_of_any_sheet_may_have_the_right_angle_and_its_marker_any_nam
 ) -> None:
     take, turn, away = take_of(corners(width, height, corner)[names], 10, seed)
     canvas = canvas_path(take, CORNERS[corner])
-    assert canvas.size == pytest.approx((width, height), abs=EXACT)
-    assert wrong(canvas, turn, away) < 100 * EXACT
+    assert canvas.size == pytest.approx((width, height), abs=FRAME_METRES)
+    assert wrong(canvas, turn, away) < 100 * FRAME_METRES
     assert np.allclose(np.linalg.det(canvas.rotations), 1)
 
 
@@ -67,7 +65,7 @@ def test_the_names_of_markers_may_change_from_frame_to_frame() -> None:
     chance = np.random.default_rng(1)
     mixed = np.array([triangle[chance.permutation(3)] for triangle in take.canvas_markers])
     canvas = canvas_path(replace(take, canvas_markers=mixed))
-    assert wrong(canvas, turn, away) < EXACT
+    assert wrong(canvas, turn, away) < FRAME_METRES
     assert canvas.swapped > 50
 
 
@@ -81,14 +79,14 @@ def test_z_points_away_from_the_pen_on_whichever_side_it_is() -> None:
 def test_a_pen_that_lies_beside_the_board_for_long_does_not_turn_the_canvas_over() -> None:
     take, turn, away = take_of(corners(*SHEET, 0))
     take.pen_positions[:70] = turn.apply([0.9, 0.1, 0.05]) + away
-    assert wrong(canvas_path(take), turn, away) < EXACT
+    assert wrong(canvas_path(take), turn, away) < FRAME_METRES
 
 
 def test_the_side_is_told_by_the_pens_markers_where_its_rigid_body_sits_at_the_tip() -> None:
     take, turn, away = take_of(corners(*SHEET, 0), pen=PEN * (1, 1, 0) + (0, 0, 1e-3))
     markers = np.tile(turn.apply(PEN + np.eye(3) * 0.02) + away, (len(take), 1, 1))
     markers[:, 2] = np.nan  # one is never seen
-    assert wrong(canvas_path(replace(take, pen_markers=markers)), turn, away) < EXACT
+    assert wrong(canvas_path(replace(take, pen_markers=markers)), turn, away) < FRAME_METRES
 
 
 def test_a_corner_that_is_nearly_square_shares_its_error_between_the_axes() -> None:
@@ -103,7 +101,7 @@ def test_noise_is_smoothed_to_less_than_it_was() -> None:
     take, turn, away = take_of(corners(*SHEET, 0), 2000)
     take.canvas_markers[:] += np.random.default_rng(0).normal(0, 1e-4, take.canvas_markers.shape)
     canvas = canvas_path(take)
-    assert wrong(canvas, turn, away) < NOISY
+    assert wrong(canvas, turn, away) < FRAME_METRES_NOISY
     assert canvas.size == pytest.approx(SHEET, abs=2e-5)
 
 
@@ -112,7 +110,7 @@ def test_a_frame_with_two_markers_takes_the_third_from_before_and_after() -> Non
     for marker in range(3):
         take.canvas_markers[10 + 30 * marker : 35 + 30 * marker, marker] = np.nan
     canvas = canvas_path(take)
-    assert wrong(canvas, turn, away) < EXACT
+    assert wrong(canvas, turn, away) < FRAME_METRES
     assert (canvas.mended, canvas.guessed) == (75, 0)
 
 
@@ -120,7 +118,7 @@ def test_a_reflection_is_not_taken_for_a_marker() -> None:
     take, turn, away = take_of(corners(*SHEET, 0))
     take.canvas_markers[20:40, 1] += 0.05
     canvas = canvas_path(take)
-    assert wrong(canvas, turn, away) < EXACT
+    assert wrong(canvas, turn, away) < FRAME_METRES
     assert canvas.mended == 20
 
 
@@ -133,7 +131,7 @@ def test_a_board_that_is_pushed_while_a_marker_is_lost_is_followed() -> None:
     canvas = canvas_path(take)
     assert canvas.mended == 100
     after = canvas.capture_to_canvas(np.tile(turn.apply(PLACES[2]) + push[-1, 0] + away, (400, 1)))
-    assert np.abs(after[260:] - PLACES[2]).max() < EXACT
+    assert np.abs(after[260:] - PLACES[2]).max() < FRAME_METRES
     origins = turn.apply(np.zeros(3)) + push[:, 0] + away
     assert np.abs(canvas.origins[170:230] - origins).max() < 2e-3  # smoothing rounds the sudden start and stop
     assert np.abs(canvas.origins[185:215] - origins[15:45]).max() < 5e-4
@@ -154,12 +152,12 @@ def test_a_canvas_out_of_sight_is_where_it_was_unless_it_moved_meanwhile(shift: 
 def test_a_canvas_that_is_seen_late_and_lost_early_is_taken_not_to_have_moved() -> None:
     take, turn, away = take_of(corners(*SHEET, 0))
     take.canvas_markers[:40], take.canvas_markers[60:] = np.nan, np.nan
-    assert wrong(canvas_path(take), turn, away) < EXACT
+    assert wrong(canvas_path(take), turn, away) < FRAME_METRES
 
 
 def test_a_single_frame_is_enough_for_a_canvas() -> None:
     take, turn, away = take_of(corners(*SHEET, 0), 1)
-    assert wrong(canvas_path(take), turn, away) < EXACT
+    assert wrong(canvas_path(take), turn, away) < FRAME_METRES
 
 
 def test_a_simulated_canvas_with_all_its_faults_is_found() -> None:

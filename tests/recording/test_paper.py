@@ -5,8 +5,7 @@ from maulstick.errors import InputError
 from maulstick.ink import Floats
 from maulstick.recording.paper import find_paper
 from tests.recording.simulated_take import RATE, SHEET, loops_and_lines, way_of
-
-FOUND = 0.05e-3  # metres anywhere on the sheet, with 0.06 mm of trembling
+from tests.tolerances import PAPER_METRES
 
 WAY = way_of(loops_and_lines(20), 3)
 TIMES = np.arange(len(WAY)) / RATE
@@ -25,7 +24,7 @@ def test_the_paper_is_found_at_any_height_and_slope(level: float, slope: tuple[f
     plane = level + (WAY[:, :2] - np.array(SHEET) / 2) @ slope
     paper = find_paper(TIMES, WAY[:, :2], trembling() + plane, SHEET)
     over = paper.heights_over(WAY[:, :2], trembling() + plane)
-    assert np.abs(over - trembling()).max() < FOUND
+    assert np.abs(over - trembling()).max() < PAPER_METRES
     assert paper.slope == pytest.approx(slope, abs=5e-4)
 
 
@@ -33,27 +32,27 @@ def test_strokes_on_one_spot_say_nothing_of_a_slope() -> None:
     places = np.tile([0.1, 0.1], (len(WAY), 1))
     paper = find_paper(TIMES, places, trembling(), SHEET)
     assert np.abs(paper.slope).max() < 1e-6
-    assert abs(paper.heights_over(places[:1], np.zeros(1))[0]) < FOUND
+    assert abs(paper.heights_over(places[:1], np.zeros(1))[0]) < PAPER_METRES
 
 
 def test_a_pen_that_was_laid_down_beside_the_sheet_does_not_count() -> None:
     aside = np.concatenate([WAY[:, :2], np.tile([0.5, 0.1], (20_000, 1))])
     heights = np.concatenate([trembling(), np.full(20_000, -0.02)])
     paper = find_paper(np.arange(len(aside)) / RATE, aside, heights, SHEET)
-    assert paper.level == pytest.approx(0, abs=FOUND)
+    assert paper.level == pytest.approx(0, abs=PAPER_METRES)
 
 
 def test_a_pen_that_is_held_still_in_the_air_does_not_count() -> None:
     held = np.concatenate([WAY[:, :2], np.tile([0.1, 0.1], (2000, 1))])
     heights = np.concatenate([trembling(), np.full(2000, 0.03)])
     paper = find_paper(np.arange(len(held)) / RATE, held, heights, SHEET)
-    assert paper.level == pytest.approx(0, abs=FOUND)
+    assert paper.level == pytest.approx(0, abs=PAPER_METRES)
 
 
 def test_gaps_do_not_matter() -> None:
     heights, places = trembling(), WAY[:, :2].copy()
     heights[500:700], places[500:700] = np.nan, np.nan
-    assert find_paper(TIMES, places, heights, SHEET).level == pytest.approx(0, abs=FOUND)
+    assert find_paper(TIMES, places, heights, SHEET).level == pytest.approx(0, abs=PAPER_METRES)
 
 
 @pytest.mark.parametrize(

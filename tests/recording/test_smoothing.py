@@ -8,7 +8,6 @@ from maulstick.recording.smoothing import smooth
 
 RATE = 240.0
 GAP = 0.1
-EXACT = 1e-9
 TIMES = np.arange(2400) / RATE
 
 

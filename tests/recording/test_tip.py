@@ -9,9 +9,9 @@ from maulstick.recording.frames import canvas_path
 from maulstick.recording.take import Take
 from maulstick.recording.tip import TipPath, steady, tip_path
 from tests.recording.simulated_take import NONE, RATE, TIP, Faults, loops_and_lines, simulate, way_of
+from tests.tolerances import TIP_METRES_NOISY
 
 NOISE = Faults(pen_lost=0, pen_swapped=0, canvas_lost=0, canvas_swapped=0)
-FOLLOWED = 0.5e-3  # metres, 95 % of the time, with 0.1 mm of noise on each marker
 STROKES = loops_and_lines(6)
 
 
@@ -37,7 +37,7 @@ def test_the_noise_of_the_markers_is_found_and_mostly_gone(seed: int) -> None:
     path = path_of(simulate(STROKES, seed, NOISE).take)
     assert path.noise[0] == pytest.approx(0.35e-3, rel=0.15)  # at the tip, 0.1 mm at each marker
     assert path.noise[1] < path.noise[0]
-    assert np.percentile(errors(path, seed), 95) < FOLLOWED
+    assert np.percentile(errors(path, seed), 95) < TIP_METRES_NOISY
     assert np.std(path.heights + way_of(STROKES, seed)[:, 2]) < 0.15e-3
 
 
@@ -47,7 +47,7 @@ def test_dropouts_and_swapped_markers_leave_the_path_where_it_was(seed: int) -> 
     assert path.rejected > 0
     assert path.bridged > path.rejected
     assert path.lost == 0
-    assert np.percentile(errors(path, seed), 95) < 2 * FOLLOWED
+    assert np.percentile(errors(path, seed), 95) < 2 * TIP_METRES_NOISY
 
 
 def test_a_pen_that_is_lost_for_long_is_lost() -> None:

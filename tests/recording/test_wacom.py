@@ -13,10 +13,10 @@ from maulstick.errors import InputError
 from maulstick.recording.page import Page
 from maulstick.recording.wacom import read_uim, read_will
 from tests.recording.wacom_files import InkSensorMetricType, uim, uim_3_0, varint, will
+from tests.tolerances import WACOM_FILE_METRES
 
 Floats = NDArray[np.float64]
 WACOM = Path(__file__).parents[3] / "shared" / "data" / "uil_strokes.npz"
-MICROMETRE = 1e-6  # the resolution of the files written here
 PIXEL = 25.4e-3 / 96
 
 
@@ -31,7 +31,7 @@ def assert_same(page: Page, strokes: list[Floats], press: float = 1e-4) -> None:
     assert page.unit == 1
     assert len(page.strokes) == len(strokes)
     for came, drawn in zip(page.strokes, strokes, strict=True):
-        assert came[:, 1:3] == pytest.approx(drawn[:, 1:3], abs=MICROMETRE)
+        assert came[:, 1:3] == pytest.approx(drawn[:, 1:3], abs=WACOM_FILE_METRES)
         assert came[:, 0] == pytest.approx(drawn[:, 0], abs=1e-3, nan_ok=True)
         assert came[:, 3] == pytest.approx(drawn[:, 3], abs=press, nan_ok=True)
 
@@ -71,7 +71,7 @@ def test_without_sensors_the_splines_are_sampled_in_an_unknown_unit() -> None:
     assert (page.unit, page.size) == (None, None)
     assert np.isnan(came[:, [0, 3]]).all()
     places = came[:, 1:3] * PIXEL
-    assert places[[0, -1]] == pytest.approx(a_stroke()[[0, -1], 1:3], abs=MICROMETRE)
+    assert places[[0, -1]] == pytest.approx(a_stroke()[[0, -1], 1:3], abs=WACOM_FILE_METRES)
     assert np.hypot(*(places - 0.03).T) == pytest.approx(0.02, abs=6e-5), "the spline is that near to the circle"
     assert len(came) > 9
 

@@ -9,6 +9,7 @@ from maulstick.cli.paint import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
 from maulstick.cli.show import show
+from maulstick.cli.style import style
 
 app = typer.Typer(
     rich_markup_mode="markdown", add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
@@ -17,6 +18,7 @@ app.command()(paint)
 app.command()(render)
 app.command()(show)
 app.add_typer(record, name="record")
+app.add_typer(style, name="style")
 
 
 def _print_version(wanted: bool) -> None:

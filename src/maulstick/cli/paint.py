@@ -61,7 +61,7 @@ def paint(
     ] = None,
     brush: Annotated[str, _painting(metavar="BRUSH", help="round, marker, fineliner, or a JSON file.")] = "round",
     style: Annotated[
-        str, _painting(metavar="STYLE", help="Whose strokes; free: nobody's, any smooth stroke.")
+        str, _painting(metavar="STYLE", help="Whose strokes: a name out of maulstick style list, or a JSON file.")
     ] = "free",
     steps: Annotated[int, _planning(metavar="N", help="More are finer, and take longer.")] = 1500,
     px: Annotated[

@@ -17,24 +17,29 @@ _LARGEST_FILE = 256 * 2**20  # bytes
 
 
 def show(
-    file: Annotated[Path, typer.Argument(help="Ink, strokes, a brush or a painting: NAME.npz or NAME.json.")],
+    file: Annotated[Path, typer.Argument(help="Ink, strokes, a style, a brush or a painting: NAME.npz or NAME.json.")],
     px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the file.")] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
     ] = False,
 ) -> None:
-    """Draw a picture of ink, strokes, a brush or a painting."""
+    """Draw a picture of ink, strokes, a style, a brush or a painting."""
     path = out or file.with_name(f"{file.stem}-{px}px.png")
+    check_picture(path, px, overwrite)
+    kind = _kind(file)
+    atomic_write(path, _PICTURES[kind](file, px))
+    print(path, flush=True)
+
+
+def check_picture(path: Path, px: int, overwrite: bool) -> None:
+    """Raise InputError where there can be no such picture, and OutputError where what is at `path` would be lost."""
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; a picture is written as PNG, so let its name end in .png")
     if not _SMALLEST_PX <= px <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"from {_SMALLEST_PX} to {_LARGEST_PX}")
-    kind = _kind(file)
     if os.path.lexists(path) and not overwrite:
         raise OutputError(f"{path} is already there; choose another --out, or add --overwrite")
-    atomic_write(path, _PICTURES[kind](file, px))
-    print(path, flush=True)
 
 
 def _kind(file: Path) -> str:
@@ -51,15 +56,14 @@ def _kind(file: Path) -> str:
 
 
 def _kind_of_json(file: Path) -> str | None:
-    """A painting by its paints, a brush by its alpha; whether all is well with them, their readers say."""
+    """A painting by its paints, a brush by its alpha, a style by its arrays' sum; their readers say if all is well."""
     try:
         with file_to_read(file, "file").open("rb") as opened:
             content = opened.read(_LARGEST_FILE)
     except OSError as error:
         raise InputError(f"cannot read the file {file}: {error.strerror}") from error
-    return next(
-        (kind for kind, sign in {"painting": b'"paints"', "brush": b'"alpha"'}.items() if sign in content), None
-    )
+    signs = {"painting": b'"paints"', "brush": b'"alpha"', "style": b'"sha256"'}
+    return next((kind for kind, sign in signs.items() if sign in content), None)
 
 
 def _ink(file: Path, px: int) -> bytes:
@@ -74,6 +78,13 @@ def _strokes(file: Path, px: int) -> bytes:
     from maulstick.strokes import read_strokes
 
     return strokes_plate(read_strokes(file), file.name, px)
+
+
+def _style(file: Path, px: int) -> bytes:
+    from maulstick.plates.style import style_plate  # loads torch
+    from maulstick.style.store import read_style
+
+    return style_plate(read_style(file), file.name, px)
 
 
 def _brush(file: Path, px: int) -> bytes:
@@ -100,6 +111,7 @@ def _painting(file: Path, px: int) -> bytes:
 _PICTURES: dict[str, Callable[[Path, int], bytes]] = {
     "ink": _ink,
     "strokes": _strokes,
+    "style": _style,
     "brush": _brush,
     "painting": _painting,
 }

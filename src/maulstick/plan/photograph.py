@@ -118,6 +118,8 @@ def as_painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made:
     poses = planned.strokes.poses(style.decode(codes))
     trajectories = planned.strokes.trajectories(style)
     trajectories[..., 2].clamp_(0, 1)
+    speeds = style.speeds(codes)
+    timed = [None] * len(codes) if speeds is None else speeds.tolist()
     used = torch.unique(planned.paint_of)
     paint_of = torch.searchsorted(used, planned.paint_of)
     strokes = [
@@ -126,11 +128,12 @@ def as_painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made:
                 "id": number,
                 "paint": paint,
                 "trajectory": trajectory,
+                "speed": speed,
                 "style": StyleUse(name=style.name, hash=style.hash, code=tuple(code), pose=tuple(pose)),
             }
         )
-        for number, (paint, trajectory, code, pose) in enumerate(
-            zip(paint_of.tolist(), trajectories.tolist(), codes.tolist(), poses.tolist(), strict=True)
+        for number, (paint, trajectory, speed, code, pose) in enumerate(
+            zip(paint_of.tolist(), trajectories.tolist(), timed, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
     paints = [Paint(colour=tuple(colour), brush=brush.name) for colour in planned.paints[used].tolist()]

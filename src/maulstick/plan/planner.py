@@ -205,9 +205,10 @@ class _Planning:
         return self._descent.strokes
 
     def _usual_cost(self) -> float:
-        """Of strokes that the style draws by itself."""
-        chance = torch.Generator().manual_seed(self._options.seed)
-        return float(self._style.cost(*self._style.sample(_JUDGED_BY, chance)).mean())
+        """Of as many strokes as are planned, when the style draws them by itself."""
+        chance, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
+        groups = [self._style.sample(count, chance) for _ in range(max(1, _JUDGED_BY // count))]
+        return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
 
     def _blank_paper_density(self) -> NDArray[np.float64]:
         """Where strokes belong on the empty sheet, (H, W); nowhere that the target is paper."""

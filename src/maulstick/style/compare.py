@@ -43,7 +43,7 @@ def describe(paths: Floats) -> Floats:
             parts,
             np.log(roughness.clip(min=_LEAST)),
             inflections,
-            shapes[:, at].reshape(len(paths), -1),
+            shapes[:, at].reshape(len(paths), 2 * _POINTS),
         ],
         axis=1,
     )

@@ -1,8 +1,10 @@
 """Styles as files: NAME.safetensors, the arrays, and NAME.json beside it, what they are. Nothing is ever unpickled."""
 
 import hashlib
+import os
 import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Final, Literal
 
 import numpy as np
@@ -12,34 +14,58 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, OutputError
 from maulstick.files import atomic_write, file_to_read
-from maulstick.medium import first_fault
+from maulstick.medium import Name, first_fault
+from maulstick.strokes import POINTS, path_lengths
 from maulstick.style.exemplar import Exemplar, Hands
-from maulstick.style.hand import Hand
+from maulstick.style.hand import FEWEST, Hand
+from maulstick.style.press import KNOTS
+from maulstick.style.shape import GIST, RESIDUAL
+from maulstick.style.trajvae import TrajVAE
 
 VERSION: Final = 1
-_LARGEST_FILE = 256 * 2**20
-_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,39}")
-_HAND, _HANDS = ("paths", "press", "speeds"), ("covariance", "residual")
+_BUILT_IN = Path(__file__).with_name("built_in")
+_LARGEST_FILE = 256 * 2**20  # bytes
+_NAME = r"[a-z0-9][a-z0-9-]{0,39}"
+_FREE = "free"
+_HAND = {"paths": (POINTS, 2), "press": (KNOTS,), "speeds": (POINTS,)}
+_HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}
+_SHORTEST, _LONGEST = 1e-4, 100.0  # metres
 
 Arrays = dict[str, NDArray[np.generic]]
+Fitted = Exemplar | TrajVAE
+"""A style that was learned from a hand."""
 
 
-class StyleCard(BaseModel):
-    """What the JSON beside a style's arrays says.
-
-    source: what the style was learned from, for people.  sha256: of the file of arrays.
-    """
-
+class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+
+class ExemplarSettings(_Model):
+    """See `Exemplar`."""
+
+    kind: Literal["exemplar"] = "exemplar"
+    freedom: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+
+
+class TrajVAESettings(_Model):
+    """All that a `TrajVAE` is lies in its arrays."""
+
+    kind: Literal["trajvae"] = "trajvae"
+
+
+class StyleCard(_Model):
+    """What the JSON beside a style's arrays says.
+
+    source: what the style was learned from, for people.  strokes: how many of them.  sha256: of the file of arrays.
+    """
+
     version: Literal[1] = VERSION
-    kind: Literal["exemplar"]
-    name: str
-    source: str
-    strokes: Annotated[int, Field(ge=1)]
-    freedom: Annotated[float, Field(ge=0, le=1)]
+    name: Annotated[str, Field(pattern=f"^{_NAME}$")]
+    source: Name
+    strokes: Annotated[int, Field(ge=FEWEST)]
+    settings: Annotated[ExemplarSettings | TrajVAESettings, Field(discriminator="kind")]
     sha256: str
 
 
@@ -48,48 +74,166 @@ def own_styles() -> Path:
     return user_data_path("maulstick", appauthor=False) / "styles"
 
 
+def style_paths() -> dict[str, Path]:
+    """The JSON of every style that has a name, the built-in ones before the user's own."""
+    built_in, own = (
+        {path.stem: path for path in sorted(folder.glob("*.json")) if re.fullmatch(_NAME, path.stem)}
+        for folder in (_BUILT_IN, own_styles())
+    )
+    return built_in | {name: path for name, path in own.items() if name not in {*built_in, _FREE}}
+
+
+def is_built_in(path: Path) -> bool:
+    """Whether the style whose JSON is at `path` comes with Maulstick."""
+    return path.parent == _BUILT_IN
+
+
+def style_path(name: str) -> Path:
+    """The JSON of the style with this name, or at this path. Raises InputError where there is no such style."""
+    paths = style_paths()
+    if name in paths:
+        return paths[name]
+    if Path(name).suffix == ".json":
+        return file_to_read(name, "style")
+    raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
+
+
 def check_name(name: str) -> str:
     """The name itself. Raises InputError where a style may not be called so: a name must never be a path."""
-    if not _NAME.fullmatch(name) or name == "free":
+    if not re.fullmatch(_NAME, name) or name == _FREE:
         allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit, and not free"
         raise InputError.of_range("the name of a style", repr(name), allowed)
     return name
 
 
-def write_style(style: Exemplar, source: str, folder: Path) -> Path:
-    """Write a style into a folder; the path of its JSON. Raises OutputError where that fails."""
+def check_own_name(name: str, overwrite: bool) -> str:
+    """The name itself. Raises InputError where the user's style may not have it, and OutputError where one has it."""
+    path = style_paths().get(check_name(name))
+    if path is not None and is_built_in(path):
+        raise InputError(f"the style {name} comes with Maulstick; choose another --name")
+    if os.path.lexists(own_styles() / f"{name}.json") and not overwrite:
+        raise OutputError(f"there is a style {name} already; choose another --name, or add --overwrite")
+    return name
+
+
+def write_style(style: Fitted, source: str, folder: Path) -> Path:
+    """Write a style into a folder, which is made; the path of its JSON.
+
+    Raises OutputError where that fails; a style of that name is then still there. However it ends, no JSON stands
+    beside arrays that are not its own.
+    """
     name = check_name(style.name)
-    small = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
-    content = save({**small, **{field: getattr(style.hands, field) for field in _HANDS}})
+    arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
+    if isinstance(style, Exemplar):
+        settings: ExemplarSettings | TrajVAESettings = ExemplarSettings(freedom=style.freedom)
+        arrays |= {field: getattr(style.hands, field) for field in _HANDS}
+    else:
+        settings = TrajVAESettings()
+        arrays |= style.arrays()
+    content = save(arrays)
     digest = hashlib.sha256(content).hexdigest()
     card = StyleCard(
-        kind="exemplar", name=name, source=source, strokes=len(style.hand), freedom=style.freedom, sha256=digest
-    )
-    atomic_write(folder / f"{name}.safetensors", content)
-    atomic_write(folder / f"{name}.json", (card.model_dump_json(indent=2) + "\n").encode())
-    return folder / f"{name}.json"
+        name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest
+    ).model_dump_json(indent=2)
+    path = folder / f"{name}.json"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
+            new = Path(staging) / path.name
+            atomic_write(new.with_suffix(".safetensors"), content)
+            atomic_write(new, f"{card}\n".encode())
+            path.unlink(missing_ok=True)
+            new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
+            new.replace(path)
+    except OutputError as error:
+        raise OutputError(str(error).replace(staging, str(folder))) from error
+    except OSError as error:
+        raise OutputError(f"cannot write into the folder of styles {folder}: {error.strerror}") from error
+    return path
 
 
 def read_card(path: Path) -> StyleCard:
     """What a style's JSON says. Raises InputError where it is not one."""
     try:
-        return StyleCard.model_validate_json(file_to_read(path, "style").read_bytes())
+        return StyleCard.model_validate_json(_content(path))
     except ValidationError as error:
         raise InputError(f"{path} is not a style: {first_fault(error)}") from error
 
 
-def read_style(path: Path) -> Exemplar:
+def read_style(path: Path) -> Fitted:
     """The style whose JSON is at `path`. Raises InputError where it, or the arrays beside it, cannot be used."""
     card = read_card(path)
-    beside = file_to_read(path.with_suffix(".safetensors"), "style")
-    if beside.stat().st_size > _LARGEST_FILE:
-        raise InputError(f"{beside} is larger than {_LARGEST_FILE >> 20} MiB; no style is")
-    content = beside.read_bytes()
+    beside = path.with_suffix(".safetensors")
+    content = _content(beside)
     if hashlib.sha256(content).hexdigest() != card.sha256:
         raise InputError(f"{beside} does not belong to {path}, or it is damaged; copy both files again")
     try:
-        arrays = {name: array.astype(np.float64) for name, array in load(content).items()}
-        hand, hands = Hand(*(arrays[name] for name in _HAND)), Hands(*(arrays[name] for name in _HANDS))
-    except (SafetensorError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{beside} does not hold a style: {error}") from error
-    return Exemplar(card.name, hand, hands, card.freedom)
+        arrays = _arrays(content)
+        hand = _hand(arrays, card.strokes)
+        if isinstance(card.settings, ExemplarSettings):
+            return Exemplar(card.name, hand, _hands(arrays), card.settings.freedom)
+        return TrajVAE.from_arrays(card.name, hand, arrays)
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise InputError(f"{beside} does not hold a style: {_printable(str(error))}") from error
+
+
+def write_hands(hands: Hands, folder: Path) -> Path:
+    """Write what many hands have in common into a folder, for `load_hands`; the path of the file."""
+    atomic_write(folder / "hands.safetensors", save({field: getattr(hands, field) for field in _HANDS}))
+    return folder / "hands.safetensors"
+
+
+def load_hands() -> Hands:
+    """What many hands have in common, as it comes with Maulstick."""
+    return _hands(_arrays(_content(_BUILT_IN / "hands.safetensors")))
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if file_to_read(path, "style").stat().st_size > _LARGEST_FILE:
+            raise InputError(f"{path} is larger than {_LARGEST_FILE >> 20} MiB; no style is")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read the style {path}: {error.strerror}") from error
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "?" for letter in text) or "?"
+
+
+def _arrays(content: bytes) -> Arrays:
+    try:
+        return dict(load(content))
+    except SafetensorError as error:
+        raise ValueError(error) from error
+
+
+def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    array = arrays[name]
+    if array.shape != shape or array.dtype.kind != "f":
+        raise ValueError(f"{name} is {array.dtype} of shape {array.shape}; it must be floating point of shape {shape}")
+    return array.astype(np.float64)
+
+
+def _hand(arrays: Arrays, strokes: int) -> Hand:
+    hand = Hand(*(_array(arrays, name, (strokes, *shape)) for name, shape in _HAND.items()))
+    lengths = path_lengths(hand.paths)
+    if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
+        raise ValueError("a stroke of it is no standardised path of at least 0.1 mm")
+    for name, values, most in (("press", hand.press, 1.0), ("speeds", hand.speeds, np.inf)):
+        known = np.isfinite(values).all(axis=1)
+        if not (known | np.isnan(values).all(axis=1)).all() or (values < 0).any() or (values > most).any():
+            raise ValueError(f"its {name} are impossible, or known along a part of a stroke only")
+    return hand
+
+
+def _hands(arrays: Arrays) -> Hands:
+    hands = Hands(*(_array(arrays, name, shape) for name, shape in _HANDS.items()))
+    if not (np.isfinite(hands.residual).all() and (hands.residual > 0).all()):
+        raise ValueError("residual must be finite and above 0")
+    covariance = hands.covariance
+    if not np.isfinite(covariance).all() or not np.allclose(covariance, covariance.T):
+        raise ValueError("covariance must be finite and symmetric")
+    if np.linalg.eigvalsh(covariance)[0] <= 0:
+        raise ValueError("covariance must be positive definite")
+    return hands

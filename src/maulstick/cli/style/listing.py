@@ -1,0 +1,26 @@
+"""``maulstick style list``: which styles there are."""
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.errors import InputError
+
+
+def list_styles() -> None:
+    """List the styles that come with Maulstick, and your own."""
+    from maulstick.style.store import is_built_in, read_card, style_paths  # loads torch
+
+    table = Table()
+    for column in ("name", "kind", "strokes", "from"):
+        table.add_column(column, justify="right" if column == "strokes" else "left", overflow="fold")
+    table.add_row("free", "", "", "nobody: any smooth stroke")
+    for name, path in style_paths().items():
+        try:
+            card = read_card(path)
+        except InputError as error:
+            table.add_row(name, "", "", Text(f"cannot be used: {error}"))
+            continue
+        whose = "comes with Maulstick" if is_built_in(path) else "your own"
+        table.add_row(name, card.settings.kind, str(card.strokes), Text(f"{whose}: {card.source}"))
+    Console().print(table)

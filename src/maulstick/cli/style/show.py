@@ -1,0 +1,47 @@
+"""``maulstick style show``: a picture of a style, or a map of some."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from maulstick.cli.show import check_picture
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
+
+
+def show(
+    names: Annotated[
+        list[str], typer.Argument(metavar="NAME", help="Of a style, or its JSON; with --map up to six of them.")
+    ],
+    on_map: Annotated[
+        bool,
+        typer.Option(
+            "--map", metavar="", help="The map of the latent space instead: each of the hand's strokes at its place."
+        ),
+    ] = False,
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", show_default="NAME.png or NAME-map.png here", help="The PNG.")
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
+    ] = False,
+) -> None:
+    """Draw strokes of the hand that a style was learned from, and strokes that it draws itself."""
+    if len(names) > 1 and not on_map:
+        raise InputError(f"a sheet shows one style, and {len(names)} are named; name one, or add --map")
+    called = "-".join(Path(name).stem for name in names)
+    path = out or Path(f"{called}-map.png" if on_map else f"{called}.png")
+    check_picture(path, px, overwrite)
+    from maulstick.cli.style.reading import read_fitted  # these load torch
+    from maulstick.plates.latent_map import latent_map
+    from maulstick.plates.style import style_plate
+
+    styles = [read_fitted(name) for name in names]
+    if on_map:
+        picture = latent_map(styles, called if len(styles) == 1 else f"{len(styles)} styles", px)
+    else:
+        picture = style_plate(styles[0], called, px)
+    atomic_write(path, picture)
+    print(path, flush=True)
