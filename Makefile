@@ -22,7 +22,7 @@ EDITABLE := --build-constraint constraints.txt --editable
 .PHONY: demo test bench clean
 
 demo: $(VENV)/installed
-	$(BIN)/maulstick paint --demo --size 160x160mm --out demo --overwrite
+	$(BIN)/maulstick paint --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
 
 test: $(VENV)/installed-dev
 	$(BIN)/ruff check

@@ -60,8 +60,9 @@ def test_fine_tuning_repeats_by_its_seed_and_leaves_the_network_as_it_was() -> N
     [
         np.repeat(ROUND.paths[:1], 5, axis=0),
         np.stack([np.linspace(0, mm / 1e3, 32)[:, None] * [1, 0] for mm in (2, 5, 10, 20, 200)]),
+        np.repeat(np.linspace(0, 0.02, 32)[None, :, None] * [1, 0], 5, axis=0),
     ],
-    ids=["all the same", "all straight"],
+    ids=["all the same", "all straight", "all the same straight line"],
 )
 def test_a_hand_of_five_strokes_with_little_in_them_still_makes_a_style(paths: np.ndarray) -> None:
     style = fine_tune(NETWORK, hand_of(paths), seed=0, steps=5)

@@ -35,6 +35,7 @@ _NUMBERS = GIST + RESIDUAL
 _COARSE = 16  # the network begins as principal components, the largest first, and keeps to their order
 _BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5
+_LEAST_USUAL = 1e-6
 _ACTIVE = 0.01
 _PREFIX = "net."
 
@@ -113,7 +114,7 @@ class TrajVAE(Style):
         scales = torch.empty_like(centres)
         for latents, bandwidth in ((slice(_COARSE), _BANDWIDTH_COARSE), (slice(_COARSE, LATENT), _BANDWIDTH_FINE)):
             bends = (centres - self._straight)[:, latents].norm(dim=1, keepdim=True)
-            usual = bends.square().mean().sqrt()
+            usual = bends.square().mean().sqrt().clamp(min=_LEAST_USUAL)
             scales[:, latents] = bandwidth * (bends / usual).clamp(_LEAST_BEND, _MOST_BEND)
         return Density(centres, scales, torch.from_numpy(kernel(centres.numpy(), np.eye(LATENT))))
 
