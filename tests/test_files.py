@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, file_to_read
+from maulstick.files import atomic_write, file_to_read, read_whole
 
 
 @pytest.fixture
@@ -120,6 +120,29 @@ def test_a_file_that_cannot_be_read_is_called_by_its_name_and_kind(tmp_path: Pat
         with pytest.raises(InputError) as caught:
             file_to_read(tmp_path / name, "letter")
         assert str(caught.value) == text.format(path=tmp_path / name)
+
+
+def test_a_file_is_read_whole_unless_it_is_too_large(kept: Path, tmp_path: Path) -> None:
+    assert read_whole(str(kept), "letter", 2**20) == kept.read_bytes()
+    large = tmp_path / "large"
+    large.write_bytes(bytes(2**20))
+    assert len(read_whole(large, "letter", 2**20)) == 2**20
+    large.write_bytes(bytes(2**20 + 1))
+    with pytest.raises(InputError) as caught:
+        read_whole(large, "letter", 2**20)
+    assert str(caught.value) == f"{large} is larger than 1 MiB, too large for a letter; name another"
+    with pytest.raises(InputError, match="there is no letter"):
+        read_whole(tmp_path / "none", "letter", 2**20)
+
+
+def test_a_file_that_fails_while_it_is_read_is_told_in_one_line(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(_: Path) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(Path, "read_bytes", fails)
+    with pytest.raises(InputError) as caught:
+        read_whole(kept, "letter", 2**20)
+    assert str(caught.value) == f"cannot read the letter {kept}: Input/output error"
 
 
 def test_a_file_without_permission_is_refused(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:

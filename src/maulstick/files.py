@@ -44,6 +44,20 @@ def file_to_read(path: str | Path, what: str) -> Path:
     return path
 
 
+def read_whole(path: str | Path, what: str, most: int) -> bytes:
+    """The content of an existing file of at most so many bytes.
+
+    Raises InputError, which calls it a `what`, where it is none, too large, or cannot be read.
+    """
+    path = file_to_read(path, what)
+    try:
+        if path.stat().st_size > most:
+            raise InputError(f"{path} is larger than {most >> 20} MiB, too large for a {what}; name another")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read the {what} {path}: {error.strerror}") from error
+
+
 def atomic_write(path: str | Path, content: bytes) -> None:
     """Put `content` at `path`, which is at every moment either what it was before or complete.
 

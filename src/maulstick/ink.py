@@ -8,10 +8,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.arrays import read_arrays, write_arrays
+from maulstick.arrays import Floats, read_arrays, write_arrays
 from maulstick.errors import InputError
-
-Floats = NDArray[np.float64]
 
 KIND = "ink"
 _LARGEST_SHEET = 100.0  # metres

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.arrays import read_arrays, write_arrays
+from maulstick.arrays import Bools, Floats, read_arrays, write_arrays
 from maulstick.errors import InputError
 from maulstick.ink import Ink
 
@@ -16,8 +16,6 @@ POINTS = 32
 
 KIND = "strokes"
 _CLOSED = 0.02
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Strokes:
     def __len__(self) -> int:
         return len(self.poses)
 
-    def __getitem__(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Self:
+    def __getitem__(self, rows: NDArray[np.int64] | Bools | slice) -> Self:
         """Some of the strokes."""
         return type(self)(self.trajectories[rows], self.times[rows], self.poses[rows])
 

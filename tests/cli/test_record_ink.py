@@ -37,6 +37,29 @@ def test_a_drawing_becomes_ink_and_what_was_read_is_told(drawing: Path) -> None:
     assert (ink.size, ink.source) == ((0.2, 0.15), "drawing.json")
 
 
+def test_ink_goes_here_under_the_drawings_name(drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert run("record", "ink", drawing).stdout.endswith("\ndrawing.ink.npz\n")
+    assert len(read_ink("drawing.ink.npz")) == 2
+    again = run("record", "ink", drawing)
+    assert again.mistake == "drawing.ink.npz is already there; choose another --out, or add --overwrite"
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_read(drawing: Path) -> None:
+    ran = run("record", "ink", drawing.with_name("none.json"), "--out", drawing / "cat.ink.npz")
+    assert ran.code == 1
+    assert ran.mistake.startswith(f"cannot write into the folder {drawing}: ")
+
+
+def test_a_folder_that_is_not_there_is_made_and_left_only_with_ink_in_it(drawing: Path) -> None:
+    out = drawing.with_name("new") / "cat.ink.npz"
+    assert run("record", "ink", drawing.with_name("none.json"), "--out", out).code == 2
+    assert not out.parent.exists()
+    assert run("record", "ink", drawing, "--out", out).code == 0
+    assert len(read_ink(out)) == 2
+
+
 def test_vectors_without_a_scale_are_150_mm_long(vectors: Path) -> None:
     ran = run("record", "ink", vectors, "--out", vectors.with_name("cat.ink.npz"))
     assert ran.stdout.startswith(

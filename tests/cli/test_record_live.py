@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from maulstick.errors import InputError
 from maulstick.ink import read_ink
 from maulstick.recording import natnet
-from maulstick.recording.take_file import read_take
+from maulstick.recording.take import read_take
 from maulstick.strokes import read_strokes
 from tests.cli.conftest import run
 from tests.recording.natnet_server import Server
@@ -95,6 +96,16 @@ def test_what_cannot_be_recorded_is_refused_and_nothing_is_left(
     assert ran.code == code
     assert ran.mistake.startswith(text)
     assert os.listdir(tmp_path) == []
+
+
+def test_motive_is_looked_for_on_this_machine_unless_another_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def receive(server: str, *_: object, **__: object) -> None:
+        raise InputError(f"asked {server}")
+
+    monkeypatch.setattr(natnet, "receive", receive)
+    assert run("record", "live", "--out", tmp_path / "cat.ink.npz", *PEN).mistake == "asked 127.0.0.1"
 
 
 @pytest.mark.parametrize("name", ["cat.ink.npz", "cat.take.npz", "cat.contact.png"])

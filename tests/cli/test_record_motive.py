@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from maulstick.cli.record import options
 from maulstick.ink import read_ink
-from maulstick.recording.take_file import write_take
+from maulstick.recording.contact import ContactOptions
+from maulstick.recording.take import write_take
 from maulstick.strokes import Strokes, read_strokes
 from tests.cli.conftest import Ran, run
 from tests.recording.motive_export import motive_csv
@@ -145,6 +147,24 @@ def test_a_mistake_is_one_sentence_and_nothing_is_written(record: Path, words: l
     assert ran.code == 2
     assert text in ran.mistake
     assert list(Path.cwd().iterdir()) == []
+
+
+def test_ink_is_not_recorded_again(record: Path) -> None:
+    assert motive(record).code == 0
+    text = "cat.ink.npz holds ink already; there is nothing to record; look at it with maulstick show"
+    assert motive(Path("cat.ink.npz")).mistake == text
+
+
+@pytest.mark.parametrize("option", ["--out", "--plot"])
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_read(record: Path, option: str) -> None:
+    Path("file").touch()
+    ran = motive(Path("none.csv"), option, {"--out": "file/cat.ink.npz", "--plot": "file/cat.png"}[option])
+    assert ran.code == 1
+    assert ran.mistake.startswith("cannot write into the folder file: ")
+
+
+def test_what_is_left_out_on_the_command_line_is_what_is_left_out_in_python() -> None:
+    assert options.contact_options(None, options.MERGE, options.SHORTEST) == ContactOptions()
 
 
 def test_a_pen_needs_a_tip(record: Path) -> None:

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from maulstick.recording.take import Floats, Take
+from maulstick.arrays import Floats
+from maulstick.recording.take import Take
 
 _UNITS = {"m": ("Meters", 1.0), "cm": ("Centimeters", 1e2), "mm": ("Millimeters", 1e3)}
 

@@ -9,7 +9,8 @@ from typing import Self
 
 import numpy as np
 
-from maulstick.recording.take import Floats, Take
+from maulstick.arrays import Floats
+from maulstick.recording.take import Take
 
 _CONNECT, _SERVER_INFO, _REQUEST_MODELS, _MODELS, _FRAME = 0, 1, 4, 5, 7
 _OCCLUDED, _SOLVED, _HAS_MODEL, _UNLABELLED = 0x01, 0x02, 0x08, 0x10

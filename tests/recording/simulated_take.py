@@ -19,7 +19,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 from scipy.special import expit
 
-from maulstick.ink import Floats
+from maulstick.arrays import Floats
 from maulstick.recording.take import Take
 from maulstick.strokes import resample
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.contact import ContactOptions
 from maulstick.recording.drawing import Drawing, drawing_of
 from maulstick.recording.frames import CORNERS

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.frames import CORNERS, CanvasPath, canvas_path
 from maulstick.recording.take import Take
 from tests.recording.simulated_take import NONE, RATE, SHEET, Faults, loops_and_lines, simulate
@@ -24,7 +24,7 @@ def take_of(places: Floats, frames: int = 100, seed: int = 0, pen: Floats = PEN)
     markers = np.tile(turn.apply(places) + away, (frames, 1, 1))
     body = np.tile(turn.apply(pen) + away, (frames, 1))
     nothing = np.zeros((frames, 0, 3))
-    return Take(np.arange(frames) / RATE, body, np.zeros((frames, 4)), nothing, markers), turn, away
+    return Take(np.arange(frames) / RATE, body, np.full((frames, 4), np.nan), nothing, markers), turn, away
 
 
 def corners(width: float, height: float, corner: int) -> Floats:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from maulstick.arrays import write_arrays
 from maulstick.errors import InputError
 from maulstick.ink import Ink, write_ink
 from maulstick.recording.ink_files import FORMATS, read_ink_file
@@ -75,10 +76,12 @@ def test_size_and_longest_are_passed_on(file: Path) -> None:
     assert np.ptp(ink.samples[:, 1:3], axis=0).max() == pytest.approx(0.3)
 
 
-def test_ink_and_strokes_are_no_drawings_to_record(tmp_path: Path) -> None:
+def test_ink_strokes_and_takes_are_no_drawings_to_record(tmp_path: Path) -> None:
     write_ink(Ink.of([STROKE], (0.1, 0.1)), tmp_path / "cat.ink.npz")
     text = "FILE holds ink already; there is nothing to record; look at it with maulstick show"
     assert fault(tmp_path / "cat.ink.npz") == text
+    write_arrays(tmp_path / "cat.take.npz", "take", {})
+    assert fault(tmp_path / "cat.take.npz") == "FILE holds a take; read it with maulstick record motive"
 
 
 def test_what_is_none_of_the_formats_is_refused_with_their_names(file: Path) -> None:
@@ -120,11 +123,11 @@ def test_a_damaged_file_is_refused_by_its_format(file: Path, content: bytes, tex
     assert fault(file).startswith(text)
 
 
-def test_a_file_too_large_to_be_a_drawing_is_not_opened(tmp_path: Path) -> None:
+def test_a_file_too_large_to_be_a_drawing_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "large.svg"
     with path.open("wb") as large:
         large.truncate(64 * 2**20 + 1)
-    assert fault(path) == "FILE is larger than 64 MiB; no drawing is; name the drawing itself"
+    assert fault(path) == "FILE is larger than 64 MiB, too large for a drawing; name another"
 
 
 def test_a_missing_file_is_told() -> None:

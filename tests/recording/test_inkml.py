@@ -4,9 +4,10 @@ from defusedxml import EntitiesForbidden
 from hypothesis import given
 from hypothesis import strategies as st
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.recording.inkml import read_inkml
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.page import Page
 from maulstick.recording.traces import points_of
 
 XYTF = """<traceFormat {}>
@@ -120,6 +121,17 @@ def test_traces_that_continue_each_other_are_one_stroke() -> None:
       <trace xml:id="b" continuation="middle" priorRef="#a">2 2</trace>
       <trace continuation="end" priorRef="#b">3 3</trace>"""
     assert places(ink(body)) == [[[1, 1], [2, 2], [3, 3]], [[9, 9]]]
+
+
+def test_a_trace_continues_none_but_the_one_that_it_names() -> None:
+    body = """<trace continuation="begin">1 1</trace><trace continuation="end">2 2</trace>
+      <trace continuation="end" priorRef="">3 3</trace><trace continuation="end" priorRef="#None">4 4</trace>"""
+    assert places(ink(body)) == [[[1, 1]], [[2, 2]], [[3, 3]], [[4, 4]]]
+
+
+def test_a_context_without_a_name_is_nobodys() -> None:
+    context = '<definitions><context><traceFormat><channel name="Y"/><channel name="X"/></traceFormat></context>'
+    assert places(ink(context + '</definitions><trace contextRef="#None">1 2</trace>')) == [[[1, 2]]]
 
 
 def test_times_of_a_trace_are_counted_from_its_offset() -> None:

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.paper import find_paper
 from tests.recording.simulated_take import RATE, SHEET, loops_and_lines, way_of
 from tests.tolerances import PAPER_METRES

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.ink import Floats
+from maulstick.arrays import Floats
 from maulstick.recording.smoothing import smooth
 
 RATE = 240.0

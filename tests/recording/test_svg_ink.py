@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from defusedxml import EntitiesForbidden
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.painting import Stroke
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.page import Page
 from maulstick.recording.svg_ink import read_svg
 from maulstick.svg import painting_svg
 from tests.test_painting import CURVE, a_painting

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.frames import canvas_path
 from maulstick.recording.take import Take
 from maulstick.recording.tip import TipPath, steady, tip_path
@@ -70,9 +70,9 @@ def test_a_lift_that_is_seen_to_begin_and_to_end_is_bridged_by_a_lift() -> None:
     assert path_of(take).heights[peak] > 0.8 * true[peak] > 1e-3
 
 
-def test_a_rotation_of_nothing_counts_as_not_seen() -> None:
+def test_a_frame_without_all_of_its_rotation_counts_as_not_seen() -> None:
     take = simulate(STROKES, 2, NOISE).take
-    take.pen_rotations[500:510] = 0
+    take.pen_rotations[500:510, 3] = np.nan
     assert path_of(take).bridged == 10
 
 

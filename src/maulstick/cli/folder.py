@@ -1,5 +1,6 @@
-"""The folder that results go into: nothing in it is lost by accident, and all results appear together."""
+"""Where results go: nothing there is lost by accident, and all results in a folder appear together."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -8,6 +9,12 @@ from tempfile import TemporaryDirectory, TemporaryFile
 from maulstick.errors import OutputError
 
 _ROOM = 2**20  # bytes: what a painting takes at least
+
+
+def check_absent(path: Path, option: str, overwrite: bool) -> None:
+    """Raise OutputError where there is something at `path`, which that option sets, that is not to be overwritten."""
+    if os.path.lexists(path) and not overwrite:
+        raise OutputError(f"{path} is already there; choose another {option}, or add --overwrite")
 
 
 def check_free(out: Path, overwrite: bool) -> None:

@@ -1,7 +1,6 @@
 """``maulstick render``: draw a painting again."""
 
 import io
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +10,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.canvas import Canvas
-from maulstick.errors import InputError, OutputError
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.painting import read_painting
 
@@ -32,8 +32,7 @@ def render(
     longest = px * max(1.0, plan.canvas.width / plan.canvas.height)
     if not 1 <= px <= longest <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"at least 1, with no side of the image above {_LARGEST_PX}")
-    if os.path.lexists(path) and not overwrite:
-        raise OutputError(f"{path} is already there; choose another --out, or add --overwrite")
+    check_absent(path, "--out", overwrite)
     from maulstick.brush.preview import preview  # loads torch
 
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)

@@ -1,6 +1,5 @@
 """``maulstick show``: a picture of whatever Maulstick has written."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -8,8 +7,9 @@ from typing import Annotated
 import typer
 
 from maulstick.arrays import kind_of
-from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, file_to_read
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
+from maulstick.files import atomic_write, read_whole
 
 _SMALLEST_PX, _LARGEST_PX = 240, 2400
 _WIDEST_PX = 8192
@@ -38,8 +38,7 @@ def check_picture(path: Path, px: int, overwrite: bool) -> None:
         raise InputError(f"--out is {path}; a picture is written as PNG, so let its name end in .png")
     if not _SMALLEST_PX <= px <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"from {_SMALLEST_PX} to {_LARGEST_PX}")
-    if os.path.lexists(path) and not overwrite:
-        raise OutputError(f"{path} is already there; choose another --out, or add --overwrite")
+    check_absent(path, "--out", overwrite)
 
 
 def _kind(file: Path) -> str:
@@ -57,11 +56,7 @@ def _kind(file: Path) -> str:
 
 def _kind_of_json(file: Path) -> str | None:
     """A painting by its paints, a brush by its alpha, a style by its arrays' sum; their readers say if all is well."""
-    try:
-        with file_to_read(file, "file").open("rb") as opened:
-            content = opened.read(_LARGEST_FILE)
-    except OSError as error:
-        raise InputError(f"cannot read the file {file}: {error.strerror}") from error
+    content = read_whole(file, "file", _LARGEST_FILE)
     signs = {"painting": b'"paints"', "brush": b'"alpha"', "style": b'"sha256"'}
     return next((kind for kind, sign in signs.items() if sign in content), None)
 

@@ -4,8 +4,7 @@ The order of the strokes is part of the plan. While colours are free it goes fro
 paints, all strokes of a paint stand together, and shapes go on adapting to what now lies on top of what.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp
 
@@ -28,6 +27,7 @@ from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.start import detail, find_places, ink_density, start_strokes
 from maulstick.plan.worth import View, coverage, removal_costs
 from maulstick.style import Style
+from maulstick.threads import one_torch_thread
 
 _STYLE_WEIGHT = 1e-5
 _HOLD = 30.0
@@ -114,21 +114,7 @@ class Plan:
     paint_of: Tensor
 
 
-@contextmanager
-def _one_torch_thread() -> Iterator[None]:
-    """Most tensors here are too small to share out, and torch's threads would wait for each other busily.
-
-    The kernels have threads of their own.
-    """
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
-
-
-@_one_torch_thread()
+@one_torch_thread()
 def plan(
     commission: Commission,
     options: PlanOptions,

@@ -3,12 +3,11 @@
 from textwrap import wrap
 
 import numpy as np
+import torch
 from matplotlib.patches import Rectangle
 
-from maulstick.brush.preview import preview
-from maulstick.canvas import Canvas
+from maulstick.brush.traj2stroke import Traj2Stroke, paint
 from maulstick.medium import Brush
-from maulstick.painting import Making, Paint, Painting, Sheet, Stroke
 from maulstick.plates.sheet import FAINT, INK, PAPER, QUIET, Plate, length_text, round_length
 
 _PROPORTION = 1.4
@@ -54,19 +53,16 @@ def _mark(plate: Plate, brush: Brush, x: float, y: float, wide: float, high: flo
     """Draw the mark in the middle of a piece of paper, pixels; returns pixels a metre."""
     length = _LENGTH * 2 * brush.widest
     scale = min(0.6 * high / (2 * brush.widest), 0.88 * wide / length)
-    sheet = Sheet(width=wide / scale, height=high / scale)
-    start = (sheet.width - length) / 2
-    path = tuple((start + length * share, sheet.height / 2, share) for share in np.linspace(0, 1, _POINTS).tolist())
-    painting = Painting(
-        canvas=sheet,
-        made=Making(version="0"),
-        brushes={brush.name: brush},
-        paints=(Paint(colour=_COLOUR, brush=brush.name),),
-        strokes=(Stroke(id=0, paint=0, trajectory=path),),
-    )
-    image = preview(painting, Canvas(sheet.width, sheet.height, scale))
+    press = torch.linspace(0, 1, _POINTS)
+    along = (wide / scale - length) / 2 + length * press
+    path = torch.stack([along, torch.full_like(press, high / scale / 2), press], dim=1)
+    paper = torch.ones(3, max(1, round(high)), max(1, round(wide)))
+    with torch.no_grad():
+        image = paint(paper, path[None], torch.tensor([_COLOUR]), Traj2Stroke.of([brush]), scale)
     axes = plate.axes(x, y, wide, high, 1.0)
-    axes.imshow(image, extent=(0, wide, high, 0), aspect="auto", interpolation="nearest")
+    axes.imshow(
+        image.clamp(0, 1).permute(1, 2, 0).numpy(), extent=(0, wide, high, 0), aspect="auto", interpolation="nearest"
+    )
     axes.add_patch(Rectangle((0, 0), wide, high, fill=False, ec=FAINT, lw=plate.points(1), clip_on=False))
     return scale
 

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 
-from maulstick.ink import Floats, Ink
-from maulstick.plates.sheet import ACCENT, INK, Plate
+from maulstick.arrays import Floats
+from maulstick.ink import Ink
+from maulstick.plates.sheet import ACCENT, FOOT, INK, LINES, MARGIN, Plate
 from maulstick.strokes import path_lengths, resample
 
 _WIDTH = 0.4e-3  # metres, without press
@@ -22,11 +23,10 @@ _NARROWEST = 0.75
 
 def ink_plate(ink: Ink, title: str, px: int) -> bytes:
     """A PNG, `px` pixels high: all strokes on their sheet, as wide as their press where it was recorded."""
-    plate = Plate(px, px)
-    high = px - plate.foot
+    high, margins = (1 - FOOT / LINES) * px, 2 * MARGIN / LINES * px
     width, height = ink.size
-    scale = min(high / height, (_WIDEST * px - 2 * plate.margin) / width)
-    plate = Plate(max(width * scale + 2 * plate.margin, _NARROWEST * px), px)
+    scale = min(high / height, (_WIDEST * px - margins) / width)
+    plate = Plate(max(width * scale + margins, _NARROWEST * px), px)
     x, y = (plate.width - width * scale) / 2, plate.margin + (high - height * scale) / 2
     axes = plate.paper(x, y, width * scale, height * scale, scale)
     thin = max(_WIDTH * scale, _THINNEST)

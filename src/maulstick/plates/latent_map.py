@@ -8,9 +8,9 @@ import torch
 from matplotlib.collections import LineCollection
 from threadpoolctl import threadpool_limits
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.plates.sheet import ACCENT, INK, Plate
-from maulstick.strokes import Floats
 from maulstick.style.store import Fitted
 
 COLOURS = (INK, ACCENT, "#2f6690", "#5f8a3a", "#b98220", "#7a4f95")

@@ -17,8 +17,15 @@ TABLE, PAPER, INK, QUIET, FAINT, ACCENT = "#f4f2ed", "#ffffff", "#211f1c", "#7d7
 
 _DPI = 128  # a power of two: pixels / dpi * dpi is then exact
 _TYPE = ["STIXGeneral", "DejaVu Sans"]
-_LINES = 56  # of type in the height of a plate
-_MARGIN = 2.0  # lines
+
+LINES = 56
+"""Of type in the height of a plate."""
+
+MARGIN = 2.0
+"""Lines, around a plate."""
+
+FOOT = 2 * MARGIN + 5.4
+"""Lines that a caption takes, with its margins."""
 
 
 @contextmanager
@@ -32,13 +39,14 @@ def _missing_glyphs() -> Iterator[None]:
 class Plate:
     """A figure measured in pixels from its upper left corner.
 
-    width, height: pixels.  line: the size of its type.  margin: what is left free around it.
+    width, height: pixels.  line: the size of its type.  margin: what is left free around it.  foot: what a caption
+    takes, with its margins.
     """
 
-    def __init__(self, width: float, height: int) -> None:
+    def __init__(self, width: float, height: int, lines: float = LINES) -> None:
         self.width, self.height = round(width), height
-        self.line = height / _LINES
-        self.margin = _MARGIN * self.line
+        self.line = height / lines
+        self.margin, self.foot = MARGIN * self.line, FOOT * self.line
         self.figure = Figure(figsize=(self.width / _DPI, height / _DPI), dpi=_DPI, facecolor=TABLE)
 
     def axes(self, x: float, y: float, width: float, height: float, scale: float) -> Axes:
@@ -93,11 +101,6 @@ class Plate:
         self.text(left, base, note, room=right - left)
         self.rule(right - bar * scale, y, bar * scale, INK)
         self.text(right, y - 0.5 * self.line, length_text(bar), ha="right")
-
-    @property
-    def foot(self) -> float:
-        """Pixels that a caption takes, with its margins."""
-        return 2 * self.margin + 5.4 * self.line
 
     def points(self, pixels: float) -> float:
         """What matplotlib measures type and lines in."""

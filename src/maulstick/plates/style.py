@@ -6,8 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
+from maulstick.arrays import Floats
+from maulstick.plates.rows import largest_scale, rows_of
 from maulstick.plates.sheet import ACCENT, INK, Plate, length_text
-from maulstick.strokes import Floats, path_lengths
+from maulstick.strokes import path_lengths
 from maulstick.style.press import press_along
 from maulstick.style.store import Fitted
 
@@ -40,7 +42,12 @@ def style_plate(style: Fitted, title: str, px: int) -> bytes:
     ]
     high = (px - plate.foot - margin) / 2
     room = plate.width - 4 * margin, high - 4.2 * line
-    scale = _scale([paths for _, paths, _ in parts], *room, _GAP * line)
+    widths = np.ptp(np.concatenate([paths[..., 0] for _, paths, _ in parts]), axis=1)
+
+    def fits(scale: float) -> bool:
+        return all(_shelves(paths * scale, room[0], _GAP * line)[2] <= room[1] for _, paths, _ in parts)
+
+    scale = largest_scale(fits, room[0] * min(1 / widths.max(), _LARGEST / max(float(np.median(widths)), 1e-9)))
     for number, (whose, paths, press) in enumerate(parts):
         y = margin + number * (high + margin)
         axes = plate.paper(margin, y, plate.width - 2 * margin, high, 1.0)
@@ -60,40 +67,18 @@ def style_plate(style: Fitted, title: str, px: int) -> bytes:
     return plate.png()
 
 
-def _scale(parts: list[Floats], wide: float, high: float, gap: float) -> float:
-    """Pixels a metre at which each of the parts finds room."""
-    paths = np.concatenate(parts)
-    middle = np.median(np.ptp(paths[..., 0], axis=1))
-    low, top = 0.0, min(wide / np.ptp(paths[..., 0], axis=1).max(), _LARGEST * wide / max(middle, 1e-9))
-    for _ in range(30):
-        scale = (low + top) / 2
-        fits = max(_shelves(part * scale, wide, gap)[2] for part in parts) <= high
-        low, top = (scale, top) if fits else (low, scale)
-    return low
-
-
 def _shelves(paths: Floats, wide: float, gap: float) -> tuple[Floats, NDArray[np.int64], float]:
     """Where the origin of each path (N, n, 2) goes, (N, 2), on which shelf, (N,), and how high all are, pixels.
 
-    They lie side by side on shelves, evenly spaced, the middle of each at the middle of its shelf.
+    The middle of each lies at the middle of its shelf.
     """
     low, size = paths.min(axis=1), np.ptp(paths, axis=1)
-    shelves: list[list[int]] = []
-    used = np.inf
-    for index, width in enumerate(size[:, 0]):
-        if used + gap + width > wide:
-            shelves.append([])
-            used = -gap
-        shelves[-1].append(index)
-        used += gap + width
     places, on, y = np.zeros((len(paths), 2)), np.zeros(len(paths), dtype=np.int64), 0.0
-    for number, shelf in enumerate(shelves):
-        widths, heights = size[shelf].T
-        spread = (wide - widths.sum()) / max(len(shelf) - 1, 1)
-        space = min(spread, 2 * gap) if number + 1 == len(shelves) else spread
-        places[shelf, 0] = np.cumsum(widths + space) - widths - space
-        places[shelf, 1] = y + (heights.max() - heights) / 2
-        on[shelf] = number
+    for number, row in enumerate(rows_of(size[:, 0], wide, gap)):
+        heights = size[row.strokes, 1]
+        places[row.strokes, 0] = row.left
+        places[row.strokes, 1] = y + (heights.max() - heights) / 2
+        on[row.strokes] = number
         y += heights.max() + gap
     return places - low, on, y - gap
 

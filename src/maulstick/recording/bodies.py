@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from maulstick.errors import InputError
 
-CORNERS = 3
+CANVAS_MARKERS = 3
 """Markers on a canvas, each at a corner of its own."""
 
 _PEN = ("pen", "brush", "stylus")
@@ -31,13 +31,13 @@ def pen_and_canvas(
             raise InputError(f"there is no rigid body {name!r}; {there}")
     if pen is not None and pen == canvas:
         raise InputError(f"the pen and the canvas are both {pen!r}; they must be two rigid bodies")
-    if canvas is not None and markers[canvas] != CORNERS:
+    if canvas is not None and markers[canvas] != CANVAS_MARKERS:
         raise InputError(
             f"the canvas {canvas!r} has {markers[canvas]} markers; it must have exactly three, each at a corner"
         )
     if canvas is None:
-        named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CORNERS]
-        if len(named) > 1 or (not named and loose != CORNERS):
+        named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CANVAS_MARKERS]
+        if len(named) > 1 or (not named and loose != CANVAS_MARKERS):
             raise InputError(
                 "there is no telling which is the canvas; name it (--canvas), a rigid body of exactly three markers, "
                 f"or let exactly three markers be loose: {there}"

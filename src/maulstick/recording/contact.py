@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from maulstick.arrays import Bools, Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
+
+RELEASE = 2.0
+"""How many times the threshold the tip must rise for one stroke to end and another to begin."""
 
 _LEAST, _MOST = 5e-5, 0.02  # metres
 _FEWEST = 3  # samples
@@ -28,21 +31,17 @@ class ContactOptions:
     """When the tip touches.
 
     threshold: metres over the paper under which the tip touches; None where it is to be proposed from the data.
-    release: how many times the threshold the tip must rise for one stroke to end and another to begin.
     merge: seconds; a lift that is no longer is none.
     shortest: seconds; a touch that is shorter, or has fewer than three samples, is none.
     """
 
     threshold: float | None = None
-    release: float = 2.0
     merge: float = 0.02
     shortest: float = 0.03
 
     def __post_init__(self) -> None:
         if self.threshold is not None and not _LEAST <= self.threshold <= _MOST:
             raise InputError.of_range("the threshold", f"{self.threshold * 1e3:g} mm", "between 0.05 and 20 mm")
-        if not 1 <= self.release <= 10:
-            raise InputError.of_range("the release", f"{self.release:g}", "1 to 10 times the threshold")
         for name, seconds in (("the longest lift to merge", self.merge), ("the shortest touch", self.shortest)):
             if not 0 <= seconds <= 10:
                 raise InputError.of_range(name, f"{seconds:g} s", "between 0 and 10 s")
@@ -72,7 +71,7 @@ def find_contact(times: Floats, heights: Floats, options: ContactOptions) -> Con
     rises, as it moves on while it does. Where the height is not known, nothing touches.
     """
     threshold = propose_threshold(heights) if options.threshold is None else options.threshold
-    release = options.release * threshold
+    release = RELEASE * threshold
     low = np.nan_to_num(heights, nan=np.inf) < threshold
     touches = []
     for start, stop in _runs(np.nan_to_num(heights, nan=np.inf) < release):
@@ -132,7 +131,7 @@ def _to_feet(times: Floats, heights: Floats, start: int, stop: int) -> tuple[int
     return int(np.searchsorted(times, first)), int(np.searchsorted(times, last, side="right"))
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(mask: Bools) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 

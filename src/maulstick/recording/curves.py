@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.page import MOST_SAMPLES, Floats
+from maulstick.recording.page import MOST_SAMPLES
 
 _FINENESS = 1e-4
 _MOST_PARTS = 1000

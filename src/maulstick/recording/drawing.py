@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats, Ink
+from maulstick.ink import Ink
 from maulstick.recording.contact import Contact, ContactOptions, Frames, find_contact
 from maulstick.recording.frames import CanvasPath, canvas_path
 from maulstick.recording.paper import Paper, find_paper

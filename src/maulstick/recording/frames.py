@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from maulstick.arrays import Bools, Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.take import Take
 
 CORNERS = ("upper-left", "upper-right", "lower-right", "lower-left")
@@ -20,8 +20,6 @@ _MISFIT = 2e-3  # metres that a distance between two markers may be wrong: more 
 _STILL = 2e-3  # metres that a canvas may lie off its last place and still count as not moved
 _BRIEF = 0.1  # seconds in which a canvas is taken to move evenly
 _SMOOTHED = 0.2  # seconds
-
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

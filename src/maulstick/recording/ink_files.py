@@ -9,12 +9,13 @@ from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 
 from maulstick.arrays import kind_of
 from maulstick.errors import InputError
-from maulstick.files import file_to_read
+from maulstick.files import file_to_read, read_whole
 from maulstick.ink import Ink
 from maulstick.recording.inkml import read_inkml
 from maulstick.recording.page import Page, on_sheet
 from maulstick.recording.pointer_events import read_pointer_events
 from maulstick.recording.svg_ink import read_svg
+from maulstick.recording.take import KIND as TAKE
 from maulstick.recording.wacom import read_uim, read_will
 
 FORMATS = "InkML, SVG, Wacom's UIM and WILL 2, and JSON of pointer events"
@@ -31,14 +32,11 @@ def read_ink_file(
     Raises InputError where the file is of none of them, or damaged.
     """
     path = file_to_read(path, "drawing")
-    if path.stat().st_size > _LARGEST:
-        raise InputError(f"{path} is larger than {_LARGEST >> 20} MiB; no drawing is; name the drawing itself")
     if (kind := kind_of(path)) is not None:
+        if kind == TAKE:
+            raise InputError(f"{path} holds a take; read it with maulstick record motive")
         raise InputError(f"{path} holds {kind} already; there is nothing to record; look at it with maulstick show")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read the drawing {path}: {error.strerror}") from error
+    content = read_whole(path, "drawing", _LARGEST)
     name, reader = _reader(content, path)
     try:
         with np.errstate(all="ignore"):  # numbers beyond all measure are refused by name afterwards

@@ -11,15 +11,14 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from defusedxml.ElementTree import fromstring  # type: ignore[import-untyped]
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.markup import METRES, local_name, parsed
+from maulstick.recording.page import Page
 from maulstick.recording.traces import points_of
 
-_INCH = 25.4e-3  # metres
-_METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "himetric": 1e-5}
-_METRES |= {"in": _INCH, "pt": _INCH / 72, "pc": _INCH / 6, "px": _INCH / 96}
+_METRES = {**METRES, "m": 1.0, "um": 1e-6, "himetric": 1e-5}
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _ID = "{http://www.w3.org/XML/1998/namespace}id"
 
@@ -80,35 +79,41 @@ def read_inkml(content: bytes) -> Page:
     an F that never changes was not recorded.
     Raises InputError where the document cannot be read.
     """
-    root = fromstring(content)
-    if _local(root) != "ink":
-        raise InputError(f"its outermost element is <{_local(root)}>; it must be <ink>")
+    root = parsed(content, "ink")
     reader = _Reader(root)
     traces = list(reader.traces(root, _Context()))
     if not traces:
-        traces = [t for part in root if _local(part) == "definitions" for t in reader.traces(part, _Context())]
+        traces = [t for part in root if local_name(part) == "definitions" for t in reader.traces(part, _Context())]
     scales = [tuple(trace.context.scale(name, _METRES) for name in "XY") for trace in traces]
     known = all(scale is not None for pair in scales for scale in pair)
     if not known and any(scale is not None for pair in scales for scale in pair):
         raise InputError("a part of its X and Y has a unit of length and a part has none; state the same for all")
-    forces = np.concatenate([np.zeros(0), *(trace.column("F") for trace in traces)])
-    largest = np.nanmax(forces, initial=1.0) if np.nanmin(forces, initial=np.inf) < np.nanmax(forces, initial=0) else 0
-    strokes = [_stroke(trace, float(largest)) for trace in traces]
+    largest = _largest_force(traces)
+    strokes = [_stroke(trace, largest) for trace in traces]
     if known:
         factors = np.array(scales, dtype=np.float64).reshape(-1, 2)
         strokes = [np.column_stack([s[:, :1], s[:, 1:3] * f, s[:, 3:]]) for s, f in zip(strokes, factors, strict=True)]
     return Page([stroke for stroke in strokes if len(stroke)], 1.0 if known else None, None, "InkML")
 
 
-def _stroke(trace: _Trace, largest: float) -> Floats:
+def _largest_force(traces: list[_Trace]) -> float | None:
+    """The largest F there is, 1 at least; None where it was not recorded, since it never changes."""
+    forces = np.concatenate([np.zeros(0), *(trace.column("F") for trace in traces)])
+    known = set(forces[~np.isnan(forces)].tolist())
+    return max(1.0, *known) if len(known) > 1 else None
+
+
+def _stroke(trace: _Trace, largest: float | None) -> Floats:
     channels = {channel.name: channel for channel in trace.context.channels}
     t, force = trace.column("T"), trace.column("F")
     if "T" in channels:
         t = t * (trace.context.scale("T", _SECONDS) or 1e-3) + trace.start
-    if "F" in channels:
+    if largest is None:
+        force = np.full(len(force), np.nan)
+    elif "F" in channels:
         least, most = channels["F"].least, channels["F"].most
         span = largest if most is None or most <= least else most - least
-        force = np.clip((force - least) / span, 0, 1) if largest > 0 else np.full(len(force), np.nan)
+        force = np.clip((force - least) / span, 0, 1)
     places = trace.points[:, [list(channels).index(name) for name in "XY"]]
     places = places * [-1 if channels[name].falling else 1 for name in "XY"]
     return np.column_stack([t, places, force])[~np.isnan(places).any(axis=1)]
@@ -118,7 +123,7 @@ class _Reader:
     """The elements of a document that others refer to, and what they mean."""
 
     def __init__(self, root: Element) -> None:
-        self._named = {f"#{element.get(_ID) or element.get('id')}": element for element in root.iter()}
+        self._named = {f"#{name}": element for element in root.iter() if (name := _name(element))}
         self._contexts = {"#DefaultContext": _Context()}
 
     def traces(self, parent: Element, context: _Context) -> Iterator[_Trace]:
@@ -135,13 +140,14 @@ class _Reader:
             else:
                 prior = len(found)
                 found.append((context_here, _number(element, "timeOffset", 0.0) * 1e-3, [points]))
-            places[element.get(_ID) or element.get("id") or ""] = prior
+            if name := _name(element):
+                places[name] = prior
         for context_here, start, parts in found:
             yield _Trace(np.concatenate(parts), context_here, start)
 
     def _walk(self, parent: Element, context: _Context) -> Iterator[tuple[Element, _Context]]:
         for element in parent:
-            tag = _local(element)
+            tag = local_name(element)
             if tag in ("context", "traceFormat", "inkSource"):
                 context = self._changed(context, element)
             elif tag == "traceGroup":
@@ -157,9 +163,9 @@ class _Reader:
 
     def _changed(self, context: _Context, element: Element) -> _Context:
         """The context after an element that says something about it."""
-        tag = _local(element)
+        tag = local_name(element)
         if tag == "traceFormat":
-            channels = tuple(_channel(c) for c in element.iter() if _local(c) == "channel")
+            channels = tuple(_channel(c) for c in element.iter() if local_name(c) == "channel")
             names = [channel.name for channel in channels]
             if len(set(names)) < len(names) or not {"X", "Y"} <= set(names):
                 came = ", ".join(names) or "none"
@@ -181,6 +187,10 @@ class _Reader:
         return context
 
 
+def _name(element: Element) -> str | None:
+    return element.get(_ID) or element.get("id")
+
+
 def _channel(element: Element) -> _Channel:
     most = _number(element, "max", np.nan)
     return _Channel(
@@ -198,11 +208,7 @@ def _number(element: Element, name: str, default: float) -> float:
     try:
         number = default if text is None else float(text)
     except ValueError:
-        raise InputError(f"{name} of a <{_local(element)}> is {text!r}; it must be a number") from None
+        raise InputError(f"{name} of a <{local_name(element)}> is {text!r}; it must be a number") from None
     if text is not None and not np.isfinite(number):
-        raise InputError(f"{name} of a <{_local(element)}> is {text}; it must be a finite number")
+        raise InputError(f"{name} of a <{local_name(element)}> is {text}; it must be a finite number")
     return number
-
-
-def _local(element: Element) -> str:
-    return str(element.tag).rpartition("}")[2]

@@ -10,18 +10,16 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from maulstick.arrays import kind_of
+from maulstick.arrays import Floats, kind_of
 from maulstick.errors import InputError
 from maulstick.files import file_to_read
-from maulstick.recording.bodies import CORNERS, pen_and_canvas
+from maulstick.recording.bodies import CANVAS_MARKERS, pen_and_canvas
 from maulstick.recording.motive_header import MOST_FRAMES, SHORTER, Axes, Header, read_header
-from maulstick.recording.take import Floats, Take
-from maulstick.recording.take_file import KIND, read_take
+from maulstick.recording.take import KIND, Take, is_unit, read_take
 
 _LARGEST = 2**33  # bytes
 _BLOCK = 2**24  # bytes that are read at a time, and of the longest line
 _REACH = 100.0  # metres: no capture volume is larger, so that a unit was mistaken
-_UNIT_NORM = 0.01
 
 
 def read_motive(path: str | Path, pen: str | None = None, canvas: str | None = None) -> Take:
@@ -42,8 +40,10 @@ def read_motive(path: str | Path, pen: str | None = None, canvas: str | None = N
     the pen or the canvas cannot be told.
     """
     path = file_to_read(path, "Motive export")
-    if kind_of(path) == KIND:
+    if (kind := kind_of(path)) == KIND:
         return read_take(path)
+    if kind is not None:
+        raise InputError(f"{path} holds {kind} already; there is nothing to record; look at it with maulstick show")
     try:
         if (size := path.stat().st_size) > _LARGEST:
             raise InputError(f"it has {size / 2**30:.1f} GiB, and at most 8 GiB can be read; {SHORTER}")
@@ -68,21 +68,21 @@ def _read_take(file: BinaryIO, header: Header, pen: str, canvas: str | None) -> 
         *_places(f"the pen {pen!r}", header.poses[pen], "Position", "XYZ"),
         *(place for axes in markers for place in _places("a marker", axes, "Position", "XYZ")),
     ]
-    takes: list[Take] = []
+    parts: list[tuple[Floats, ...]] = []
     line = header.lines
     for block in _blocks(file):
         values = _numbers(block, header, columns, line)
-        takes.append(_take_of(values, header, len(order), line))
+        parts.append(_frames_of(values, header, len(order), line))
         line += len(values)
         if line - header.lines > MOST_FRAMES:
             raise InputError(f"it has over {MOST_FRAMES} frames, and no more can be read; {SHORTER}")
-    if not takes:
+    if not parts:
         raise InputError("it has no frames; export it again")
-    take = Take(*(np.concatenate(parts) for parts in zip(*(vars(part).values() for part in takes), strict=True)))
-    rising = np.append(np.isfinite(take.times[:1]), take.times[1:] > take.times[:-1])
-    for frame in np.flatnonzero(~rising)[:1]:
-        raise InputError(f"the time in line {header.lines + frame + 1} does not rise; export it again")
-    return take
+    times, *seen = (np.concatenate(blocks) for blocks in zip(*parts, strict=True))
+    rising = np.append(np.isfinite(times[:1]), times[1:] > times[:-1])
+    if not rising.all():
+        raise InputError(f"the time in line {header.lines + rising.argmin() + 1} does not rise; export it again")
+    return Take(times, *seen)
 
 
 def _places(thing: str, axes: Axes, quantity: str, order: str) -> list[int]:
@@ -106,14 +106,16 @@ def _blocks(file: BinaryIO) -> Iterator[bytes]:
 def _numbers(block: bytes, header: Header, columns: list[int], line: int) -> Floats:
     """Those columns of the lines in the block, which begins after `line`; NaN where a cell is empty."""
     characters = np.frombuffer(block, np.uint8)
-    for _ in np.flatnonzero(characters == 0)[:1]:
+    if (characters == 0).any():
         raise InputError("there are zero bytes among its numbers; it is damaged, export it again")
     ends = np.append(np.flatnonzero(characters == ord("\n")), len(block))
     delimiters = np.flatnonzero(characters == ord(header.delimiter))
     cells = np.diff(np.searchsorted(delimiters, ends), prepend=0) + 1
-    for row in np.flatnonzero((cells != cells[0]) | (cells < header.cells[1]) | (cells > header.cells[0] + 1))[:1]:
+    wrong = (cells != cells[0]) | (cells < header.filled) | (cells > header.cells + 1)
+    if wrong.any():
+        row = wrong.argmax()
         raise InputError(
-            f"line {line + row + 1} has {cells[row]} cells, and its header {header.cells[0]}; export it again"
+            f"line {line + row + 1} has {cells[row]} cells, and its header {header.cells}; export it again"
         )
     try:
         frame = pd.read_csv(
@@ -153,26 +155,32 @@ def _not_a_number(block: bytes, header: Header, columns: list[int], line: int) -
     return InputError(f"its numbers after line {line} cannot be read; export it again")
 
 
-def _take_of(values: Floats, header: Header, rotation: int, line: int) -> Take:
-    """The take of these frames: their times, `rotation` numbers of the pen's rotation, its position, the markers."""
+def _frames_of(values: Floats, header: Header, rotation: int, line: int) -> tuple[Floats, ...]:
+    """What a take has of these frames: times, `rotation` numbers of the pen's rotation, its position, the markers."""
     places = values[:, 1 + rotation :].reshape(len(values), -1, 3) * header.scale
     places[np.isnan(places).any(axis=2)] = np.nan
-    for row in np.flatnonzero((np.abs(places) > _REACH).any(axis=(1, 2)))[:1]:
+    far = (np.abs(places) > _REACH).any(axis=(1, 2))
+    if far.any():
         raise InputError(
-            f"line {line + row + 1} has a place over 100 m away; check its Length Units and export it again"
+            f"line {line + far.argmax() + 1} has a place over 100 m away; check its Length Units and export it again"
         )
     rotations = values[:, 1 : 1 + rotation]
     seen = ~np.isnan(rotations).any(axis=1)
     quaternions = np.full((len(values), 4), np.nan)
     if header.rotation == "QUATERNION":
         quaternions[seen] = rotations[seen]
-        with np.errstate(over="ignore"):
-            unit = np.abs(np.linalg.norm(quaternions, axis=1) - 1) <= _UNIT_NORM
-        for row in np.flatnonzero(seen & ~unit)[:1]:
-            raise InputError(f"line {line + row + 1} has a quaternion that is not of length 1; export it again")
+        wrong = seen & ~is_unit(quaternions)
+        if wrong.any():
+            raise InputError(
+                f"line {line + wrong.argmax() + 1} has a quaternion that is not of length 1; export it again"
+            )
     elif seen.any():
         quaternions[seen] = Rotation.from_euler(header.rotation, rotations[seen], degrees=True).as_quat()
-    corners = places.shape[1] - CORNERS
-    return Take(
-        values[:, 0].copy(), places[:, 0].copy(), quaternions, places[:, 1:corners].copy(), places[:, corners:].copy()
+    corners = places.shape[1] - CANVAS_MARKERS
+    return (
+        values[:, 0].copy(),
+        places[:, 0].copy(),
+        quaternions,
+        places[:, 1:corners].copy(),
+        places[:, corners:].copy(),
     )

@@ -4,7 +4,7 @@ import codecs
 import csv
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 from maulstick.errors import InputError
 
@@ -31,8 +31,8 @@ class Header:
     """What comes before the frames.
 
     lines: how many lines that is.  delimiter: between cells.  scale: metres a unit.
-    rotation: QUATERNION, or the order of Euler angles.  cells: how many the last of these lines has, with the empty
-    ones at its end and without.  time: the column of times.
+    rotation: QUATERNION, or the order of Euler angles.  cells: how many the last of these lines has.
+    filled: how many it has without the empty ones at its end.  time: the column of times.
     poses, markers and loose: the columns of each rigid body, of its markers, and of each marker that is on none.
     """
 
@@ -40,11 +40,21 @@ class Header:
     delimiter: str
     scale: float
     rotation: str
-    cells: tuple[int, int]
+    cells: int
+    filled: int
     time: int
     poses: dict[str, Axes]
     markers: dict[str, list[Axes]]
     loose: list[Axes]
+
+
+class _Thing(NamedTuple):
+    """What a column belongs to. parent: the rigid body of a marker, where stated.  others: numbers of Motive."""
+
+    kind: str
+    name: str
+    parent: str
+    others: tuple[str, ...]
 
 
 def read_header(file: BinaryIO) -> Header:
@@ -91,25 +101,27 @@ def _header_of(facts: list[str], delimiter: str, rows: list[list[str]], axes: li
         raise InputError("it has no column 'Time (Seconds)'; export it again, header included")
     kinds, names, *others, quantities = (row + [""] * (len(axes) - len(row)) for row in rows[top:])
     parents = next((row for row in others if "Parent" in row[:2]), [""] * len(axes))
-    things: dict[tuple[str, ...], Axes] = {}
-    for place, (axis, quantity, *thing) in enumerate(
+    things: dict[_Thing, Axes] = {}
+    for place, (axis, quantity, kind, name, parent, *rest) in enumerate(
         zip(axes, quantities, kinds, names, parents, *others, strict=False)
     ):
-        if thing[0] not in known or quantity not in ("Position", "Rotation"):
+        if kind not in known or quantity not in ("Position", "Rotation"):
             continue
-        if things.setdefault(tuple(thing), {}).setdefault((quantity, axis), place) != place:
-            raise InputError(f"two columns are {quantity} {axis!r} of {thing[1][:40]!r}; export it again")
-    poses = {name: columns for (kind, name, *_), columns in things.items() if kind == _BODY}
+        thing = _Thing(kind, name, parent, tuple(rest))
+        if things.setdefault(thing, {}).setdefault((quantity, axis), place) != place:
+            raise InputError(f"two columns are {quantity} {axis!r} of {name[:40]!r}; export it again")
+    poses = {thing.name: columns for thing, columns in things.items() if thing.kind == _BODY}
     seen: dict[str, dict[str | None, list[Axes]]] = {_MARKER: {}, _SOLVED: {}}
-    for (kind, name, parent, *_), columns in things.items():
-        if kind != _BODY:
-            seen[kind].setdefault(_body_of(name, parent, poses), []).append(columns)
+    for thing, columns in things.items():
+        if thing.kind != _BODY:
+            seen[thing.kind].setdefault(_body_of(thing, poses), []).append(columns)
     return Header(
         lines=len(rows) + 2,
         delimiter=delimiter,
         scale=scale,
         rotation=rotation,
-        cells=(len(axes), max(place + 1 for place, axis in enumerate(axes) if axis)),
+        cells=len(axes),
+        filled=max(place + 1 for place, axis in enumerate(axes) if axis),
         time=times[0],
         poses=poses,
         markers={body: seen[_MARKER].get(body) or seen[_SOLVED].get(body, []) for body in poses},
@@ -134,8 +146,8 @@ def _conventions(facts: dict[str, str]) -> tuple[float, str]:
     return _UNITS[unit.casefold()], rotation
 
 
-def _body_of(marker: str, parent: str, bodies: dict[str, Axes]) -> str | None:
-    if parent in bodies:
-        return parent
-    owners = [body for body in bodies if marker.startswith((f"{body}:", f"{body}_"))]
+def _body_of(marker: _Thing, bodies: dict[str, Axes]) -> str | None:
+    if marker.parent in bodies:
+        return marker.parent
+    owners = [body for body in bodies if marker.name.startswith((f"{body}:", f"{body}_"))]
     return max(owners, key=len, default=None)

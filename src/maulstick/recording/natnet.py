@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.bodies import CORNERS, pen_and_canvas
-from maulstick.recording.take import Floats, Take
+from maulstick.recording.bodies import CANVAS_MARKERS, pen_and_canvas
+from maulstick.recording.take import Take, is_unit
 
 PORT = 1510
 """Where Motive listens for commands, unless it was told otherwise."""
@@ -23,7 +24,6 @@ PORT = 1510
 _PATIENCE = 5.0  # seconds without an answer or a frame
 _POLL = 0.005  # seconds
 _POSE = 7
-_UNIT_NORM = 0.01
 _STREAMING = "switch on streaming in Motive, with rigid bodies, labelled and unlabelled markers"
 
 
@@ -201,7 +201,7 @@ class _Recorder:
     def seen(self) -> Seen:
         """What has come so far, a frame at least."""
         last = self._numbers[-self._width :]
-        canvas = last[1 + _POSE : 1 + 2 * _POSE] if len(self._bodies) > 1 else last[-3 * CORNERS :]
+        canvas = last[1 + _POSE : 1 + 2 * _POSE] if len(self._bodies) > 1 else last[-3 * CANVAS_MARKERS :]
         return Seen(
             len(self._numbers) // self._width,
             last[0] - self._numbers[0],
@@ -214,7 +214,7 @@ class _Recorder:
         values = np.array(self._numbers).reshape(-1, self._width)
         poses, markers = np.split(values[:, 1:], [_POSE * len(self._bodies)], axis=1)
         poses, markers = (part.reshape(len(values), -1, size) for part, size in ((poses, _POSE), (markers, 3)))
-        poses[~(np.abs(np.linalg.norm(poses[..., 3:], axis=2) - 1) < _UNIT_NORM)] = np.nan
+        poses[~is_unit(poses[..., 3:])] = np.nan
         for part in (poses, markers):
             part[~np.isfinite(part).all(axis=2)] = np.nan
         first = 0
@@ -223,7 +223,9 @@ class _Recorder:
             if np.isnan(own).all():
                 own[:] = _solved(body, pose)
             first += len(body.markers)
-        return Take(values[:, 0], poses[:, 0, :3], poses[:, 0, 3:], markers[:, :-CORNERS], markers[:, -CORNERS:])
+        return Take(
+            values[:, 0], poses[:, 0, :3], poses[:, 0, 3:], markers[:, :-CANVAS_MARKERS], markers[:, -CANVAS_MARKERS:]
+        )
 
 
 def _numbers_of(body: Any, frame: Any) -> list[int]:

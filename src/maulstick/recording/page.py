@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.ink import Ink
-
-Floats = NDArray[np.float64]
 
 LONGEST = 0.15
 """Metres: the longer side of a drawing whose scale nobody has written down."""

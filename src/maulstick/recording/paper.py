@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 
 _STEADY = 0.01  # metres a second up or down: faster is no drawing
 _BIN, _BLUR = 1e-4, 1e-3  # metres

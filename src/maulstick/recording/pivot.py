@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.take import Take
 from maulstick.recording.tip import steady
 
@@ -39,7 +39,7 @@ def calibrate_pivot(take: Take) -> Pivot:
 
     Raises InputError where the pen was seen too little, was turned too little to tell, or its tip moved.
     """
-    seen = np.isfinite(take.pen_positions[:, 0]) & (np.linalg.norm(take.pen_rotations, axis=1) > 0)
+    seen = np.isfinite(take.pen_positions[:, 0]) & np.isfinite(take.pen_rotations).all(axis=1)
     rotations = Rotation.from_quat(take.pen_rotations[seen]).as_matrix().reshape(-1, 3, 3)
     positions = take.pen_positions[seen]
     # The tip is not known yet, so ones along all three axes stand for it.

@@ -6,9 +6,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.medium import first_fault
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.page import Page
 
 NO_PRESSURE = 0.5
 """What a browser must report where the hardware knows nothing of pressure, as with a mouse (W3C Pointer Events)."""

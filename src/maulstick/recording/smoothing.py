@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 
-from maulstick.ink import Floats
+from maulstick.arrays import Bools, Floats
 
 _FEWEST = 6  # sightings, to say anything of a stretch
 _OUTLYING, _TOLERATED = 5.0, 5e-4  # standard deviations; metres, within which nothing is an outlier
@@ -17,8 +17,6 @@ _ROUNDS, _THEREABOUTS = 12, 9  # the latter in frames
 _PILOT = 30.0  # hertz
 _CHOICES = (8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)  # hertz
 _FIFTH = np.array([-1.0, 5.0, -10.0, 10.0, -5.0, 1.0])
-
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
-from defusedxml.ElementTree import fromstring  # type: ignore[import-untyped]
 from svgelements import (  # type: ignore[import-untyped]
     SVG,
     Arc,
@@ -19,12 +18,12 @@ from svgelements import (  # type: ignore[import-untyped]
     Shape,
 )
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.recording.curves import polylines
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.markup import METRES, local_name, parsed
+from maulstick.recording.page import Page
 
-_INCH = 25.4e-3  # metres
-_UNITS = {"": _INCH / 96, "px": _INCH / 96, "mm": 1e-3, "cm": 1e-2, "in": _INCH, "pt": _INCH / 72, "pc": _INCH / 6}
 _NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")
 _LARGEST = 12 * 2**20  # characters, after every <use> has been put in: up to a minute
 _ELEMENT = 32  # characters: what an element costs beside its attributes
@@ -37,9 +36,7 @@ def read_svg(content: bytes) -> Page:
     Curves are sampled as in `curves.polylines`. Text and images are no strokes.
     Raises InputError where the file cannot be read or would grow too large, or there is no shape in it.
     """
-    root = fromstring(content)
-    if _local(root) != "svg":
-        raise InputError(f"its outermost element is <{_local(root)}>; it must be <svg>")
+    root = parsed(content, "svg")
     _check_uses(root)
     _hide(root)
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
@@ -51,10 +48,6 @@ def read_svg(content: bytes) -> Page:
     unit = metres / width if metres and _metres(root.get("height")) and width > 0 and height > 0 else None
     strokes = [_stroke(points) for points in polylines(chains)]
     return Page(strokes, unit, None if unit is None else (width, height), "SVG")
-
-
-def _local(element: Element) -> str:
-    return str(element.tag).rpartition("}")[2]
 
 
 def _check_uses(root: Element) -> None:
@@ -69,7 +62,7 @@ def _check_uses(root: Element) -> None:
         if element not in costs:
             under_way.add(element)
             total = _ELEMENT + sum(map(len, element.attrib.values())) + sum(cost(child) for child in element)
-            if _local(element) == "use":
+            if local_name(element) == "use":
                 links = [value[1:] for name, value in element.attrib.items() if name.rpartition("}")[2] == "href"]
                 total += sum(cost(named[link]) for link in links if link in named)
             under_way.remove(element)
@@ -84,16 +77,16 @@ def _hide(root: Element) -> None:
     """Put what is drawn only by reference where svgelements looks for nothing to draw."""
     for parent in list(root.iter()):
         for index, child in enumerate(parent):
-            if _local(child) in _NEVER_DRAWN:
-                parent[index] = hidden = Element(str(child.tag).replace(_local(child), "defs"))
-                child.tag = str(child.tag).replace(_local(child), "g")
+            if local_name(child) in _NEVER_DRAWN:
+                parent[index] = hidden = Element(str(child.tag).replace(local_name(child), "defs"))
+                child.tag = str(child.tag).replace(local_name(child), "g")
                 hidden.append(child)
 
 
 def _metres(side: str | None) -> float | None:
     """A length as CSS has it, where it is one."""
     match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|in|pt|pc)\s*", side or "")
-    return float(match[1]) * _UNITS[match[2]] if match else None
+    return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 
 def _chains(path: Path) -> Iterable[Floats]:

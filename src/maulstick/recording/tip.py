@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from maulstick.arrays import Bools, Floats
 from maulstick.errors import InputError
-from maulstick.ink import Floats
 from maulstick.recording.frames import CanvasPath
 from maulstick.recording.smoothing import smooth
 from maulstick.recording.take import Take
@@ -21,8 +20,6 @@ _OVER_USUAL = 6.0  # ... or so many times what it usually does
 _LEANING = 0.5  # metres a second that leaning may move the tip over a gap
 _GLIMPSE = 0.05  # seconds: what is seen for less between two jumps is not to be trusted
 _SUSPECT = 3  # frames beside a jump are not to be trusted either
-
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def tip_path(take: Take, tip: Floats, canvas: CanvasPath) -> TipPath:
 
     Raises InputError where the pen and the canvas are never seen together.
     """
-    seen = np.isfinite(take.pen_positions[:, 0]) & (np.linalg.norm(take.pen_rotations, axis=1) > 0)
+    seen = np.isfinite(take.pen_positions[:, 0]) & np.isfinite(take.pen_rotations).all(axis=1)
     offsets = np.full_like(take.pen_positions, np.nan)
     offsets[seen] = Rotation.from_quat(take.pen_rotations[seen]).apply(tip)
     local = canvas.capture_to_canvas(take.pen_positions + offsets)

@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.page import Floats
 
 _BEYOND_PLAIN = re.compile(r"[^\d\s.,eE+-]", re.ASCII)
 _VALUE = re.compile(
@@ -37,7 +37,8 @@ def _plain(text: str, channels: int) -> Floats | None:
 def _coded(text: str, channels: int) -> Floats:
     """Each channel has an order, kept until a prefix changes it: 0 its values, 1 differences of them, 2 of those."""
     points: list[list[float]] = []
-    orders, values, speeds, changes = ([0.0] * channels for _ in range(4))
+    orders = [0] * channels
+    values, speeds, changes = ([0.0] * channels for _ in range(3))
     point: list[float] = []
     end = len(text.rstrip())
     place = 0
@@ -59,7 +60,7 @@ def _coded(text: str, channels: int) -> Floats:
             continue
         if not match["word"]:  # or it goes on as before
             came = float(match["number"]) if match["number"] else float(int(match["hex"].replace("#", ""), 16))
-            (values, speeds, changes)[int(orders[channel])][channel] = came
+            (values, speeds, changes)[orders[channel]][channel] = came
         if orders[channel] == 2:
             speeds[channel] += changes[channel]
         if orders[channel] >= 1:

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.recording.curves import catmull_rom, polylines
-from maulstick.recording.page import Floats, Page
+from maulstick.recording.page import Page
 
 _LARGEST = 64 * 2**20  # bytes, unpacked
 

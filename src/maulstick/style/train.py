@@ -14,6 +14,7 @@ from maulstick.style import shape
 from maulstick.style.exemplar import pool
 from maulstick.style.hand import Hand
 from maulstick.style.trajvae import LATENT, TrajVAE, Weights, check_weights, numbers_of, posterior, shapes
+from maulstick.threads import one_torch_thread
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +35,7 @@ def pretrained() -> Weights:
     return check_weights(load(content))
 
 
+@one_torch_thread()
 def pretrain(hands: list[Hand], seed: int, steps: int = 4000) -> Weights:
     """A network that can draw the strokes of all these hands, and of others."""
     generator = torch.Generator().manual_seed(seed)
@@ -50,6 +52,7 @@ def pretrain(hands: list[Hand], seed: int, steps: int = 4000) -> Weights:
     return _descend(weights, batch, generator, steps, _RATE)
 
 
+@one_torch_thread()
 def fine_tune(weights: Weights, hand: Hand, seed: int, called: str = "trajvae", steps: int = 200) -> TrajVAE:
     """A style of this hand: the network, trained some more on its strokes.
 

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from maulstick.canvas import parse_length, parse_size
+from maulstick.cli.folder import made_folder
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
 
@@ -15,8 +16,13 @@ _SMALLEST, _LARGEST = 1e-3, 50.0  # metres
 def ink(
     file: Annotated[Path, typer.Argument(help="InkML, SVG, Wacom's UIM or WILL 2, or JSON of pointer events.")],
     out: Annotated[
-        Path, typer.Option(metavar="FILE", help="NAME.ink.npz; or NAME.strokes.npz for standardised strokes.")
-    ],
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            show_default="FILE.ink.npz here",
+            help="NAME.ink.npz; or NAME.strokes.npz for standardised strokes.",
+        ),
+    ] = None,
     size: Annotated[
         str | None, typer.Option(metavar="SIZE", help="The sheet that the page fills, as in 150x150mm or A4.")
     ] = None,
@@ -27,6 +33,7 @@ def ink(
     overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
 ) -> None:
     """Read a drawing that a pen tablet, a web page or a drawing program wrote."""
+    out = out or Path(f"{file.stem}.ink.npz")
     check_out(out, overwrite)
     if size is not None and longest is not None:
         raise InputError("--size and --longest cannot both be kept; give one of them")
@@ -36,7 +43,8 @@ def ink(
         raise InputError.of_range("--longest", longest, "between 1 mm and 50 m")
     from maulstick.recording.ink_files import read_ink_file  # loads parsers
 
-    drawn, kind = read_ink_file(file, sheet, longer)
-    write_result(drawn, out, overwrite)
+    with made_folder(out.parent):
+        drawn, kind = read_ink_file(file, sheet, longer)
+        write_result(drawn, out, overwrite)
     print(f"{kind}: {drawn.summary()}")
     print(out, flush=True)

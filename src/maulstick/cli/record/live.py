@@ -1,6 +1,5 @@
 """``maulstick record live``: from what Motive streams to ink."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,10 +8,11 @@ import typer
 from rich.console import Console
 from rich.status import Status
 
-from maulstick.cli.folder import made_folder
-from maulstick.cli.record import pen as options
+from maulstick.cli.folder import check_absent, made_folder
+from maulstick.cli.record import options
+from maulstick.cli.record.writing import beside, check_outs, write_drawing
 from maulstick.cli.watch import stop_on_interrupt
-from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.errors import InputError, MaulstickError
 
 if TYPE_CHECKING:
     from maulstick.recording.natnet import Seen
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 
 def live(
-    server: Annotated[str, typer.Option(metavar="ADDRESS", help="Of Motive's machine: 192.168.1.5.")],
     out: Annotated[Path, typer.Option(metavar="FILE", help="NAME.ink.npz, or NAME.strokes.npz.")],
+    server: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Of Motive's machine, where it is not this one: 192.168.1.5.")
+    ] = "127.0.0.1",
     local: Annotated[
         str | None,
         typer.Option(
@@ -41,8 +43,8 @@ def live(
     canvas: options.Board = None,
     corner: options.Corner = "upper-left",
     threshold: options.Threshold = None,
-    merge: options.Merge = "20ms",
-    shortest: options.Shortest = "30ms",
+    merge: options.Merge = options.MERGE,
+    shortest: options.Shortest = options.SHORTEST,
     plot: options.Plot = None,
     overwrite: options.Overwrite = False,
 ) -> None:
@@ -52,24 +54,23 @@ def live(
     another threshold, say.
     """
     contact = options.contact_options(threshold, merge, shortest)
-    plot = options.check_outs(out, plot, overwrite)
-    kept = out.with_name(out.name.rsplit(".", 2)[0] + ".take.npz")
-    if os.path.lexists(kept) and not overwrite:
-        raise OutputError(f"{kept} is already there; choose another --out, or add --overwrite")
+    plot = check_outs(out, plot, overwrite)
+    kept = beside(out, ".take.npz")
+    check_absent(kept, "--out", overwrite)
     if seconds is not None and not seconds > 0:
         raise InputError.of_range("--seconds", f"{seconds:g}", "more than 0")
     tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
 
     from maulstick.recording.drawing import drawing_of  # these load scipy
-    from maulstick.recording.take_file import write_take
+    from maulstick.recording.take import write_take
 
-    with made_folder(out.parent):  # before anything is recorded
+    with made_folder(out.parent), made_folder(plot.parent):  # before anything is recorded
         take = _record(server, local, pen, canvas, multicast, seconds)
         write_take(take, kept)
         try:
             drawing = drawing_of(take, tip, contact, corner, kept.name)
             print(how)
-            options.write_drawing(drawing, out, plot, overwrite)
+            write_drawing(drawing, out, plot, overwrite)
         except MaulstickError as error:
             raise type(error)(f"{error} (the take is kept; try again with: maulstick record motive {kept})") from error
     print(kept, flush=True)

@@ -5,7 +5,9 @@ from typing import Annotated
 
 import typer
 
-from maulstick.cli.record import pen as options
+from maulstick.cli.folder import made_folder
+from maulstick.cli.record import options
+from maulstick.cli.record.writing import check_outs, write_drawing
 
 
 def motive(
@@ -17,8 +19,8 @@ def motive(
     canvas: options.Board = None,
     corner: options.Corner = "upper-left",
     threshold: options.Threshold = None,
-    merge: options.Merge = "20ms",
-    shortest: options.Shortest = "30ms",
+    merge: options.Merge = options.MERGE,
+    shortest: options.Shortest = options.SHORTEST,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", show_default="TAKE.ink.npz here", help="NAME.ink.npz, or NAME.strokes.npz."),
@@ -31,13 +33,15 @@ def motive(
     The canvas has a marker at three of its corners, and the pen is a rigid body. Writes the ink, and a plot of the
     tip's height over time with the strokes marked in it: where they are wrong, set a threshold by it.
     """
-    out = out or Path(f"{Path(take.name.removesuffix('.npz')).stem}.ink.npz")  # of TAKE.csv, or a live TAKE.take.npz
+    name = take.name.replace(".take.npz", ".npz")  # of a live take
+    out = out or Path(f"{Path(name).stem}.ink.npz")
     contact = options.contact_options(threshold, merge, shortest)
-    plot = options.check_outs(out, plot, overwrite)
+    plot = check_outs(out, plot, overwrite)
     from maulstick.recording.drawing import drawing_of  # these load pandas and scipy
     from maulstick.recording.motive import read_motive
 
-    tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
-    drawing = drawing_of(read_motive(take, pen, canvas), tip, contact, corner, take.name)
-    print(how)
-    options.write_drawing(drawing, out, plot, overwrite)
+    with made_folder(out.parent), made_folder(plot.parent):  # before an hour is read
+        tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
+        drawing = drawing_of(read_motive(take, pen, canvas), tip, contact, corner, take.name)
+        print(how)
+        write_drawing(drawing, out, plot, overwrite)

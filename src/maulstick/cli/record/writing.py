@@ -1,11 +1,16 @@
-"""What a recording becomes: one file, whose name says what is in it."""
+"""What a recording becomes: a file, whose name says what is in it, and for a tracked pen a plot beside it."""
 
-import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from maulstick.errors import InputError, OutputError
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
 from maulstick.ink import Ink, write_ink
 from maulstick.strokes import Strokes, write_strokes
+
+if TYPE_CHECKING:
+    from maulstick.recording.drawing import Drawing
 
 _INK, _STROKES = ".ink.npz", ".strokes.npz"
 
@@ -14,8 +19,22 @@ def check_out(out: Path, overwrite: bool) -> None:
     """Raise InputError where nothing can be written under that name, and OutputError where `out` would be lost."""
     if not out.name.endswith((_INK, _STROKES)):
         raise InputError(f"--out is {out}; let its name end in {_INK} for the ink, or in {_STROKES} for its strokes")
-    if os.path.lexists(out) and not overwrite:
-        raise OutputError(f"{out} is already there; choose another --out, or add --overwrite")
+    check_absent(out, "--out", overwrite)
+
+
+def check_outs(out: Path, plot: Path | None, overwrite: bool) -> Path:
+    """Where the plot goes. Raises as `check_out` does where it, or `out`, cannot."""
+    check_out(out, overwrite)
+    plot = plot or beside(out, ".contact.png")
+    if plot.suffix.lower() != ".png":
+        raise InputError(f"--plot is {plot}; it is written as PNG, so let its name end in .png")
+    check_absent(plot, "--plot", overwrite)
+    return plot
+
+
+def beside(out: Path, ending: str) -> Path:
+    """The file beside `out`, NAME.ink.npz or NAME.strokes.npz, that is called NAME with another ending."""
+    return out.with_name(out.name.rsplit(".", 2)[0] + ending)
 
 
 def write_result(ink: Ink, out: Path, overwrite: bool) -> None:
@@ -28,3 +47,15 @@ def write_result(ink: Ink, out: Path, overwrite: bool) -> None:
         write_strokes(Strokes.of(ink), out)
     else:
         write_ink(ink, out)
+
+
+def write_drawing(drawing: "Drawing", out: Path, plot: Path, overwrite: bool) -> None:
+    """Write the ink and the plot, and say what was decided and where they are.
+
+    Raises OutputError where they cannot be written.
+    """
+    from maulstick.plates.contact import contact_plate  # loads matplotlib
+
+    write_result(drawing.ink, out, overwrite)
+    atomic_write(plot, contact_plate(drawing))
+    print(*drawing.summary, out, plot, sep="\n", flush=True)

@@ -1,6 +1,5 @@
-"""What the words that record a tracked pen have in common: its options, and what becomes of the take."""
+"""The options of the words that record a tracked pen."""
 
-import os
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,19 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from maulstick.arrays import Floats
 from maulstick.canvas import parse_length
-from maulstick.cli.record.writing import check_out, write_result
-from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write
-from maulstick.ink import Floats
+from maulstick.errors import InputError
 
 if TYPE_CHECKING:
     from maulstick.recording.contact import ContactOptions
-    from maulstick.recording.drawing import Drawing
 
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
 _LONGEST_PEN = 2.0  # metres
 _SECONDS = {"ms": 1e-3, "s": 1.0}
+
+MERGE, SHORTEST = "20ms", "30ms"
+"""What `ContactOptions` has by default, which loads scipy."""
 
 _THE_PEN = "The pen and the canvas"
 _TOUCHING = "When the pen touches"
@@ -124,29 +123,6 @@ def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, b
         f"the tip is at ({place}) mm in the rigid body; in the pivot take it strayed by {found.residual * 1e3:.2f} mm "
         f"(RMS), without {found.rejected} outliers"
     )
-
-
-def check_outs(out: Path, plot: Path | None, overwrite: bool) -> Path:
-    """Where the plot goes. Raises as `check_out` does where it, or `out`, cannot."""
-    check_out(out, overwrite)
-    plot = plot or out.with_name(out.name.rsplit(".", 2)[0] + ".contact.png")
-    if plot.suffix.lower() != ".png":
-        raise InputError(f"--plot is {plot}; it is written as PNG, so let its name end in .png")
-    if os.path.lexists(plot) and not overwrite:
-        raise OutputError(f"{plot} is already there; choose another --plot, or add --overwrite")
-    return plot
-
-
-def write_drawing(drawing: "Drawing", out: Path, plot: Path, overwrite: bool) -> None:
-    """Write the ink and the plot, and say what was decided and where they are.
-
-    Raises OutputError where they cannot be written.
-    """
-    from maulstick.recording.plot import contact_plot  # loads matplotlib
-
-    write_result(drawing.ink, out, overwrite)
-    atomic_write(plot, contact_plot(drawing))
-    print(*drawing.summary, out, plot, sep="\n", flush=True)
 
 
 def _seconds(name: str, text: str) -> float:

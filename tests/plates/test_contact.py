@@ -6,9 +6,9 @@ import pytest
 from PIL import Image
 
 from maulstick.ink import Ink
+from maulstick.plates.contact import contact_plate, rows_of
 from maulstick.recording.contact import Contact
 from maulstick.recording.drawing import Drawing
-from maulstick.recording.plot import contact_plot, rows_of
 
 STROKE, MERGED, DROPPED, BESIDE = (180, 224, 215), (245, 198, 105), (236, 147, 166), (217, 212, 202)
 
@@ -25,7 +25,7 @@ def drawing_for(seconds: float, rate: float = 240.0) -> Drawing:
 
 
 def pixels(drawing: Drawing) -> np.ndarray:
-    with Image.open(io.BytesIO(contact_plot(drawing))) as image:
+    with Image.open(io.BytesIO(contact_plate(drawing))) as image:
         assert image.format == "PNG"
         return np.asarray(image.convert("RGB")).astype(int)
 
