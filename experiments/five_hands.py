@@ -1,6 +1,6 @@
 """Paint one photograph in five of the built-in styles, side by side: the picture in the README.
 
-    .venv/bin/python experiments/five_hands.py five-hands.jpg
+.venv/bin/python experiments/five_hands.py five-hands.jpg
 """
 
 import subprocess

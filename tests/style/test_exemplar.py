@@ -158,11 +158,11 @@ def test_the_hands_own_strokes_cost_little_samples_more_and_strangers_much_more(
     codes, _ = style.sample(60, chance(1))
     mine, sampled = costs(style, own(style)), costs(style, codes)
     assert 0 <= np.median(mine) < 6
-    assert 2 * mine.mean() < sampled.mean() < 100
+    assert 2 * mine.mean() < sampled.mean() < 200
     kin = {arc, line_or_arc}  # half of the latter's strokes are like the former's
     for other in set(KINDS) - (kin if one in kin else {one}):
         stranger = costs(style, style.encode(torch.from_numpy(OTHERS[other])))
-        assert np.median(stranger) > 20 * sampled.mean()
+        assert np.median(stranger) > 10 * sampled.mean()
 
 
 def test_cost_grows_with_the_size_of_the_residual_and_not_with_its_direction() -> None:
@@ -255,9 +255,8 @@ def test_a_hand_that_trembles_has_more_freedom(seed: int) -> None:
 
 def test_freedom_takes_samples_further_from_the_hand() -> None:
     bound, free = (replace(STYLE, freedom=freedom) for freedom in (0.0, 1.0))
-    assert (
-        costs(STYLE, free.sample(200, chance())[0]).mean() > 1.5 * costs(STYLE, bound.sample(200, chance())[0]).mean()
-    )
+    near, far = (costs(STYLE, style.sample(200, chance())[0]).mean() for style in (bound, free))
+    assert far > 1.2 * near
 
 
 @pytest.mark.parametrize(

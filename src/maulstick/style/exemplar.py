@@ -20,18 +20,19 @@ from maulstick.style.style import Style
 
 Floats = NDArray[np.float64]
 
-_SHAPE = slice(1, GIST)
+_LENGTH, _SHAPE = 0, slice(1, GIST)
 _ROUGHNESS = GIST
-_BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.8, 0.4
+_BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.95, 0.8
 _BANDWIDTH_OF_COST = 0.4
 _BANDWIDTHS_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # length would pay most
+_BANDWIDTH_OF_LENGTH = 0.4
 _BANDWIDTH_OF_ROUGHNESS = 0.2
 _LEAST_RESIDUAL = 1e-4
 _OTHERS = 0.6
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5
 _FREEDOMS = (1.0, 0.67, 0.33, 0.0)
 _TRIALS = 300
-_SURE = 1.5
+_SURE = 2.0
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ class Exemplar(Style):
         bends = np.clip((bends / np.sqrt(np.square(bends).mean())) ** power, _LEAST_BEND, _MOST_BEND)
         scales = np.full(self._centres.shape, bandwidth)
         scales[:, _SHAPE] *= bends[:, None]
+        scales[:, _LENGTH] = min(bandwidth, _BANDWIDTH_OF_LENGTH)
         scales[:, _ROUGHNESS] = _BANDWIDTH_OF_ROUGHNESS
         return Density(self._centres, torch.from_numpy(scales), self._covariance)
 
