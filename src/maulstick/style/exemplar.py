@@ -58,6 +58,7 @@ class Exemplar(Style):
 
     Its likelihood is that of its gist and of how large its residual is; the residual's direction is free.
 
+    called: its name.  hand: whose strokes.  hands: what others have in common.  held: its `leeway`.
     freedom: in [0, 1], how far samples may leave the hand's strokes. At 0 a straight stroke stays straight and keeps
     its residual; at 1 all strokes are bent alike, and most of the residual comes from the hand's others.
     """
