@@ -46,8 +46,8 @@ Sampler = Callable[[int, int], Floats]
 
 FEW, DRAWN, SEEDS = 20, 300, 5
 SHEET, SHEETS, SPLITS = 20, 100, 10
-HELD = (1.0, 1.5, 2.0, 4.0, 16.0, float("inf"))
-PRICED_FROM = 40
+HELD = (1.0, 1.5, 4.0, float("inf"))
+ENOUGH = 40
 
 
 def paths_of(strokes: Strokes) -> Floats:
@@ -113,13 +113,16 @@ def few_shot() -> None:
     mocap, wacom, mouse = mocap_hands(), wacom_drawings(), mouse_hands()
     _few_shot("mocap", mocap, lambda name: load_hands(), ("paper", "exemplar", "trajvae"))
     hands = {name: Hand.of(strokes) for name, strokes in wacom.items()}
-    without = lambda name: pool([hand for key, hand in hands.items() if key != name])  # noqa: E731
-    _few_shot("wacom", _large(wacom), without, ("exemplar",))
+
+    def of_others(name: str) -> Hands:
+        return pool([hand for key, hand in hands.items() if key != name])
+
+    _few_shot("wacom", _large(wacom), of_others, ("exemplar",))
     _few_shot("mouse", _large(mouse), lambda name: load_hands(), ("exemplar",))
 
 
 def _large(sessions: dict[str, Strokes]) -> dict[str, Strokes]:
-    return {name: strokes for name, strokes in sessions.items() if len(strokes) >= PRICED_FROM}
+    return {name: strokes for name, strokes in sessions.items() if len(strokes) >= ENOUGH}
 
 
 def _few_shot(
@@ -174,13 +177,16 @@ def _figures(
 
 
 def _draw(model: str, few: Strokes, hands: Hands, others: list[Floats], seed: int) -> Floats:
-    chance = torch.Generator().manual_seed(seed)
     if model == "paper":
-        return published_vae(others, paths_of(few), seed).sample(DRAWN, chance)
-    hand = Hand.of(few)
-    style = Exemplar.fit("few", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
+        return published_vae(others, paths_of(few), seed).sample(DRAWN, torch.Generator().manual_seed(seed))
+    return _drawn_by(model, Hand.of(few), hands, seed)
+
+
+def _drawn_by(model: str, hand: Hand, hands: Hands, seed: int) -> Floats:
+    style = Exemplar.fit("hand", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
     with torch.no_grad():
-        return style.decode(style.sample(DRAWN, chance)[0]).double().numpy()
+        codes, _ = style.sample(DRAWN, torch.Generator().manual_seed(seed))
+        return style.decode(codes).double().numpy()
 
 
 # Recognition
@@ -188,19 +194,19 @@ def _draw(model: str, few: Strokes, hands: Hands, others: list[Floats], seed: in
 
 def recognition() -> None:
     sessions = mocap_hands()
-    for source, confusion in (
-        ("human", _over_splits(sessions, lambda half, seed: paths_of(half))),
-        ("samples", _over_splits(sessions, _samples)),
-        ("plans", _over_splits(sessions, _planned, splits=1)),
+    for source, model, confusion in (
+        ("human", "human", _over_splits(sessions, lambda half, seed: paths_of(half))),
+        ("samples", "exemplar", _over_splits(sessions, partial(_samples, "exemplar"))),
+        ("samples", "trajvae", _over_splits(sessions, partial(_samples, "trajvae"))),
+        ("plans", "exemplar", _over_splits(sessions, _planned, splits=1)),
     ):
+        shares = confusion.round(3).tolist()
+        for row, session in enumerate(sessions):
+            show(
+                "recognition", model=model, session=session, accuracy=shares[row][row], source=source, named=shares[row]
+            )
         accuracy = float(np.mean(np.diag(confusion)))
-        show(
-            "recognition",
-            accuracy=accuracy,
-            source=source,
-            sessions=list(sessions),
-            confusion=confusion.round(3).tolist(),
-        )
+        show("recognition", model=model, session="all mocap", accuracy=accuracy, source=source)
 
 
 def price() -> None:
@@ -209,7 +215,9 @@ def price() -> None:
         likeness: list[float] = []
         confusion = _over_splits(sessions, partial(_planned, held=held, likeness=likeness), splits=1)
         accuracy = float(np.mean(np.diag(confusion)))
-        show("price", held=str(held), accuracy=accuracy, source="plans", psnr=float(np.mean(likeness)))
+        show(
+            "price", model="exemplar", held=str(held), accuracy=accuracy, source="plans", psnr=float(np.mean(likeness))
+        )
 
 
 def _over_splits(
@@ -233,10 +241,8 @@ def _over_splits(
     return confusion
 
 
-def _samples(half: Strokes, seed: int) -> Floats:
-    style = Exemplar.fit("half", Hand.of(half), load_hands())
-    codes, _ = style.sample(DRAWN, torch.Generator().manual_seed(seed))
-    return style.decode(codes).double().numpy()
+def _samples(model: str, half: Strokes, seed: int) -> Floats:
+    return _drawn_by(model, Hand.of(half), load_hands(), seed)
 
 
 def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list[float] | None = None) -> Floats:

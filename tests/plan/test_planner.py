@@ -294,9 +294,9 @@ def test_a_plan_in_a_hand_stays_within_the_hands_leeway(portrait: Picture, round
     asked, hand = commission(portrait, round_brush), exemplar_of(zigzag)
     held, left = (
         plan(replace(asked, style=replace(hand, held=held)), options(paints=4, exact=True))
-        for held in (1.5, float("inf"))
+        for held in (0.5, float("inf"))
     )
-    assert as_unlikely(hand, held) < 1.5 * LEEWAY
+    assert as_unlikely(hand, held) < 0.5 * LEEWAY
     assert as_unlikely(hand, left) > 1.2 * as_unlikely(hand, held)
     assert mse(rendered(replace(asked, style=hand), held), asked.target) < 0.7 * mse(asked.paper, asked.target)
 

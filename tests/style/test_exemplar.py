@@ -148,8 +148,13 @@ def test_no_gradient_of_a_path_flows_into_its_residual() -> None:
 
 def test_cost_has_the_gradient_of_finite_differences_apart_from_what_the_others_do() -> None:
     one = own(STYLE)[:1] + 0.1 * torch.rand(1, NUMBERS, generator=chance(1), dtype=torch.float64)
-    press = torch.rand(1, 4, generator=chance(), dtype=torch.float64)
-    assert torch.autograd.gradcheck(STYLE.cost, (one.requires_grad_(), press.requires_grad_()))
+    gist, residual = one[:, :GIST].clone().requires_grad_(), one[:, GIST:]
+    press = torch.rand(1, 4, generator=chance(), dtype=torch.float64, requires_grad=True)
+
+    def cost(gist: torch.Tensor, press: torch.Tensor) -> torch.Tensor:
+        return STYLE.cost(torch.cat([gist, residual], dim=1), press)
+
+    assert torch.autograd.gradcheck(cost, (gist, press))
 
 
 @pytest.mark.parametrize("one", KINDS)
@@ -163,6 +168,14 @@ def test_the_hands_own_strokes_cost_little_samples_more_and_strangers_much_more(
     for other in set(KINDS) - (kin if one in kin else {one}):
         stranger = costs(style, style.encode(torch.from_numpy(OTHERS[other])))
         assert np.median(stranger) > 10 * sampled.mean()
+
+
+def test_no_gradient_of_the_cost_flows_into_a_residual() -> None:
+    codes = own(STYLE).requires_grad_()
+    STYLE.cost(codes, torch.rand(len(codes), 4, generator=chance())).sum().backward()
+    assert codes.grad is not None
+    assert (codes.grad[:, GIST:] == 0).all()
+    assert (codes.grad[:, :GIST] != 0).any()
 
 
 def test_cost_grows_with_the_size_of_the_residual_and_not_with_its_direction() -> None:

@@ -218,9 +218,12 @@ class _Planning:
         trajectories = self._strokes.trajectories(self._style)[self._order]
         return self._brushes.marks(trajectories, self._canvas.pixels_per_metre), self._colours()[self._order]
 
-    def _render(self) -> Tensor:
+    def _render(self, wanted: NDArray[np.bool_] | None = None) -> Tensor:
+        """The canvas (C, H, W) with all strokes, or with those `wanted`, (N,), alone."""
         marks, colours = self._drawn()
-        return composite(self._paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)
+        shown = slice(None) if wanted is None else torch.from_numpy(np.flatnonzero(wanted[self._order]))
+        points, thickness, colours = marks.points[shown], marks.thickness[shown], colours[shown]
+        return composite(self._paper, points, thickness, colours, marks.c[shown], marks.q[shown], marks.o[shown])
 
     def step(self, progress: float, stride: float) -> Progress:
         """One step of all strokes, of size `stride` in progress.
@@ -296,18 +299,7 @@ class _Planning:
         while len(candidates):
             needed[:] = True
             needed[candidates] = False
-            marks, colours = self._drawn()
-            left = torch.from_numpy(np.flatnonzero(needed[self._order]))
-            canvas = composite(
-                self._paper,
-                marks.points[left],
-                marks.thickness[left],
-                colours[left],
-                marks.c[left],
-                marks.q[left],
-                marks.o[left],
-            )
-            if self._objective.loss(canvas, 1.0) <= before:
+            if self._objective.loss(self._render(needed), 1.0) <= before:
                 return needed
             candidates = candidates[: len(candidates) // 2]
         needed[:] = True

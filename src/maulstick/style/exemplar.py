@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
+from maulstick.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
@@ -137,8 +138,10 @@ class Exemplar(Style):
 
         No gradient flows into the residual: how a hand trembles is not for a planner to draw with.
         """
-        kept = torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1)
-        return shape.decode(kept * self._units.to(codes))
+        return shape.decode(self._numbers_of(codes))
+
+    def _numbers_of(self, codes: Tensor) -> Tensor:
+        return torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1) * self._units.to(codes)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Strokes near the hand's own, with residuals like theirs, pressed as they were."""
@@ -164,7 +167,7 @@ class Exemplar(Style):
         strokes of a plan from becoming long, or flat, one by one: in each number of the gist they are to be spread as
         the hand's are (squared distance of sorted values, Wasserstein's in one dimension).
         """
-        points = gist_and_roughness(codes * self._units.to(codes)).double()
+        points = gist_and_roughness(self._numbers_of(codes)).double()
         nearest = self._priced.nearest(points.detach())
         alone = self._priced.cost(points)
         together = (points - self._as_spread(points.detach())) / (
@@ -185,7 +188,7 @@ class Exemplar(Style):
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """As fast as the hand's stroke that is most like it."""
-        return self.hand.speeds_of(self._priced.nearest(gist_and_roughness(codes * self._units)))
+        return self.hand.speeds_of(self._priced.nearest(gist_and_roughness(self._numbers_of(codes))))
 
 
 def gist_and_roughness(numbers: Tensor) -> Tensor:
@@ -205,7 +208,7 @@ def pool(hands: list[Hand]) -> Hands:
 
 
 def _straight() -> Floats:
-    along = torch.linspace(0, 1, 32, dtype=torch.float64)
+    along = torch.linspace(0, 1, POINTS, dtype=torch.float64)
     line = torch.stack([along, torch.zeros_like(along)], dim=-1)[None]
     straight: Floats = gist_and_roughness(shape.encode(line)).numpy()
     return straight
