@@ -48,7 +48,7 @@ STYLES: dict[str, tuple[tuple[str, ...], Rule]] = {
     ),
     "marks": (("animal",), lambda mm, chord, turning, turn: (mm > 1.5) & (mm < 9) & (chord > 0.5)),
     "cursive": (
-        ("1-value-of-ink-1", "2-digital-ink-is-processable-1", "3-digital-ink-1", "4-hello-world-1"),
+        ("3-digital-ink-1", "4-hello-world-1", "5-cell-structure-1", "math-structures"),
         lambda mm, chord, turning, turn: (mm > 9) & (mm < 40) & (turning > 6) & (chord < 0.9),
     ),
 }

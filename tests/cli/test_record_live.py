@@ -54,6 +54,25 @@ def test_ctrl_c_ends_a_recording_and_writes_it(drawn: Simulated, tmp_path: Path)
     assert len(read_take(tmp_path / "cat.take.npz")) == len(drawn.take)
 
 
+@pytest.mark.parametrize("kind", [1, 5], ids=["as a server", "what is tracked"])
+def test_ctrl_c_before_the_first_frame_leaves_at_once_and_blames_nobody(
+    drawn: Simulated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: int
+) -> None:
+    answer = Server.send
+
+    def interrupt_instead(server: Server, came: int, content: bytes, client: tuple[str, int]) -> None:
+        if came == kind:
+            os.kill(os.getpid(), signal.SIGINT)
+        elif came < kind:
+            answer(server, came, content, client)
+
+    monkeypatch.setattr(Server, "send", interrupt_instead)
+    with Server(drawn.take) as server:
+        ran = run("record", "live", "--server", server.address, "--out", tmp_path / "new" / "cat.ink.npz", *PEN)
+    assert ran == (130, "", "")
+    assert os.listdir(tmp_path) == []
+
+
 def test_a_server_that_falls_silent_ends_a_recording_with_a_note(
     drawn: Simulated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

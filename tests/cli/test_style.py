@@ -8,13 +8,14 @@ from PIL import Image
 
 from maulstick.ink import Ink, write_ink
 from maulstick.strokes import Strokes, write_strokes
-from maulstick.style import store, train
+from maulstick.style import store, train, trajvae
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
-from maulstick.style.trajvae import TrajVAE, Weights, shapes
+from maulstick.style.trajvae import ActiveLatents, TrajVAE, Weights, shapes
 from tests.cli.conftest import QUICK, run
 
 BUILT_IN = "hatching"
+SIX = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
 
 
 def waves(number: int, length: float, bend: float, press: float = 0.5) -> Ink:
@@ -79,7 +80,10 @@ def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     assert store.read_card(store.style_path("both")).source == "cat.ink.npz, dog.strokes.npz"
 
 
-def test_a_network_is_trained_where_it_is_asked_for(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("active", "words"), [(16, ""), (15, ": the strokes are much alike; draw more varied ones")])
+def test_a_network_is_trained_where_it_is_asked_for(
+    here: Path, monkeypatch: pytest.MonkeyPatch, active: int, words: str
+) -> None:
     chance = torch.Generator().manual_seed(0)
     network = {name: 0.1 * torch.randn(size, generator=chance) for name, size in shapes().items()}
     network |= {"hands.covariance": torch.eye(GIST + 1), "hands.residual": torch.ones(RESIDUAL)}
@@ -88,11 +92,13 @@ def test_a_network_is_trained_where_it_is_asked_for(here: Path, monkeypatch: pyt
         assert (len(hand), seed, called) == (12, 0, "net")
         return TrajVAE(called, hand, weights)
 
+    monkeypatch.setattr(trajvae, "activity", lambda *_: ActiveLatents(active, 7.2))
     monkeypatch.setattr(train, "pretrained", lambda: network)
+    monkeypatch.setenv("COLUMNS", "200")
     monkeypatch.setattr(train, "fine_tune", fine_tune)
     ran = run("style", "fit", "cat.ink.npz", "--name", "net", "--kind", "trajvae")
     assert ran.code == 0
-    assert "active, of an effective rank of" in rows(ran.stdout)["latents"]
+    assert rows(ran.stdout)["latents"] == f"{active} active, of an effective rank of 7.2{words}"
     assert store.read_card(store.style_path("net")).settings.kind == "trajvae"
 
 
@@ -193,7 +199,7 @@ def test_a_map_shows_several_styles_and_a_sheet_does_not(here: Path, cat: str) -
         ([BUILT_IN, "--px", "5"], 2, "--px is 5; it must be from 240 to 2400"),
         ([BUILT_IN, "--out", "a.jpg"], 2, "--out is a.jpg; a picture is written as PNG, so let its name end in .png"),
         ([BUILT_IN, "--out", "there.png"], 1, "there.png is already there; choose another --out, or add --overwrite"),
-        ([BUILT_IN] * 7 + ["--map"], 2, "the number of styles on a map is 7; it must be from 1 to 6"),
+        ([BUILT_IN, BUILT_IN, "--map"], 2, f"{BUILT_IN} is named twice; name each style once"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(here: Path, words: list[str], code: int, text: str) -> None:
@@ -202,6 +208,11 @@ def test_what_cannot_be_shown_is_refused(here: Path, words: list[str], code: int
     assert ran.code == code
     assert ran.mistake.startswith(text)
     assert Path("there.png").read_bytes() == b"before"
+
+
+def test_a_map_of_too_many_styles_is_refused(here: Path, cat: str) -> None:
+    ran = run("style", "show", *SIX, cat, "--map")
+    assert ran.mistake == "the number of styles on a map is 7; it must be from 1 to 6"
 
 
 def test_a_comparison_says_what_differs(here: Path, cat: str) -> None:
@@ -228,5 +239,21 @@ def test_recordings_of_one_hand_are_told_to_be_alike(here: Path, cat: str) -> No
 
 
 def test_a_style_is_not_compared_with_itself_or_nobody(here: Path, cat: str) -> None:
-    assert run("style", "compare", "cat", "cat").mistake == "cat is named twice; name two styles"
+    path = store.style_path("cat")
+    assert run("style", "compare", "cat", "cat").mistake == "cat is named twice; name each style once"
+    assert run("style", "compare", "cat", path).mistake == f"{path} is named twice; name each style once"
     assert run("style", "compare", "cat", "free").mistake.startswith("the style free is nobody's")
+
+
+def test_hands_with_strokes_in_common_are_told_to_have_them(here: Path, cat: str) -> None:
+    run("style", "fit", "cat.ink.npz", "--name", "twin")
+    run("style", "fit", "cat.ink.npz", "dog.strokes.npz", "--name", "both")
+    ran = run("style", "compare", "cat", "twin")
+    assert ran == (0, "cat and twin were learned from the same strokes\n", "")
+    ran = run("style", "compare", "cat", "both")
+    assert ran == (0, "cat and both were learned in part from the same strokes\n", "")
+
+
+def test_a_style_without_its_arrays_says_what_is_missing(here: Path, cat: str) -> None:
+    Path("alone.json").write_bytes(store.style_path("cat").read_bytes())
+    assert run("style", "show", "alone.json").mistake == "alone.json has no alone.safetensors beside it; copy both"

@@ -51,7 +51,7 @@ def test_a_recording_without_strokes_has_none() -> None:
         (recording(schema_version=2), "schema_version: Input should be 1 (got 2)"),
         (recording(size_mm=[200, 0]), "size_mm[1]: Input should be greater than 0 (got 0)"),
         (recording(size_mm=[200]), "size_mm[1]: Field required (got [200])"),
-        (recording([]), "strokes[0]: List should have at least 1 item after validation, not 0 (got [])"),
+        (recording([]), "strokes[0] has no points; leave it out"),
         (recording([a_point(x="1")]), "strokes[0][0].x: Input should be a valid number (got '1')"),
         (
             recording([a_point(), a_point(pressure=1.5)]),
@@ -67,6 +67,27 @@ def test_a_recording_without_strokes_has_none() -> None:
 )
 def test_a_fault_is_told_by_the_name_of_its_field(content: bytes, text: str) -> None:
     assert fault(content).startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("points", "text"),
+    [
+        ([a_point(x=1430), a_point(x=900, y=160)], "x to 1430 mm"),
+        ([a_point(x=210, y=1100.5)], "y to 1100 mm"),
+        ([a_point(x=-300), a_point(x=-50), a_point()], "x from -300 mm"),
+        ([a_point(y=-0.5)], "y from -0.5 mm"),
+    ],
+)
+def test_strokes_of_which_most_lie_off_the_sheet_are_refused(points: list[dict[str, Any]], text: str) -> None:
+    assert fault(recording(points, size_mm=[200, 150])) == (
+        f"its strokes lie off the sheet of 200 x 150 mm ({text}); x and y must be millimetres"
+    )
+
+
+def test_strokes_may_run_off_the_sheet_by_half() -> None:
+    edge = [a_point(x=200, y=150.5), a_point(x=0, y=0)]
+    page = read_pointer_events(recording([*edge, a_point(x=1430), a_point(y=-5)]))
+    assert page.strokes[0][:, 1].tolist() == [200, 0, 1430, 10]
 
 
 def test_the_example_of_the_documentation_is_a_recording() -> None:

@@ -220,7 +220,7 @@ def test_arrays_without_their_card_and_those_of_another_style_are_refused(style:
     style.write_bytes(other.read_bytes())
     assert refusal(style) == f"{beside} does not belong to {style}, or it is damaged; copy both files again"
     beside.unlink()
-    assert refusal(style) == f"there is no style {beside}; check its name and folder"
+    assert refusal(style) == f"{style} has no arcs.safetensors beside it; copy both"
 
 
 @pytest.mark.parametrize(
@@ -251,9 +251,10 @@ def test_a_card_with_a_fault_is_refused_by_the_name_of_the_field(
             "paths is float32 of shape (7, 31, 2); it must be floating point",
         ),
         ({"paths": np.zeros((7, 32, 2), np.int32)}, "paths is int32 of shape (7, 32, 2); it must be floating point"),
-        ({"paths": np.zeros((7, 32, 2))}, "a stroke of it is no standardised path of at least 0.1 mm"),
-        ({"paths": np.full((7, 32, 2), np.nan)}, "a stroke of it is no standardised path of at least 0.1 mm"),
-        ({"paths": 1 + a_hand().paths}, "a stroke of it is no standardised path of at least 0.1 mm"),
+        ({"paths": np.zeros((7, 32, 2))}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
+        ({"paths": np.full((7, 32, 2), np.nan)}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
+        ({"paths": 1 + a_hand().paths}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
+        ({"paths": 1e4 * a_hand().paths}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
         ({"press": np.full((7, 4), 1.5)}, "its press are impossible, or known along a part of a stroke only"),
         ({"press": np.tile([0.5, np.nan], (7, 2))}, "its press are impossible, or known along a part of a stroke only"),
         ({"speeds": np.full((7, 32), np.inf)}, "its speeds are impossible, or known along a part of a stroke only"),

@@ -164,6 +164,8 @@ def read_style(path: Path) -> Fitted:
     """The style whose JSON is at `path`. Raises InputError where it, or the arrays beside it, cannot be used."""
     card = read_card(path)
     beside = path.with_suffix(".safetensors")
+    if not os.path.lexists(beside):
+        raise InputError(f"{path} has no {beside.name} beside it; copy both")
     content = _content(beside)
     if hashlib.sha256(content).hexdigest() != card.sha256:
         raise InputError(f"{beside} does not belong to {path}, or it is damaged; copy both files again")
@@ -219,7 +221,7 @@ def _hand(arrays: Arrays, strokes: int) -> Hand:
     hand = Hand(*(_array(arrays, name, (strokes, *shape)) for name, shape in _HAND.items()))
     lengths = path_lengths(hand.paths)
     if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
-        raise ValueError("a stroke of it is no standardised path of at least 0.1 mm")
+        raise ValueError("a stroke of it is no standardised path of 0.1 mm to 100 m")
     for name, values, most in (("press", hand.press, 1.0), ("speeds", hand.speeds, np.inf)):
         known = np.isfinite(values).all(axis=1)
         if not (known | np.isnan(values).all(axis=1)).all() or (values < 0).any() or (values > most).any():

@@ -1,6 +1,6 @@
 """``maulstick record live``: from what Motive streams to ink."""
 
-from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +15,8 @@ from maulstick.cli.watch import stop_on_interrupt
 from maulstick.errors import InputError, MaulstickError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from maulstick.recording.natnet import Seen
     from maulstick.recording.take import Take
 
@@ -50,8 +52,8 @@ def live(
 ) -> None:
     """Record a pen that OptiTrack's Motive is tracking, and find its strokes.
 
-    Ctrl-C ends the recording. It is kept as NAME.take.npz, which `maulstick record motive` reads as well: to try
-    another threshold, say.
+    Ctrl-C ends the recording, or leaves where none has begun. It is kept as NAME.take.npz, which
+    `maulstick record motive` reads as well: to try another threshold, say.
     """
     contact = options.contact_options(threshold, merge, shortest)
     plot = check_outs(out, plot, overwrite)
@@ -82,8 +84,8 @@ def _record(
     from maulstick.recording.natnet import receive
 
     console = Console(stderr=True, markup=False, highlight=False)
-    with stop_on_interrupt(Console(quiet=True)) as wanted, console.status(f"asking {server} …") as status:
-        recording = _Recording(status, wanted, seconds)
+    with ExitStack() as recorded, console.status(f"asking {server} …") as status:
+        recording = _Recording(status, recorded, seconds)
         take = receive(
             server, recording.going, local=local, pen=pen, canvas=canvas, multicast=multicast, watch=recording.show
         )
@@ -93,19 +95,25 @@ def _record(
 
 
 class _Recording:
-    """Shows what comes, and says how long to go on."""
+    """Shows what comes, and says how long to go on.
 
-    def __init__(self, status: Status, wanted: Callable[[], bool], seconds: float | None) -> None:
-        self._status, self._wanted, self._seconds = status, wanted, seconds
-        self._recorded = 0.0
+    `recorded` lasts as long as the recording. Ctrl-C ends it in order only once there is something to keep.
+    """
+
+    def __init__(self, status: Status, recorded: ExitStack, seconds: float | None) -> None:
+        self._status, self._recorded, self._most = status, recorded, seconds
+        self._seconds = 0.0
+        self._wanted: Callable[[], bool] | None = None
 
     def going(self) -> bool:
         """Until Ctrl-C, or until there are so many seconds."""
-        return self._wanted() and (self._seconds is None or self._recorded < self._seconds)
+        return (self._wanted is None or self._wanted()) and (self._most is None or self._seconds < self._most)
 
     def show(self, seen: "Seen") -> None:
         """Say what has come."""
-        self._recorded = seen.seconds
+        if self._wanted is None:
+            self._wanted = self._recorded.enter_context(stop_on_interrupt(Console(quiet=True)))
+        self._seconds = seen.seconds
         pen, canvas = ("seen" if what else "NOT SEEN" for what in (seen.pen, seen.canvas))
         self._status.update(
             f"recording: {seen.frames} frames, {seen.seconds:.1f} s, pen {pen}, canvas {canvas} (Ctrl-C ends)"

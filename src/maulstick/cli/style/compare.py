@@ -9,8 +9,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.errors import InputError
-
 Floats = NDArray[np.float64]
 
 _HALVINGS = 20
@@ -34,9 +32,12 @@ def compare(
     from maulstick.cli.style.reading import read_fitted  # these load torch
     from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
 
-    if a == b:
-        raise InputError(f"{a} is named twice; name two styles")
-    styles = [read_fitted(name) for name in (a, b)]
+    styles = read_fitted((a, b))
+    first_strokes, second_strokes = ({path.tobytes() for path in style.hand.paths} for style in styles)
+    if first_strokes & second_strokes:
+        part = "" if first_strokes == second_strokes else "in part "
+        print(f"{a} and {b} were learned {part}from the same strokes", flush=True)
+        return
     described = [describe(style.hand.paths) for style in styles]
     together = np.concatenate(described)
     spread = together.std(axis=0)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from maulstick.style.store import Fitted
 
 _KINDS = ("exemplar", "trajvae")
+_FEW_LATENTS = 16
 _FREEDOM = ("kept close to the hand's", "varied a little", "varied freely", "varied as freely as can be")
 
 
@@ -110,7 +111,10 @@ def _trajvae(name: str, hand: "Hand") -> tuple["Fitted", dict[str, str]]:
     with Console(stderr=True).status("training the network …"):
         style = fine_tune(pretrained(), hand, seed=0, called=name)
     latents = activity(style.weights, hand.paths)
-    return style, {"latents": f"{latents.active} active, of an effective rank of {latents.effective_rank:.1f}"}
+    told = f"{latents.active} active, of an effective rank of {latents.effective_rank:.1f}"
+    if latents.active < _FEW_LATENTS:
+        told += ": the strokes are much alike; draw more varied ones"
+    return style, {"latents": told}
 
 
 def _left_out(dots: int) -> str:

@@ -38,7 +38,7 @@ def show(
     from maulstick.plates.latent_map import latent_map
     from maulstick.plates.style import style_plate
 
-    styles = [read_fitted(name) for name in names]
+    styles = read_fitted(names)
     if on_map:
         picture = latent_map(styles, called if len(styles) == 1 else f"{len(styles)} styles", px)
     else:
