@@ -19,7 +19,7 @@ FILE_METRES = 2e-6  # a trajectory, and the pose beside it, rounded to a microme
 INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any place between them
 
 # Codes of strokes: there and back again in float64, as a share of the largest number.
-FLOAT64_ROUND_TRIP = 1e-12
+FLOAT64_ROUND_TRIP = 1e-11
 FLOAT32_ROUND_TRIP = 5e-6
 LEAST_SPLINE = 1e-6  # metres: a shape whose spline is shorter than this is known to no better
 DESCRIPTION = 1e-8  # of turning, of a path that was placed elsewhere: rounding over its shortest step

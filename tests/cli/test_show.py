@@ -65,7 +65,7 @@ def test_a_style_without_its_arrays_is_refused(tmp_path: Path) -> None:
     shutil.copy(STYLE, tmp_path / "a.json")
     ran = run("show", tmp_path / "a.json")
     assert ran.code == 2
-    assert ran.mistake == f"there is no style {tmp_path / 'a.safetensors'}; check its name and folder"
+    assert ran.mistake == f"{tmp_path / 'a.json'} has no a.safetensors beside it; copy both"
 
 
 def test_a_picture_that_is_there_is_replaced_only_when_told_to(ink: Path) -> None:

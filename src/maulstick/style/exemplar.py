@@ -161,19 +161,25 @@ class Exemplar(Style):
         return codes[chosen], press_knots[chosen]
 
     def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+        """That of the strokes' numbers; no gradient flows into the residual."""
+        return self.price(self._numbers_of(codes), press_knots)
+
+    def price(self, numbers: Tensor, press_knots: Tensor) -> Tensor:
         """How far each stroke is from the nearest of the hand's, and all of them together from how the hand's vary.
+
+        numbers: (N, 63), of strokes (`style.shape`).  press_knots: (N, 4).
 
         The first is of the gist, of how large the residual is, and of how press rises and falls. The second keeps the
         strokes of a plan from becoming long, or flat, one by one: in each number of the gist they are to be spread as
         the hand's are (squared distance of sorted values, Wasserstein's in one dimension).
         """
-        points = gist_and_roughness(self._numbers_of(codes)).double()
+        points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
         alone = self._priced.cost(points)
         together = (points - self._as_spread(points.detach())) / (
             _BANDWIDTHS_TOGETHER * self._covariance.diagonal().sqrt()
         )
-        return (alone + together.square().sum(1) / 2).to(codes) + self.hand.press_cost(press_knots, nearest)
+        return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.press_cost(press_knots, nearest)
 
     def _as_spread(self, points: Tensor) -> Tensor:
         """Points (N, 17) in the same order in each of their numbers, and spread as the hand's."""

@@ -158,7 +158,7 @@ class TrajVAE(Style):
 
     def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
         """That of the strokes as an `Exemplar` of the same hand has it."""
-        return self._exemplar.cost(self._exemplar.encode(self.decode(codes)), press_knots)
+        return self._exemplar.price(shape.encode(self.decode(codes)), press_knots)
 
     @property
     def leeway(self) -> float:
