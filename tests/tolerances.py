@@ -45,3 +45,13 @@ PAPER_METRES = 0.05e-3  # anywhere on the sheet, with 0.06 mm of trembling left
 # that five sessions with five seeds each keep to: at worst they had 0.11, 0.43 and 0.90 mm.
 DRAWN_MEDIAN_ASKED = 0.3e-3
 DRAWN_MEDIAN, DRAWN_P95, DRAWN_END = 0.13e-3, 0.48e-3, 1.1e-3
+
+# The media of libmypaint, which draws at least two pixels wide and trails the pen.
+MEDIUM_END = 0.2e-3  # metres between the end of a path and of its mark
+MEDIUM_BLUR = 0.25  # pixels between a path and the middle of its mark
+MEDIUM_INK = 0.08  # of a stroke's ink, from 5 to 20 pixels per millimetre
+MEDIUM_COLOUR = 1e-3  # a colour in steps of 1/32768, after some dabs
+
+# Trials, in the files of their folder: photographs in 8 bits, paths in micrometres (and press in millionths).
+PHOTOGRAPH = 0.5001 / 255
+EXECUTED_PATH = 0.5001e-6
