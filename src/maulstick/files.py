@@ -76,9 +76,20 @@ def atomic_write(path: str | Path, content: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         temporary.replace(target)
+        _sync(target.parent)
     except OSError as error:
         remedy = _REMEDY.get(error.errno or 0, error.strerror or str(error))
         raise OutputError(f"cannot write {path}: {remedy}") from error
     finally:
         with suppress(OSError):  # it is gone, or its folder never was
             temporary.unlink()
+
+
+def _sync(folder: Path) -> None:
+    """Let a new name reach the disk, where a folder can be asked to; else a power cut could still undo it."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
