@@ -22,16 +22,26 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+CURVE_PRESSES = (0.2, 0.4, 0.6, 0.8)
+"""Where a brush's curve is known; between them it is straight."""
+
+_SHORTEST = 1e-12  # metres
 _BUILT_IN = files("maulstick").joinpath("brush", "built_in")
 
 
 class Brush(BaseModel):
-    """A fitted medium. Lengths in metres; the last two numbers go beyond the paper and are neutral by default.
+    """A fitted medium: the seven numbers of the paper, and some beyond it that are neutral by default. Metres.
 
     m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark.
     alpha, beta: half-width of the mark = alpha * press + beta.
-    c: falloff from the centre line.  plateau: the flat part of the mark, q.  opacity: its darkness there, o.
-    depth: how far below first touch the tip was at press 0 and at press 1, in metres.
+    c: falloff from the centre line.
+    plateau: the flat part of the mark, q.  opacity: its darkness there, o.
+    curve: the share of alpha that is reached at each of `CURVE_PRESSES`, instead of a straight line.
+    nib: half-width times 1 + nib[0] cos 2φ + nib[1] sin 2φ, where φ is the direction of travel.
+    lag: the mark is drawn by a tip that is dragged: d tip / d s = (commanded - tip) / lag along the path.
+    touch: how far beside its place the tip comes down; it fades over the lag.
+    faint, solid: opacity times faint + (1 - faint) press / solid, at most 1, at the stroke's mean press.
+    depth: how far below first touch the tip was at press 0 and at press 1.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -47,12 +57,22 @@ class Brush(BaseModel):
     c: Annotated[_Number, Field(gt=0)] = 1.0
     plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
     opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    curve: tuple[_Number, _Number, _Number, _Number] = CURVE_PRESSES
+    nib: tuple[_Number, _Number] = (0.0, 0.0)
+    lag: Annotated[_Number, Field(ge=0)] = 0.0
+    touch: tuple[_Number, _Number] = (0.0, 0.0)
+    faint: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    solid: Annotated[_Number, Field(gt=0)] = 1.0
     depth: tuple[_Number, _Number] = (0.0, 0.0)
 
     @model_validator(mode="after")
     def _leaves_a_mark(self) -> Self:
         if self.alpha + self.beta <= 0:
             raise ValueError("alpha + beta is the half-width of the deepest stroke and must be above 0")
+        if not np.all(np.diff((0, *self.curve, 1)) >= 0):
+            raise ValueError("curve must rise from 0 to 1, as width does with press")
+        if np.hypot(*self.nib) >= 1:
+            raise ValueError("nib must be shorter than 1, so that every direction leaves a mark")
         return self
 
     @property
@@ -71,8 +91,9 @@ class Brush(BaseModel):
         return self.alpha + self.beta
 
     def half_width(self, press: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Half-width of the mark in metres at each press in [0, 1], any shape."""
-        return self.alpha * np.asarray(press) + self.beta
+        """Half-width of the mark in metres at each press in [0, 1], any shape; the mean over all directions."""
+        share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
+        return np.asarray(self.alpha * share + self.beta)
 
     def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
@@ -82,8 +103,18 @@ class Brush(BaseModel):
         """
         marked = np.array(path, dtype=np.float64)
         start = marked[..., :1, :2]
-        marked[..., :2] = start + (self.m_x, self.m_y) * (marked[..., :2] - start) + (self.b_x, self.b_y)
+        marked[..., :2] = start + (self.m_x, self.m_y) * (self._dragged(marked[..., :2]) - start) + (self.b_x, self.b_y)
         return marked
+
+    def _dragged(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where the tip is at each commanded point (..., n, 2): along a straight segment its lag fades exactly."""
+        tips = [path[..., 0, :] + self.touch]
+        for start, end in zip(np.moveaxis(path, -2, 0)[:-1], np.moveaxis(path, -2, 0)[1:], strict=True):
+            length = np.linalg.norm(end - start, axis=-1, keepdims=True)
+            behind = self.lag * (end - start) / np.maximum(length, _SHORTEST)
+            fading = np.exp(-length / max(self.lag, _SHORTEST))
+            tips.append(end - behind + (tips[-1] - start + behind) * fading)
+        return np.stack(tips, axis=-2)
 
 
 def built_in_brushes() -> list[str]:

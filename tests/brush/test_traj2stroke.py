@@ -19,6 +19,18 @@ MARKER = load_brush("marker")
 BENT = Brush(
     name="bent", source="a test", m_x=1.1, m_y=0.9, b_x=0.002, b_y=-0.001, alpha=0.004, beta=0.001, c=1.5, plateau=0.1
 )
+REED = BENT.model_copy(  # with every number that goes beyond the paper
+    update={
+        "name": "reed",
+        "curve": (0.1, 0.15, 0.5, 0.9),
+        "nib": (0.3, -0.2),
+        "lag": 0.004,
+        "touch": (0.001, -0.002),
+        "faint": 0.4,
+        "solid": 0.7,
+    }
+)
+BEYOND = {"curve", "nib", "lag", "touch", "faint", "solid"}
 CONE = MARKER.model_copy(update={"name": "cone", "plateau": 0.0})
 HOLLOW = CONE.model_copy(update={"name": "hollow", "c": 2.5})
 PIXELS = 1e-4  # of a coordinate or thickness in float32, some hundreds of pixels
@@ -97,11 +109,38 @@ def test_a_mark_lies_where_the_design_says() -> None:
 
 @given(trajectories, st.floats(10, 1000))
 def test_marks_lie_where_the_brush_says_that_it_marks(commanded: np.ndarray, pixels_per_metre: float) -> None:
-    each = [BENT, MARKER, CONE, BENT][: len(commanded)]
+    each = [REED, MARKER, CONE, BENT][: len(commanded)]
     marks = brushes(*each).marks(torch.from_numpy(commanded).float(), pixels_per_metre)
     for brush, points, path in zip(each, marks.points, commanded, strict=True):
         expected = brush.mark(path)[:, :2] * pixels_per_metre
         assert points.numpy() == pytest.approx(expected, abs=10 * FLOAT32_METRES * pixels_per_metre)
+
+
+@given(press=arrays(np.float64, (1, 5), elements=st.floats(0, 1)))
+def test_half_widths_are_those_of_the_brush_on_average_over_all_directions(press: np.ndarray) -> None:
+    angles = np.linspace(0, math.pi, 36, endpoint=False)
+    along = np.linspace(0, 0.02, 5)
+    paths = np.stack([np.outer(np.cos(angles), along), np.outer(np.sin(angles), along)], axis=2)
+    commanded = np.concatenate([paths, np.repeat(press, 36, axis=0)[..., None]], axis=2)
+    straight = REED.model_copy(update={"lag": 0.0, "touch": (0.0, 0.0), "m_x": 1.0, "m_y": 1.0})
+    marks = brushes(*[straight] * 36).bare(torch.from_numpy(commanded), 1.0)
+    assert marks.thickness.mean(dim=0).numpy() == pytest.approx(straight.half_width(press[0]), rel=1e-5)
+    assert marks.thickness[0].numpy() == pytest.approx(1.3 * straight.half_width(press[0]), rel=1e-5)
+
+
+def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_came_down() -> None:
+    along = np.linspace(0, 0.1, 3000)
+    path = np.stack([along, np.zeros(3000)], axis=1)
+    dragged = REED.model_copy(update={"m_x": 1.0, "m_y": 1.0, "b_x": 0.0, "b_y": 0.0}).mark(path)
+    assert dragged[0] == pytest.approx((0.001, -0.002)), "where it touches"
+    assert dragged[-1] == pytest.approx((0.1 - 0.004, 0.0), abs=1e-9), "a lag behind"
+    slope = np.gradient(dragged, along, axis=0)[1:-1]  # d tip / d s = (commanded - tip) / lag
+    assert slope == pytest.approx((path - dragged)[1:-1] / 0.004, abs=1e-4)
+
+
+def test_a_lighter_stroke_is_fainter_until_the_press_that_is_solid() -> None:
+    opacities = [brushes(REED).bare(line(0.02, press, (0, 0), 0), 1.0).o.item() for press in (0.0, 0.35, 0.7, 1.0)]
+    assert opacities == pytest.approx([0.4, 0.7, 1.0, 1.0], rel=1e-5)
 
 
 @given(press=arrays(np.float32, (2, 5), elements=st.floats(0, 1, width=32)))
@@ -227,7 +266,7 @@ def _gradients(each: Sequence[Brush], commanded: Tensor, pixels_per_metre: float
 @pytest.mark.parametrize("pixels_per_metre", [5.0, 300.0, 1600.0, 30_000.0])
 def test_gradients_of_marks_are_finite(pixels_per_metre: float) -> None:
     dry = Brush(name="dry", source="a test", alpha=0.002, beta=-0.001)
-    each = [load_brush("fineliner"), MARKER, load_brush("round"), CONE, HOLLOW, BENT, dry, dry]
+    each = [load_brush("fineliner"), MARKER, load_brush("round"), REED, HOLLOW, BENT, dry, dry]
     commanded = torch.rand(len(each), 32, 3, generator=torch.Generator().manual_seed(0))
     commanded[-1, :, 2] = 0.0  # leaves no mark at all
     commanded[1, :, :2] = 0.1  # stands still
@@ -239,15 +278,16 @@ def test_gradients_of_marks_are_finite(pixels_per_metre: float) -> None:
 def test_gradients_of_marks_are_those_of_finite_differences(pixels_per_metre: float) -> None:
     # 1600: the marker's edge is drawn two pixels wide; 400: it is paler, too; 30000: it is left as it is.
     commanded = torch.rand(1, 4, 3, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
-    numbers = torch.tensor([[0.0008, 0.0007, 1.0, 0.6, 0.95]], dtype=torch.float64)
+    each = Traj2Stroke.of([MARKER.model_copy(update=REED.model_dump(include=BEYOND))])
+    parts = {field.name: getattr(each, field.name).double() for field in fields(Traj2Stroke)}
+    wanted = ["scale", "shift", "curve", "nib", "lag", "touch", "faint", "solid"]
 
-    def marks(trajectory: Tensor, scale: Tensor, shift: Tensor, numbers: Tensor) -> tuple[Tensor, ...]:
-        drawn = Traj2Stroke(scale, shift, *numbers.unbind(1)).marks(trajectory, pixels_per_metre)
+    def marks(trajectory: Tensor, *numbers: Tensor) -> tuple[Tensor, ...]:
+        drawn = Traj2Stroke(**{**parts, **dict(zip(wanted, numbers, strict=True))}).marks(trajectory, pixels_per_metre)
         return drawn.points, drawn.thickness, drawn.q, drawn.o
 
-    scale, shift = torch.tensor([[1.1, 0.9]]).double(), torch.tensor([[0.01, 0.02]]).double()
-    inputs = [x.requires_grad_() for x in (commanded, scale, shift)]
-    assert torch.autograd.gradcheck(lambda *x: marks(*x, numbers), inputs, eps=1e-7, rtol=1e-4)
+    inputs = [x.requires_grad_() for x in (commanded, *(parts[name] for name in wanted))]
+    assert torch.autograd.gradcheck(marks, inputs, eps=1e-7, rtol=1e-4)
 
 
 def test_the_ink_of_a_stroke_grows_with_its_press_for_the_optimiser_too() -> None:

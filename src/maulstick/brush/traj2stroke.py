@@ -8,8 +8,10 @@ import torch
 from torch import Tensor
 
 from maulstick.brush.kernels.cpu import composite
-from maulstick.medium import Brush
+from maulstick.medium import CURVE_PRESSES, Brush
 
+_PIECES = len(CURVE_PRESSES) + 1
+_SHORTEST = 1e-9  # metres
 _SOFT_ENOUGH = 4.0
 """Pixels. Edges at least this wide are sampled well enough by the pixels' centres."""
 
@@ -34,7 +36,11 @@ class Marks:
 
 @dataclass(frozen=True)
 class Traj2Stroke:
-    """The numbers of one brush a stroke, as tensors: scale and shift (N, 2), the others (N,); metres."""
+    """The numbers of one brush a stroke, as tensors; metres. What they mean is told by `Brush`.
+
+    scale, shift: (N, 2) m and b.  alpha, beta, c, plateau, opacity: (N,).
+    curve: (N, 4).  nib: (N, 2).  lag: (N,).  touch: (N, 2).  faint, solid: (N,).
+    """
 
     scale: Tensor
     shift: Tensor
@@ -43,40 +49,97 @@ class Traj2Stroke:
     c: Tensor
     plateau: Tensor
     opacity: Tensor
+    curve: Tensor
+    nib: Tensor
+    lag: Tensor
+    touch: Tensor
+    faint: Tensor
+    solid: Tensor
 
     @classmethod
     def of(cls, brushes: Sequence[Brush]) -> Self:
         """The numbers of `brushes`, one a stroke."""
-        rows = [(b.m_x, b.m_y, b.b_x, b.b_y, b.alpha, b.beta, b.c, b.plateau, b.opacity) for b in brushes]
-        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 9)
-        return cls(numbers[:, 0:2], numbers[:, 2:4], *numbers[:, 4:].unbind(1))
+        rows = [
+            (b.m_x, b.m_y, b.b_x, b.b_y, b.alpha, b.beta, b.c, b.plateau, b.opacity)
+            + (*b.curve, *b.nib, b.lag, *b.touch, b.faint, b.solid)
+            for b in brushes
+        ]
+        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 20)
+        scale, shift, several, curve, nib, lag, touch, flow = numbers.split([2, 2, 5, 4, 2, 1, 2, 2], dim=1)
+        return cls(scale, shift, *several.unbind(1), curve, nib, lag[:, 0], touch, *flow.unbind(1))
+
+    def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
+        """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1], as the equations say."""
+        start, press = trajectories[:, :1, :2], trajectories[..., 2]
+        tips = self._dragged(trajectories[..., :2])
+        points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
+        half_width = self.alpha[:, None] * self._risen(press) + self.beta[:, None]
+        flow = self.faint + (1 - self.faint) * (press.mean(dim=1) / self.solid).clamp(max=1)
+        return Marks(
+            points * pixels_per_metre,
+            half_width * self._broad(points) * pixels_per_metre,
+            self.c,
+            self.plateau,
+            self.opacity * flow,
+        )
 
     def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
-        """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1].
+        """The bare marks, as they are best shown on pixels.
 
         An edge narrower than pixels can show is drawn two pixels wide, and a mark thinner than that paler, such
         that its ink per millimetre stays what it is: a ramp of two pixels adds up to the same ink wherever it lies
         between their centres. So no optimiser can gain by a place on the grid, and a plan looks alike at every
         resolution.
         """
-        start = trajectories[:, :1, :2]
-        points = start + self.scale[:, None] * (trajectories[..., :2] - start) + self.shift[:, None]
-        half_width = (self.alpha[:, None] * trajectories[..., 2] + self.beta[:, None]) * pixels_per_metre
-        inked = self.plateau + (1 - self.plateau) / (self.c + 1)  # half-width of a hard mark with as much ink
-        mean = half_width.clamp(min=1e-3).mean(dim=1)
-        slope = torch.where(self.c > 1, (2 / (self.c * (self.c + 1))).sqrt(), self.c)
-        edge = (1 - self.plateau) * slope * mean  # how wide a cone's would be that is as hard to sample
+        bare = self.bare(trajectories, pixels_per_metre)
+        inked = bare.q + (1 - bare.q) / (bare.c + 1)  # half-width of a hard mark with as much ink
+        mean = bare.thickness.clamp(min=1e-3).mean(dim=1)
+        slope = torch.where(bare.c > 1, (2 / (bare.c * (bare.c + 1))).sqrt(), bare.c)
+        edge = (1 - bare.q) * slope * mean  # how wide a cone's would be that is as hard to sample
         hard = inked * mean
         q = ((hard - 1) / (hard + 1)).clamp(min=0)
         even = (hard * 2 / (1 + q)).clamp(min=2) / mean
         soft = edge >= _SOFT_ENOUGH
         return Marks(
-            points * pixels_per_metre,
-            torch.where(soft, 1.0, even)[:, None] * half_width,
-            torch.where(soft, self.c, 1.0),
-            torch.where(soft, self.plateau, q),
-            torch.where(soft, self.opacity, self.opacity * hard.clamp(max=1)),
+            bare.points,
+            torch.where(soft, 1.0, even)[:, None] * bare.thickness,
+            torch.where(soft, bare.c, 1.0),
+            torch.where(soft, bare.q, q),
+            torch.where(soft, bare.o, bare.o * hard.clamp(max=1)),
         )
+
+    def _risen(self, press: Tensor) -> Tensor:
+        """The share of alpha at each press, (N, n): a sum of one ramp a piece of the curve."""
+        ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
+        rises = (ends[:, 1:] - ends[:, :-1]) * _PIECES
+        risen = torch.zeros_like(press)
+        for piece in range(_PIECES):
+            risen = risen + rises[:, piece, None] * (press - piece / _PIECES).clamp(0, 1 / _PIECES)
+        return risen
+
+    def _dragged(self, path: Tensor) -> Tensor:
+        """Where the tip is at each commanded point (N, n, 2), as `Brush.mark` says."""
+        if not (self.lag.any() or self.touch.any()):
+            return path
+        lag = self.lag[:, None].clamp(min=_SHORTEST)
+        steps = path[:, 1:] - path[:, :-1]
+        lengths = (steps.square().sum(-1, keepdim=True) + _SHORTEST**2).sqrt()
+        behind, fading = lag[:, None] * steps / lengths, (-lengths / lag[:, None]).exp()
+        tips = [path[:, 0] + self.touch]
+        for k in range(steps.shape[1]):
+            tips.append(path[:, k + 1] - behind[:, k] + (tips[-1] - path[:, k] + behind[:, k]) * fading[:, k])
+        return torch.stack(tips, dim=1)
+
+    def _broad(self, points: Tensor) -> Tensor:
+        """How much broader than its mean the mark is at each point, (N, n) or (N, 1), for its direction there."""
+        if not self.nib.any() or points.shape[1] < 2:
+            return points.new_ones(points.shape[0], 1)
+        along = torch.cat(
+            [points[:, 1:2] - points[:, :1], points[:, 2:] - points[:, :-2], points[:, -1:] - points[:, -2:-1]], 1
+        )
+        x, y = along.unbind(-1)
+        squared = x * x + y * y + _SHORTEST**2
+        return 1 + (self.nib[:, :1] * (x * x - y * y) + self.nib[:, 1:] * 2 * x * y) / squared
 
 
 def paint(
