@@ -1,7 +1,8 @@
-"""Time and memory of the CPU kernels: one JSON object a line, every key in every row, null where it does not apply.
+"""Time and memory of the fast kernels: one JSON object a line, every key in every row, null where it does not apply.
 
-    python benchmarks/kernel.py
+    python benchmarks/kernel.py [--device cuda]
 
+device: where it is drawn. On a GPU only 400 strokes at 256 pixels and 4000 at 1024 are; times end when it is done.
 strokes, points, px, half_width: what is drawn; strokes are arcs of 0.19 of the side, half_width is a fraction of the
     side, colours have three channels. `darkness` draws each stroke on a square of its own.
 ms_forward, ms_backward: medians of 8 warm runs. Gradients are asked for points, thickness and colours.
@@ -10,9 +11,12 @@ dense_ms_per_stroke: the dense reference, forward and backward, float32, one str
 speedup: dense_ms_per_stroke * strokes / (ms_forward + ms_backward).
 extra_mib: how much more memory a fresh process holds at the worst moment of three forward and backward passes than just
     before them (VmHWM, reset through /proc/self/clear_refs, less VmRSS, after malloc_trim), less the bytes of the
-    result and of the gradients asked for. Linux only.
+    result and of the gradients asked for. Linux only. On a GPU: what torch has allocated there.
+bandwidth_share: how long the arguments, the result and all gradients, each moved once at the speed at which this GPU
+    copies 1 GiB, would take, as a fraction of ms_forward + ms_backward.
 """
 
+import argparse
 import ctypes
 import json
 import math
@@ -20,14 +24,15 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import ModuleType
 
 import torch
 from torch import Tensor
 
-from maulstick.brush.kernels import cpu, reference
+from maulstick.brush.kernels import reference
+from maulstick.brush.kernels.render import kernels_for
 
 LENGTH = 0.19  # of the side
 RUNS = 8
@@ -49,57 +54,71 @@ ROWS = [
     *(Row("composite", 4000, 32, 1024, half_width) for half_width in (0.004, 0.01)),
     *(Row("darkness", 100, 32, 256, half_width) for half_width in (0.004, 0.01)),
 ]
+ON_GPU = [(400, 256), (4000, 1024)]
 
 
 class Task:
-    """One row's tensors, and a pass forward and back through them."""
+    """One row's tensors on a device, and a pass forward and back through them."""
 
-    def __init__(self, row: Row):
+    def __init__(self, row: Row, device: torch.device):
         generator = torch.Generator().manual_seed(0)
         first = 2 * math.pi * torch.rand(row.strokes, 1, generator=generator)
         bend = torch.randn(row.strokes, 1, generator=generator)
         heading = first + bend * torch.linspace(-0.5, 0.5, row.points)
         path = torch.stack([heading.cos(), heading.sin()], dim=-1).cumsum(1) * LENGTH / (row.points - 1)
         place = torch.rand(row.strokes, 1, 2, generator=generator)
-        self.row = row
-        self.points = (row.px * (path - path.mean(1, keepdim=True) + place)).requires_grad_()
-        self.thickness = torch.full((row.strokes, row.points), row.half_width * row.px).requires_grad_()
-        self.colours = torch.rand(row.strokes, 3, generator=generator).requires_grad_()
-        self.numbers = torch.tensor([1.5]), torch.tensor([0.2]), torch.tensor([0.9])  # c, q, o
-        self.canvas = torch.ones(3, row.px, row.px)
+        self.row, self.device, self.kernels = row, device, kernels_for(device)
+        points = row.px * (path - path.mean(1, keepdim=True) + place)
+        self.points = points.to(device).requires_grad_()
+        self.thickness = torch.full((row.strokes, row.points), row.half_width * row.px, device=device).requires_grad_()
+        self.colours = torch.rand(row.strokes, 3, generator=generator).to(device).requires_grad_()
+        self.numbers = torch.tensor([[1.5], [0.2], [0.9]], device=device).unbind()  # c, q, o
+        self.canvas = torch.ones(3, row.px, row.px, device=device)
         images = 3 if row.name == "composite" else row.strokes
-        self.weights = torch.randn(images, row.px, row.px, generator=generator)
+        self.weights = torch.randn(images, row.px, row.px, generator=generator).to(device)
 
-    def forward(self, darkness: Callable[..., Tensor], composite: Callable[..., Tensor], strokes: slice) -> Tensor:
+    def forward(self, kernels: ModuleType, strokes: slice) -> Tensor:
         """What these strokes look like."""
         stroke = self.points[strokes], self.thickness[strokes]
         if self.row.name == "darkness":
-            return darkness(*stroke, *self.numbers, height=self.row.px, width=self.row.px)
-        return composite(self.canvas, *stroke, self.colours[strokes], *self.numbers)
+            return kernels.darkness(*stroke, *self.numbers, height=self.row.px, width=self.row.px)
+        return kernels.composite(self.canvas, *stroke, self.colours[strokes], *self.numbers)
 
     def backward(self, out: Tensor) -> tuple[Tensor, ...]:
         """The gradients asked for."""
         leaves = [self.points, self.thickness] + [self.colours] * (self.row.name == "composite")
         return torch.autograd.grad(out, leaves, self.weights[: out.shape[0]])
 
+    def now(self) -> float:
+        """Seconds, once everything asked for is done."""
+        if self.device.type == "cuda":
+            torch.cuda.synchronize(self.device)
+        return time.perf_counter()
+
     def fast(self) -> tuple[float, float]:
         """Milliseconds forward and back."""
-        start = time.perf_counter()
-        out = self.forward(cpu.darkness, cpu.composite, slice(None))
-        middle = time.perf_counter()
+        start = self.now()
+        out = self.forward(self.kernels, slice(None))
+        middle = self.now()
         self.backward(out)
-        return 1e3 * (middle - start), 1e3 * (time.perf_counter() - middle)
+        return 1e3 * (middle - start), 1e3 * (self.now() - middle)
 
     def dense(self, stroke: int) -> float:
         """Milliseconds forward and back for one stroke."""
-        start = time.perf_counter()
-        self.backward(self.forward(reference.darkness, reference.composite, slice(stroke, stroke + 1)))
-        return 1e3 * (time.perf_counter() - start)
+        start = self.now()
+        self.backward(self.forward(reference, slice(stroke, stroke + 1)))
+        return 1e3 * (self.now() - start)
+
+    def moved_bytes(self) -> int:
+        """Of what is read and written at least: strokes and canvas, their gradients, the result and its gradient."""
+        strokes = self.points.numel() + self.thickness.numel() + self.colours.numel()
+        return 4 * (2 * strokes + 2 * self.canvas.numel() + 2 * self.weights.numel())
 
 
-def time_of(row: Row) -> dict[str, float | None]:
-    """The four keys about time."""
-    task, with_dense = Task(row), row.px <= 256
+def time_of(row: Row, device: torch.device) -> dict[str, float | None]:
+    """The keys about time."""
+    task, with_dense = Task(row, device), row.px <= 256
+    task.fast()  # compiles
     until = time.perf_counter() + 1
     while time.perf_counter() < until:
         task.fast()
@@ -114,44 +133,80 @@ def time_of(row: Row) -> dict[str, float | None]:
         fast.append(task.fast())
     forward, backward = (statistics.median(times) for times in zip(*fast, strict=True))
     per_stroke = statistics.median(dense) if with_dense else None
+    least = 1e3 * task.moved_bytes() / bandwidth_of(device) if device.type == "cuda" else None
     return {
         "ms_forward": round(forward, 3),
         "ms_backward": round(backward, 3),
         "dense_ms_per_stroke": per_stroke and round(per_stroke, 3),
         "speedup": per_stroke and round(per_stroke * row.strokes / (forward + backward)),
+        "bandwidth_share": least and round(least / (forward + backward), 4),
     }
 
 
-def extra_mib_of(row: Row) -> float | None:
+def bandwidth_of(device: torch.device) -> float:
+    """Bytes a second, read and written."""
+    source = torch.zeros(2**28, device=device)
+    target = torch.empty_like(source)
+    seconds = []
+    for _ in range(RUNS):
+        torch.cuda.synchronize(device)
+        start = time.perf_counter()
+        target.copy_(source)
+        torch.cuda.synchronize(device)
+        seconds.append(time.perf_counter() - start)
+    return 2 * 2**30 / statistics.median(seconds)
+
+
+def extra_mib_of(row: Row, device: torch.device) -> float | None:
     """Measured in this process, which has rendered nothing else of size."""
 
     def mib(field: str) -> float:
         return int(Path("/proc/self/status").read_text().split(f"{field}:")[1].split()[0]) / 1024
 
     def once(task: Task) -> int:
-        out = task.forward(cpu.darkness, cpu.composite, slice(None))
+        out = task.forward(task.kernels, slice(None))
         return sum(x.numel() * x.element_size() for x in (out, *task.backward(out)))
 
-    if not sys.platform.startswith("linux"):
+    on_gpu = device.type == "cuda"
+    if not on_gpu and not sys.platform.startswith("linux"):
         return None
-    once(Task(Row(row.name, 2, row.points, 64, row.half_width)))  # loads what is loaded at the first use
-    task = Task(row)
-    ctypes.CDLL(None).malloc_trim(0)
-    before = mib("VmRSS")
-    Path("/proc/self/clear_refs").write_text("5")
+    once(Task(Row(row.name, 2, row.points, 64, row.half_width), device))  # loads what is loaded at the first use
+    task = Task(row, device)
+    if on_gpu:
+        before = torch.cuda.memory_allocated(device) / 2**20
+        torch.cuda.reset_peak_memory_stats(device)
+    else:
+        ctypes.CDLL(None).malloc_trim(0)
+        before = mib("VmRSS")
+        Path("/proc/self/clear_refs").write_text("5")
     asked_for = max(once(task) for _ in range(3))
-    return round(mib("VmHWM") - before - asked_for / 2**20, 1)
+    peak = torch.cuda.max_memory_allocated(device) / 2**20 if on_gpu else mib("VmHWM")
+    return round(peak - before - asked_for / 2**20, 1)
 
 
 def main() -> None:
-    if len(sys.argv) > 1:  # a process of its own for the memory of one row
-        print(json.dumps(extra_mib_of(Row(**json.loads(sys.argv[1])))))
+    parser = argparse.ArgumentParser(description="Time and memory of the fast kernels.")
+    parser.add_argument("--device", choices=["cpu", "cuda"], default="cpu", help="where to draw")
+    parser.add_argument("--memory-of", metavar="ROW", help=argparse.SUPPRESS)  # in a process of its own
+    asked = parser.parse_args()
+    if asked.device == "cuda" and not torch.cuda.is_available():
+        print("there is no GPU that torch can use here; leave --device out to measure the CPU", file=sys.stderr)
+        sys.exit(2)
+    device = torch.device(asked.device)
+    if asked.memory_of:
+        print(json.dumps(extra_mib_of(Row(**json.loads(asked.memory_of)), device)))
         return
     for row in ROWS:
+        if asked.device == "cuda" and (row.strokes, row.px) not in ON_GPU:
+            continue
         memory = subprocess.run(
-            [sys.executable, __file__, json.dumps(asdict(row))], check=True, capture_output=True, text=True
+            [sys.executable, __file__, "--device", asked.device, "--memory-of", json.dumps(asdict(row))],
+            check=True,
+            capture_output=True,
+            text=True,
         )
-        print(json.dumps({**asdict(row), **time_of(row), "extra_mib": json.loads(memory.stdout)}), flush=True)
+        figures = time_of(row, device) | {"extra_mib": json.loads(memory.stdout)}
+        print(json.dumps(asdict(row) | {"device": asked.device} | figures), flush=True)
 
 
 if __name__ == "__main__":

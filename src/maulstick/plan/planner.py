@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from torch import Tensor
 
-from maulstick.brush.kernels.cpu import composite
+from maulstick.brush.kernels.render import composite
 from maulstick.brush.traj2stroke import Marks, Traj2Stroke
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError

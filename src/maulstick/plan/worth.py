@@ -10,7 +10,7 @@ import torch
 from torch import Generator, Tensor
 from torch.nn.functional import avg_pool2d
 
-from maulstick.brush.kernels.cpu import composite
+from maulstick.brush.kernels.render import composite
 from maulstick.brush.traj2stroke import Marks
 
 _PROBES = 8
