@@ -1,16 +1,18 @@
 """A brush: the few numbers of Traj2Stroke (paper), their file, and where a commanded path leaves its mark."""
 
+import os
+import re
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from platformdirs import user_data_path
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from maulstick.errors import InputError
-from maulstick.files import file_to_read
+from maulstick.errors import InputError, OutputError
+from maulstick.files import atomic_write, read_whole
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -22,11 +24,13 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
-CURVE_PRESSES = (0.2, 0.4, 0.6, 0.8)
+CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Where a brush's curve is known; between them it is straight."""
 
 _SHORTEST = 1e-12  # metres
-_BUILT_IN = files("maulstick").joinpath("brush", "built_in")
+_BUILT_IN = Path(__file__).with_name("brush") / "built_in"
+_LARGEST_FILE = 2**20  # bytes
+_NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 
 
 class Brush(BaseModel):
@@ -57,7 +61,9 @@ class Brush(BaseModel):
     c: Annotated[_Number, Field(gt=0)] = 1.0
     plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
     opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
-    curve: tuple[_Number, _Number, _Number, _Number] = CURVE_PRESSES
+    curve: Annotated[tuple[_Number, ...], Field(min_length=len(CURVE_PRESSES), max_length=len(CURVE_PRESSES))] = (
+        CURVE_PRESSES
+    )
     nib: tuple[_Number, _Number] = (0.0, 0.0)
     lag: Annotated[_Number, Field(ge=0)] = 0.0
     touch: tuple[_Number, _Number] = (0.0, 0.0)
@@ -117,29 +123,67 @@ class Brush(BaseModel):
         return np.stack(tips, axis=-2)
 
 
+def own_brushes() -> Path:
+    """The folder that the user's brushes are kept in."""
+    return user_data_path("maulstick", appauthor=False) / "brushes"
+
+
+def brush_paths() -> dict[str, Path]:
+    """The JSON of every brush that has a name, the built-in ones before the user's own."""
+    built_in, own = (
+        {path.stem: path for path in sorted(folder.glob("*.json")) if re.fullmatch(_NAME, path.stem)}
+        for folder in (_BUILT_IN, own_brushes())
+    )
+    return built_in | {name: path for name, path in own.items() if name not in built_in}
+
+
+def is_built_in(path: Path) -> bool:
+    """Whether the brush whose JSON is at `path` comes with Maulstick."""
+    return path.parent == _BUILT_IN
+
+
 def built_in_brushes() -> list[str]:
     """Names of the brushes that come with Maulstick."""
-    return sorted(entry.name.removesuffix(".json") for entry in _BUILT_IN.iterdir() if entry.name.endswith(".json"))
+    return [name for name, path in brush_paths().items() if is_built_in(path)]
+
+
+def check_own_name(name: str, overwrite: bool) -> str:
+    """The name itself. Raises InputError where the user's brush may not have it, and OutputError where one has it."""
+    if not re.fullmatch(_NAME, name):  # it must never be a path
+        allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
+        raise InputError.of_range("the name of a brush", repr(name), allowed)
+    if name in built_in_brushes():
+        raise InputError(f"the brush {name} comes with Maulstick; choose another --name")
+    if os.path.lexists(own_brushes() / f"{name}.json") and not overwrite:
+        raise OutputError(f"there is a brush {name} already; choose another --name, or add --overwrite")
+    return name
 
 
 def load_brush(name: str) -> Brush:
-    """A built-in brush by its name, or any brush by the path of its JSON file.
+    """A built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
     Raises InputError where there is no such brush, or the file is not one.
     """
-    if name in built_in_brushes():
-        text = _BUILT_IN.joinpath(f"{name}.json").read_text(encoding="utf-8")
-    elif Path(name).suffix == ".json":
-        try:
-            text = file_to_read(name, "brush").read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot read the brush {name}: {error}") from error
-    else:
-        raise InputError.of_choice("brush", name, [*built_in_brushes(), "FILE.json"])
+    paths = brush_paths()
+    if name not in paths and Path(name).suffix != ".json":
+        raise InputError.of_choice("brush", name, [*paths, "FILE.json"])
+    path = paths.get(name, Path(name))
     try:
-        return Brush.model_validate_json(text)
+        return Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
     except ValidationError as error:
-        raise InputError(f"{name} is not a brush: {first_fault(error)}") from error
+        raise InputError(f"{path} is not a brush: {first_fault(error)}") from error
+
+
+def write_brush(brush: Brush, path: Path) -> None:
+    """Write the JSON of a brush; its folder is made.
+
+    Raises OutputError where that fails; what was at `path` is then still there.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder of brushes {path.parent}: {error.strerror}") from error
+    atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())
 
 
 def first_fault(error: ValidationError) -> str:

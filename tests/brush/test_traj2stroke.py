@@ -22,7 +22,7 @@ BENT = Brush(
 REED = BENT.model_copy(  # with every number that goes beyond the paper
     update={
         "name": "reed",
-        "curve": (0.1, 0.15, 0.5, 0.9),
+        "curve": (0.05, 0.1, 0.15, 0.5, 0.7, 0.9, 0.95),
         "nib": (0.3, -0.2),
         "lag": 0.004,
         "touch": (0.001, -0.002),

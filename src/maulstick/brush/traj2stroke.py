@@ -7,7 +7,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from maulstick.brush.kernels.cpu import composite
+from maulstick.brush.kernels.render import composite
 from maulstick.medium import CURVE_PRESSES, Brush
 
 _PIECES = len(CURVE_PRESSES) + 1
@@ -38,21 +38,20 @@ class Marks:
 class Traj2Stroke:
     """The numbers of one brush a stroke, as tensors; metres. What they mean is told by `Brush`.
 
-    scale, shift: (N, 2) m and b.  alpha, beta, c, plateau, opacity: (N,).
-    curve: (N, 4).  nib: (N, 2).  lag: (N,).  touch: (N, 2).  faint, solid: (N,).
+    scale, shift: (N, 2) m and b.  curve: (N, 7).  nib, touch: (N, 2).  The others: (N,).
     """
 
     scale: Tensor
     shift: Tensor
+    curve: Tensor
+    nib: Tensor
+    touch: Tensor
     alpha: Tensor
     beta: Tensor
     c: Tensor
     plateau: Tensor
     opacity: Tensor
-    curve: Tensor
-    nib: Tensor
     lag: Tensor
-    touch: Tensor
     faint: Tensor
     solid: Tensor
 
@@ -60,13 +59,15 @@ class Traj2Stroke:
     def of(cls, brushes: Sequence[Brush]) -> Self:
         """The numbers of `brushes`, one a stroke."""
         rows = [
-            (b.m_x, b.m_y, b.b_x, b.b_y, b.alpha, b.beta, b.c, b.plateau, b.opacity)
-            + (*b.curve, *b.nib, b.lag, *b.touch, b.faint, b.solid)
+            (
+                *(b.m_x, b.m_y, b.b_x, b.b_y, *b.curve, *b.nib, *b.touch),
+                *(b.alpha, b.beta, b.c, b.plateau, b.opacity, b.lag, b.faint, b.solid),
+            )
             for b in brushes
         ]
-        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 20)
-        scale, shift, several, curve, nib, lag, touch, flow = numbers.split([2, 2, 5, 4, 2, 1, 2, 2], dim=1)
-        return cls(scale, shift, *several.unbind(1), curve, nib, lag[:, 0], touch, *flow.unbind(1))
+        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 16 + len(CURVE_PRESSES))
+        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSES), 2, 2, 8], dim=1)
+        return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
     def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
         """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1], as the equations say."""
@@ -109,17 +110,15 @@ class Traj2Stroke:
         )
 
     def _risen(self, press: Tensor) -> Tensor:
-        """The share of alpha at each press, (N, n): a sum of one ramp a piece of the curve."""
+        """The share of alpha at each press, (N, n): straight within each piece of the curve."""
         ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
-        rises = (ends[:, 1:] - ends[:, :-1]) * _PIECES
-        risen = torch.zeros_like(press)
-        for piece in range(_PIECES):
-            risen = risen + rises[:, piece, None] * (press - piece / _PIECES).clamp(0, 1 / _PIECES)
-        return risen
+        piece = (press.detach() * _PIECES).long().clamp(0, _PIECES - 1)
+        below, above = ends.gather(1, piece), ends.gather(1, piece + 1)
+        return below + (above - below) * (press * _PIECES - piece)
 
     def _dragged(self, path: Tensor) -> Tensor:
         """Where the tip is at each commanded point (N, n, 2), as `Brush.mark` says."""
-        if not (self.lag.any() or self.touch.any()):
+        if not (self.lag.any() or self.touch.any() or self.touch.requires_grad):
             return path
         lag = self.lag[:, None].clamp(min=_SHORTEST)
         steps = path[:, 1:] - path[:, :-1]
@@ -132,7 +131,7 @@ class Traj2Stroke:
 
     def _broad(self, points: Tensor) -> Tensor:
         """How much broader than its mean the mark is at each point, (N, n) or (N, 1), for its direction there."""
-        if not self.nib.any() or points.shape[1] < 2:
+        if points.shape[1] < 2 or not (self.nib.any() or self.nib.requires_grad):
             return points.new_ones(points.shape[0], 1)
         along = torch.cat(
             [points[:, 1:2] - points[:, :1], points[:, 2:] - points[:, :-2], points[:, -1:] - points[:, -2:-1]], 1

@@ -1,0 +1,141 @@
+"""The numbers of one brush, found by gradient descent together with what differs from stroke to stroke."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+from torch.nn.functional import softplus
+
+from maulstick.brush.mosaic import Mosaic
+from maulstick.brush.traj2stroke import Traj2Stroke
+from maulstick.medium import CURVE_PRESSES
+
+PAPER = ("scale", "alpha", "beta", "c")
+"""The paper's numbers but for b, which is the middle of all strokes' own places."""
+
+ADDITIONS = ("plateau", "curve", "lag", "nib")
+"""What may be added to the paper's brush; a lag brings a touch along."""
+
+_LEAST_C = 0.15  # below it a mark is as good as hard-edged, and no gradient finds its width any more
+_RATE = 0.04
+_WARM_UP = 0.15  # of the steps
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All that is sought, in units in which a step of one size suits each.
+
+    unit: metres, about the half-width of the mark.  brush: name -> (k,) raw numbers, of those that are not neutral.
+    place: (N, 2) how far each stroke lies beside where it was commanded, in units.  ink: (N,) log of its opacity.
+    colour: (C,) logits, or None where full ink is 1 as in darkness images.
+    """
+
+    unit: float
+    brush: Mapping[str, Tensor]
+    place: Tensor
+    ink: Tensor
+    colour: Tensor | None
+
+    def adding(self, additions: Iterable[str]) -> "Unknowns":
+        """The same with some of `ADDITIONS`, near their neutral values."""
+        return replace(self, brush={**self.brush, **{k: v for name in additions for k, v in _FIRST[name].items()}})
+
+    def numbers(self) -> dict[str, Tensor]:
+        """The brush's numbers (k,) in metres and shares, neutral ones too."""
+        return {
+            name: _MEANING[name](self.brush[name], self.unit) if name in self.brush else neutral
+            for name, neutral in _NEUTRAL.items()
+        }
+
+    def ink_colour(self) -> Tensor:
+        """(C,) of full ink."""
+        return torch.ones(1) if self.colour is None else self.colour.sigmoid()
+
+
+_FIRST: Mapping[str, Mapping[str, Tensor]] = {
+    "plateau": {"plateau": torch.tensor([0.0])},
+    "curve": {"curve": torch.zeros(len(CURVE_PRESSES) + 1)},
+    "lag": {"lag": torch.tensor([-0.7]), "touch": torch.zeros(2)},
+    "nib": {"nib": torch.zeros(2)},
+}
+
+_MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
+    "scale": lambda raw, unit: 1 + 0.1 * raw,
+    "alpha": lambda raw, unit: unit * softplus(raw),
+    "beta": lambda raw, unit: unit * raw,
+    "c": lambda raw, unit: _LEAST_C + raw.exp(),
+    "plateau": lambda raw, unit: 0.98 * raw.sigmoid(),
+    "curve": lambda raw, unit: raw.softmax(0).cumsum(0)[:-1],
+    "lag": lambda raw, unit: unit * raw.exp(),
+    "touch": lambda raw, unit: unit * raw,
+    "nib": lambda raw, unit: raw / (1.1 + raw.norm()),
+}
+
+_NEUTRAL = {
+    "scale": torch.ones(2),
+    "alpha": torch.zeros(1),
+    "beta": torch.zeros(1),
+    "c": torch.ones(1),
+    "plateau": torch.zeros(1),
+    "curve": torch.tensor(CURVE_PRESSES),
+    "lag": torch.zeros(1),
+    "touch": torch.zeros(2),
+    "nib": torch.zeros(2),
+}
+
+
+def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -> Traj2Stroke:
+    """One brush a stroke: the numbers (N, k) of each, its place (N, 2) in metres and its opacity (N,)."""
+    alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "c", "plateau", "lag")}
+    several = {name: numbers[name] for name in ("scale", "curve", "touch", "nib")}
+    solid = torch.ones(len(place))
+    return Traj2Stroke(**alone, **several, shift=place, opacity=opacity, faint=solid, solid=solid)
+
+
+def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
+    """The photographs (C, H, W) that the unknowns predict; only strokes (N,) that are `taught` teach the brush.
+
+    The others still find their own place and ink, so what is left of their errors is the brush's.
+    """
+    count = len(mosaic)
+
+    def shared(number: Tensor) -> Tensor:
+        return torch.where(taught[:, None], number.expand(count, -1), number.detach().expand(count, -1))
+
+    numbers = {name: shared(number) for name, number in unknowns.numbers().items()}
+    return mosaic.stamped(
+        each_stroke(numbers, unknowns.unit * unknowns.place, unknowns.ink.exp()), unknowns.ink_colour()
+    )
+
+
+def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progress: Callable[[], None]) -> Unknowns:
+    """The unknowns after so many steps of Adam down the weighted L1 of the paper."""
+    leaves = [*start.brush.values(), start.place, start.ink, *([] if start.colour is None else [start.colour])]
+    leaves = [leaf.detach().clone().requires_grad_() for leaf in leaves]
+    names = list(start.brush)
+    unknowns = Unknowns(
+        start.unit,
+        dict(zip(names, leaves, strict=False)),
+        leaves[len(names)],
+        leaves[len(names) + 1],
+        None if start.colour is None else leaves[-1],
+    )
+    optimiser = torch.optim.Adam(leaves, lr=_RATE)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps + 1, pct_start=_WARM_UP)
+    for _ in range(steps):
+        optimiser.zero_grad()
+        mosaic.loss(stamped(mosaic, unknowns, taught)).backward()
+        optimiser.step()
+        with torch.no_grad():
+            unknowns.ink.clamp_(max=0)  # beyond full ink no gradient would lead back
+        schedule.step()
+        progress()
+    found = [leaf.detach() for leaf in leaves]
+    return Unknowns(
+        start.unit,
+        dict(zip(names, found, strict=False)),
+        found[len(names)],
+        found[len(names) + 1],
+        None if start.colour is None else found[-1],
+    )

@@ -1,0 +1,176 @@
+"""What a trial's photographs show around its stroke, corrected for the camera, and whether they can be used at all."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from skimage.measure import label
+from skimage.registration import phase_cross_correlation
+from skimage.transform import downscale_local_mean
+
+from maulstick.arrays import Bools, Floats
+from maulstick.errors import InputError
+from maulstick.strokes import resample
+from maulstick.trials import Trial
+
+Pixels = NDArray[np.float32]
+
+STRAY = 2.5e-3
+"""Metres. What changed wholly further than this from the commanded path is not of this stroke."""
+
+SEEN = 0.08
+"""How much a pixel must change to count as covered, where the photographs are not noisier than that."""
+
+_LOOSE_PX = 1  # specks have soft edges
+_ALIGNING_PX = 512  # the longer side of the pictures that are compared for a camera that has moved
+_MOVED_PX = 1.0
+_GAIN = 0.75  # a shift that explains less than a quarter of what changed was not the camera's
+_LEAST_INK_PX = 4.0  # pixels of full change
+_CLIPPED = 0.99
+_DARK = 0.1  # a lit paper is brighter
+
+
+@dataclass(frozen=True)
+class Window:
+    """The surroundings of one stroke.
+
+    name: of its trial.  path: (n, 3) as in `Trial`.  corner: (x, y) of the upper left pixel, metres.
+    before, after: (h, w, C) in [0, 1], the light of `after` made that of `before`.
+    weights: (h, w), 0 where what changed is not of this stroke.  covered: (h, w), where the stroke is seen.
+    """
+
+    name: str
+    path: Floats
+    corner: tuple[float, float]
+    before: Pixels
+    after: Pixels
+    weights: Pixels
+    covered: Bools
+
+
+def look(trial: Trial, pixels_per_metre: float, reach: float, reduced: int = 1) -> Window:
+    """The window of a trial that is `reach` metres larger than its path on every side, `reduced` times smaller.
+
+    Specks, which lie apart from the stroke, get no weight; differences of light between the photographs, even ones
+    that change across the window, are taken out. Raises InputError, which names the trial, for a stroke that cannot be
+    seen or measured: no mark, a blank or overexposed photograph, a path beside the paper, a camera that has moved.
+    """
+    top, left, bottom, right = _box(trial, pixels_per_metre, reach, reduced)
+    before, after = (_reduced(image[top:bottom, left:right], reduced) for image in (trial.before, trial.after))
+    scale = pixels_per_metre / reduced
+    corner = (left / pixels_per_metre, top / pixels_per_metre)
+    apart = _distances(trial.path, corner, before.shape[:2], scale)
+    if trial.after.shape[2] > 1:
+        _check_camera(trial, pixels_per_metre, reach)
+        after = _relit(before, after, apart > min(STRAY, reach / 2))
+    change = np.abs(after - before).mean(axis=2)
+    noise = float(np.median(change[apart > STRAY])) if (apart > STRAY).any() else 0.0
+    covered = change > max(SEEN, 5 * noise)
+    stray = _stray(covered, apart)
+    covered &= ~stray
+    if change[covered].sum() < _LEAST_INK_PX:
+        raise InputError(f"{trial.name} {_why_nothing(trial)}")
+    return Window(trial.name, trial.path, corner, before, after, (~stray).astype(np.float32), covered)
+
+
+def extent(window: Window, pixels_per_metre: float) -> float:
+    """How far from the commanded path the stroke is seen, metres."""
+    apart = _distances(window.path, window.corner, window.covered.shape, pixels_per_metre)
+    return float(np.quantile(apart[window.covered], 0.99))
+
+
+def _box(trial: Trial, pixels_per_metre: float, reach: float, reduced: int) -> tuple[int, int, int, int]:
+    height, width = trial.after.shape[:2]
+    low = np.floor((trial.path[:, :2].min(axis=0) - reach) * pixels_per_metre).astype(int)
+    high = np.ceil((trial.path[:, :2].max(axis=0) + reach) * pixels_per_metre).astype(int)
+    left, top = np.clip(low, 0, (width, height))
+    right, bottom = np.clip(high, 0, (width, height))
+    bottom, right = bottom - (bottom - top) % reduced, right - (right - left) % reduced
+    if min(bottom - top, right - left) < 2 * reduced:
+        raise InputError(f"{trial.name} lies beside its photographs; check the pixels per metre and the paths")
+    return int(top), int(left), int(bottom), int(right)
+
+
+def _reduced(image: Pixels, by: int) -> Pixels:
+    return image if by == 1 else downscale_local_mean(image, (by, by, 1)).astype(np.float32)
+
+
+def _distances(path: Floats, corner: tuple[float, float], shape: tuple[int, ...], pixels_per_metre: float) -> Floats:
+    """From each pixel's middle to the path, metres, to about a pixel."""
+    length = np.hypot(*np.diff(path[:, :2], axis=0).T).sum()
+    fine = resample(path, 2 + int(2 * length * pixels_per_metre))[:, :2]
+    places = np.floor((fine - corner) * pixels_per_metre).astype(int)
+    inside = ((places >= 0) & (places < (shape[1], shape[0]))).all(axis=1)
+    places = np.clip(places, 0, (shape[1] - 1, shape[0] - 1)) if not inside.any() else places[inside]
+    free = np.ones(shape[:2], dtype=bool)
+    free[places[:, 1], places[:, 0]] = False
+    distances: Floats = ndimage.distance_transform_edt(free) / pixels_per_metre
+    return distances
+
+
+def _stray(covered: Bools, apart: Floats) -> Bools:
+    """Pixels of whatever has changed but does not touch the surroundings of the path."""
+    parts = label(covered, connectivity=2)
+    nearest = np.asarray(ndimage.minimum(apart, parts, np.arange(parts.max() + 1)))
+    of_others = nearest > STRAY
+    of_others[0] = False
+    strays = of_others[parts]
+    grown: Bools = ndimage.binary_dilation(strays, iterations=_LOOSE_PX) & ~(covered & ~strays)
+    return grown
+
+
+def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
+    """`after` in the light of `before`: each channel's brightness, a plane across the window, fitted on the paper."""
+    height, width = paper.shape
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    relit = after.copy()
+    for channel in range(after.shape[2]):
+        old, new = before[..., channel], after[..., channel]
+        lit = paper & (old > _DARK) & (new > _DARK)
+        if lit.sum() < 50:
+            continue
+        ratio = np.log(old[lit] / new[lit])
+        plane = np.stack([np.ones(lit.sum()), x[lit], y[lit]], axis=1)
+        kept = np.abs(ratio - np.median(ratio)) < 0.3
+        for _ in range(3):  # older strokes' edges and specks fall out
+            light = np.linalg.lstsq(plane[kept], ratio[kept], rcond=None)[0]
+            rest = np.abs(ratio - plane @ light)
+            kept = rest <= 3 * np.median(rest) + 1e-6
+        relit[..., channel] = new * np.exp(light[0] + light[1] * x + light[2] * y)
+    return relit
+
+
+def _check_camera(trial: Trial, pixels_per_metre: float, reach: float) -> None:
+    """Raise InputError where all that was on the paper before is somewhere else now."""
+    factor = -(-max(trial.after.shape[:2]) // _ALIGNING_PX)
+    height, width = (side - side % factor for side in trial.after.shape[:2])
+    before, after = (
+        downscale_local_mean(image[:height, :width].mean(axis=2), (factor, factor))
+        for image in (trial.before, trial.after)
+    )
+    apart = _distances(trial.path, (0.0, 0.0), before.shape, pixels_per_metre / factor)
+    after = np.where(apart > min(reach, 2 * STRAY), after * np.median(before) / max(np.median(after), 1e-3), before)
+    if np.ptp(before) < _DARK:
+        return  # an empty sheet looks the same wherever the camera is
+    shift = phase_cross_correlation(before, after, upsample_factor=10)[0]
+    moved = float(np.hypot(*shift)) * factor
+    if moved < _MOVED_PX:
+        return
+    back = ndimage.shift(after, shift, order=1, mode="nearest")
+    inner = apart > reach + moved / pixels_per_metre
+    if np.abs(back - before)[inner].sum() < _GAIN * np.abs(after - before)[inner].sum():
+        raise InputError(
+            f"{trial.name}: the camera or the paper moved by {moved:.1f} pixels between its photographs; "
+            "fix both and draw it again"
+        )
+
+
+def _why_nothing(trial: Trial) -> str:
+    if trial.after.shape[2] > 1:
+        for which, image in (("before", trial.before), ("after", trial.after)):
+            if np.mean(image > _CLIPPED) > _CLIPPED:
+                return f"left no mark, and its photograph {which} it is all white; was it overexposed?"
+            if np.median(image) < _DARK:
+                return f"cannot be seen: its photograph {which} it is all black; light the paper"
+    return "left no mark that can be seen near its path; was the tip on the paper, and the lens open?"
