@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from maulstick.errors import InputError
-from maulstick.medium import Brush, built_in_brushes, first_fault, load_brush
+from maulstick import medium
+from maulstick.errors import InputError, OutputError
+from maulstick.medium import Brush, built_in_brushes, first_fault, load_brush, write_brush
 
 ROUNDING = 1e-12  # of float64
 GOOD = {"name": "twig", "source": "a test", "alpha": 0.002, "beta": 0.001}
@@ -55,13 +56,73 @@ def test_a_mark_is_scaled_about_its_first_commanded_point_and_moved(
     assert np.array_equal(brush.mark(np.stack([path, path]))[1], marked), "a path of many is marked as one alone"
 
 
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of own brushes, of which there are none yet."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    return tmp_path / "maulstick" / "brushes"
+
+
 def test_a_brush_is_read_from_a_file_of_its_own(tmp_path: Path) -> None:
     path = tmp_path / "twig.json"
     path.write_text(load_brush("round").model_dump_json())
     assert load_brush(str(path)) == load_brush("round")
 
 
-def test_an_unknown_brush_is_refused_with_the_brushes_there_are() -> None:
+@given(alpha=st.floats(0, 1e-2), beta=st.floats(1e-6, 1e-2), lag=st.floats(0, 1), b_x=numbers)
+def test_a_brush_is_read_as_it_was_written(
+    tmp_path_factory: pytest.TempPathFactory, alpha: float, beta: float, lag: float, b_x: float
+) -> None:
+    path = tmp_path_factory.mktemp("brushes") / "new" / "twig.json"
+    brush = Brush(name="twig", source="a test", alpha=alpha, beta=beta, lag=lag, b_x=b_x)
+    write_brush(brush, path)
+    assert load_brush(str(path)) == brush
+
+
+def test_an_own_brush_is_found_by_its_name(own: Path) -> None:
+    assert medium.own_brushes() == own
+    twig = Brush.model_validate(GOOD)
+    write_brush(twig, own / "twig.json")
+    assert load_brush("twig") == twig
+    assert list(medium.brush_paths()) == ["fineliner", "marker", "round", "twig"]
+    assert built_in_brushes() == ["fineliner", "marker", "round"]
+    with pytest.raises(InputError, match=r"there are: FILE\.json, fineliner, marker, round, twig$"):
+        load_brush("broom")
+
+
+def test_an_own_brush_never_hides_a_built_in_one_and_needs_a_proper_name(own: Path) -> None:
+    for name in ("round", "Round", "a b", "-a"):
+        write_brush(Brush.model_validate(GOOD), own / f"{name}.json")
+    assert list(medium.brush_paths()) == ["fineliner", "marker", "round"]
+    assert load_brush("round").name == "round"
+
+
+@pytest.mark.parametrize("name", ["../x", "", "Twig", "a b", "-a", "a" * 41, "a.json", "twig\n"])
+def test_a_name_that_could_be_a_path_is_refused(own: Path, name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        medium.check_own_name(name, overwrite=True)
+    allowed = "it must be up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
+    assert str(caught.value) == f"the name of a brush is {name!r}; {allowed}"
+
+
+def test_a_name_that_is_taken_is_refused_unless_it_may_be_overwritten(own: Path) -> None:
+    assert medium.check_own_name("twig", overwrite=False) == "twig"
+    write_brush(Brush.model_validate(GOOD), own / "twig.json")
+    assert medium.check_own_name("twig", overwrite=True) == "twig"
+    with pytest.raises(OutputError, match=r"^there is a brush twig already; choose another --name"):
+        medium.check_own_name("twig", overwrite=False)
+    with pytest.raises(InputError, match=r"^the brush round comes with Maulstick; choose another --name$"):
+        medium.check_own_name("round", overwrite=True)
+
+
+def test_a_brush_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("before")
+    with pytest.raises(OutputError, match=r"cannot make the folder of brushes .*file"):
+        write_brush(Brush.model_validate(GOOD), tmp_path / "file" / "twig.json")
+    assert (tmp_path / "file").read_text() == "before"
+
+
+def test_an_unknown_brush_is_refused_with_the_brushes_there_are(own: Path) -> None:
     with pytest.raises(InputError) as caught:
         load_brush("broom")
     assert str(caught.value) == "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round"
@@ -90,12 +151,15 @@ def test_a_bad_brush_file_is_refused_by_file_and_field(tmp_path: Path, change: d
     assert text in str(caught.value)
 
 
-def test_a_brush_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
+def test_a_brush_file_that_is_missing_broken_or_huge_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there is no brush .*none\.json; check its name"):
         load_brush(str(tmp_path / "none.json"))
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"cannot read the brush .*binary\.json: .*codec can't decode"):
+    with pytest.raises(InputError, match=r"binary\.json is not a brush: the file: Invalid JSON: expected value"):
         load_brush(str(tmp_path / "binary.json"))
+    (tmp_path / "huge.json").write_bytes(bytes(2**20 + 1))
+    with pytest.raises(InputError, match=r"huge\.json is larger than 1 MiB, too large for a brush; name another"):
+        load_brush(str(tmp_path / "huge.json"))
     (tmp_path / "half.json").write_text('{"name": "twi')
     with pytest.raises(InputError, match=r"half\.json is not a brush: the file: Invalid JSON: EOF while parsing"):
         load_brush(str(tmp_path / "half.json"))

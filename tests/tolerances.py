@@ -55,3 +55,6 @@ MEDIUM_COLOUR = 1e-3  # a colour in steps of 1/32768, after some dabs
 # Trials, in the files of their folder: photographs in 8 bits, paths in micrometres (and press in millionths).
 PHOTOGRAPH = 0.5001 / 255
 EXECUTED_PATH = 0.5001e-6
+
+# A brush fitted to five strokes of five to ten pixels in half-width: its widest mark, as a share of it.
+FEW_STROKES_WIDTH = 0.02

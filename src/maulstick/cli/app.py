@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from maulstick.cli.brush import brush
 from maulstick.cli.paint import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
@@ -19,6 +20,7 @@ app.command()(render)
 app.command()(show)
 app.add_typer(record, name="record")
 app.add_typer(style, name="style")
+app.add_typer(brush, name="brush")
 
 
 def _print_version(wanted: bool) -> None:

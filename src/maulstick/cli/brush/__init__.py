@@ -1,0 +1,12 @@
+"""``maulstick brush``: fit a brush to photographs of its strokes, and look at brushes."""
+
+import typer
+
+from maulstick.cli.brush.fit import fit
+from maulstick.cli.brush.listing import list_brushes
+from maulstick.cli.brush.show import show
+
+brush = typer.Typer(no_args_is_help=True, help="Fit a brush to photographs of its strokes, and look at brushes.")
+brush.command()(fit)
+brush.command(name="list")(list_brushes)
+brush.command()(show)

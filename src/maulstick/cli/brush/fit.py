@@ -1,0 +1,120 @@
+"""``maulstick brush fit``: from photographs of strokes to the brush that drew them."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError, OutputError
+from maulstick.files import atomic_write
+from maulstick.medium import check_own_name, own_brushes, write_brush
+from maulstick.trials import Trials
+
+if TYPE_CHECKING:
+    from maulstick.brush.fit import Fit
+
+_MOST_SAID = 10
+
+
+def fit(
+    trials: Annotated[
+        Path, typer.Argument(metavar="TRIALS", help="The folder of strokes drawn once each, with their photographs.")
+    ],
+    name: Annotated[str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")],
+    plate: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A picture of the fit, too: a PNG with photographs beside predictions."),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace your brush of that name, or the picture.")
+    ] = False,
+) -> None:
+    """Fit a brush to photographs taken before and after strokes; 100 of them make a good one.
+
+    It is kept among your own brushes, and maulstick paint --brush NAME paints with it.
+    """
+    check_own_name(name, overwrite)
+    if plate is not None:
+        _check_plate(plate, overwrite)
+    drawn = Trials.open(trials)
+    started = time.monotonic()
+    console = Console(stderr=True, markup=False, highlight=False)
+    from maulstick.brush.fit import fit_brush  # loads torch
+
+    with _progress_bar(console) as show:
+        found = fit_brush(drawn, drawn.pixels_per_metre, name, source=_source(drawn), depth=drawn.depth, progress=show)
+    seconds = time.monotonic() - started
+    path = own_brushes() / f"{name}.json"
+    write_brush(found.brush, path)
+    for warning in found.warnings:
+        console.print(f"note: {warning}", soft_wrap=True)
+    _say_left_out(console, found.left_out)
+    _print_summary(found, seconds, path)
+    if plate is not None:
+        from maulstick.plates.brush_fit import fit_plate
+
+        atomic_write(plate, fit_plate(found))
+        print(plate, flush=True)
+    print(f"maulstick paint photo.jpg --brush {name}", flush=True)
+
+
+def _check_plate(plate: Path, overwrite: bool) -> None:
+    if plate.suffix.lower() != ".png":
+        raise InputError(f"--plate is {plate}; a picture is written as PNG, so let its name end in .png")
+    if not plate.parent.is_dir():
+        raise OutputError(f"cannot write {plate}: its folder does not exist; make the folder first")
+    check_absent(plate, "--plate", overwrite)
+
+
+def _source(trials: Trials) -> str:
+    """For people, and without what cannot be printed."""
+    folder = "".join(letter if letter.isprintable() else "?" for letter in trials.folder.resolve().name)
+    return f"{trials.medium}, fitted to the trials in {folder}"
+
+
+@contextmanager
+def _progress_bar(console: Console) -> Iterator[Callable[[str, int, int], None]]:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("reading")
+        yield lambda stage, done, total: bar.update(task, description=stage, completed=done, total=total)
+
+
+def _say_left_out(console: Console, left_out: Sequence[str]) -> None:
+    for reason in left_out[:_MOST_SAID]:
+        console.print(f"left out: {reason}", soft_wrap=True)
+    if len(left_out) > _MOST_SAID:
+        console.print(f"and {len(left_out) - _MOST_SAID} more", soft_wrap=True)
+
+
+def _print_summary(found: "Fit", seconds: float, path: Path) -> None:
+    from maulstick.plates.brush_fit import measured
+
+    rows = {
+        "strokes": f"{found.strokes}{f' (and {len(found.left_out)} left out)' if found.left_out else ''}",
+        **measured(found),
+        "beyond the paper": ", ".join(found.kept) or "nothing that makes unseen strokes clearly better",
+        "L1 per pixel": f"{found.l1:.4f}; with the paper's seven numbers {found.l1_paper:.4f}",
+        "scatter": f"{1e3 * found.place_scatter:.2g} mm in place, {found.ink_scatter:.0%} in darkness",
+        "fitted in": f"{seconds:.2g} s",
+        "kept as": f"{path}",
+    }
+    table = Table(title=Text(f"the brush {found.brush.name}"), show_header=False)
+    table.add_column()
+    table.add_column(overflow="fold")
+    for row, value in rows.items():
+        table.add_row(row, Text(value))
+    Console().print(table)

@@ -1,0 +1,29 @@
+"""``maulstick brush show``: a picture of a brush."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from maulstick.cli.show import check_picture
+from maulstick.files import atomic_write
+from maulstick.medium import load_brush
+
+
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of a brush, or its JSON.")],
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", show_default="NAME.png here", help="The PNG.")] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
+    ] = False,
+) -> None:
+    """Draw a brush: its mark, its width over press, the profile across it, and its numbers."""
+    called = Path(name).stem
+    path = out or Path(f"{called}.png")
+    check_picture(path, px, overwrite)
+    brush = load_brush(name)
+    from maulstick.plates.brush import brush_plate  # loads torch
+
+    atomic_write(path, brush_plate(brush, called, px))
+    print(path, flush=True)

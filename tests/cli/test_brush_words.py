@@ -1,0 +1,76 @@
+"""The words that look at brushes."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from maulstick.medium import Brush, own_brushes, write_brush
+from tests.cli.conftest import run
+from tests.cli.test_brush_fit import rows
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in which the commands run; an own brush is kept under it."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.chdir(tmp_path)
+    write_brush(Brush(name="twig", source="a [b]test[/b]", alpha=2e-3, beta=-1e-3), own_brushes() / "twig.json")
+    return tmp_path
+
+
+def test_the_list_has_the_brushes_that_come_along_and_the_own_ones(here: Path) -> None:
+    ran = run("brush", "list")
+    listed = rows(ran.stdout)
+    assert ran.code == 0
+    assert list(listed) == ["fineliner", "marker", "round", "twig"]
+    assert listed["fineliner"].startswith("0.3 mm comes with Maulstick: nominal: a 0.3 mm fineliner")
+    assert listed["round"].startswith("2 to 14 mm comes with Maulstick: ")
+    assert listed["twig"] == "0 to 2 mm your own: a [b]test[/b]"
+
+
+def test_a_broken_brush_does_not_hide_the_others(here: Path) -> None:
+    (own_brushes() / "twig.json").write_text("{}")
+    listed = rows(run("brush", "list").stdout)
+    assert "twig.json is not a brush: name: Field required" in listed["twig"]
+    assert "round" in listed
+    assert "twig.json is not a brush: name: Field required" in run("paint", "--demo", "--brush", "twig").mistake
+
+
+@pytest.mark.parametrize("name", ["twig", "round"])
+def test_a_brush_is_shown_by_its_name(here: Path, name: str) -> None:
+    assert run("brush", "show", name, "--px", "300") == (0, f"{name}.png\n", "")
+    with Image.open(f"{name}.png") as image:
+        assert image.height == 300
+
+
+def test_a_brush_is_shown_by_its_file(here: Path) -> None:
+    path = own_brushes() / "twig.json"
+    assert run("brush", "show", path, "--px", "240") == (0, "twig.png\n", "")
+    assert run("brush", "show", "twig", "--px", "240", "--out", "same.png").code == 0
+    assert Path("twig.png").read_bytes() == Path("same.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (["broom"], 2, "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round, twig"),
+        (["none.json"], 2, "there is no brush none.json; check its name and folder"),
+        (["twig", "--px", "5"], 2, "--px is 5; it must be from 240 to 2400"),
+        (["twig", "--out", "a.jpg"], 2, "--out is a.jpg; a picture is written as PNG, so let its name end in .png"),
+        (["twig", "--out", "there.png"], 1, "there.png is already there; choose another --out, or add --overwrite"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(here: Path, words: list[str], code: int, text: str) -> None:
+    Path("there.png").write_bytes(b"before")
+    ran = run("brush", "show", *words)
+    assert ran.code == code
+    assert ran.mistake.startswith(text)
+    assert Path("there.png").read_bytes() == b"before"
+
+
+def test_a_picture_of_a_brush_is_replaced_when_told_to(here: Path) -> None:
+    Path("twig.png").write_bytes(b"before")
+    assert run("brush", "show", "twig", "--px", "240", "--overwrite").code == 0
+    assert Path("twig.png").read_bytes() != b"before"
