@@ -16,6 +16,7 @@ import multiprocessing
 import resource
 import time
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -31,6 +32,7 @@ from maulstick.style import Style, load_style
 
 IMAGES = ("astronaut", "camera", "chelsea", "coffee", "rocket", "hubble_deep_field")
 HEIGHT = 0.16
+BRUSH = Path(__file__).with_name("round.json")
 PUBLISHED = Schedule(sorts=(), respends=(), snap=0.9, grouped=False)
 
 
@@ -68,7 +70,7 @@ def paint(name: str, layout: Layout, brush: Brush, options: PlanOptions) -> Pain
 
 
 def measure(name: str, image: str, options: PlanOptions, px: int, queue: multiprocessing.Queue) -> None:
-    picture, brush = load(image), load_brush("round")
+    picture, brush = load(image), load_brush(str(BRUSH))
     size = (HEIGHT * picture.shape[1] / picture.shape[0], HEIGHT)
     layout = lay_out_for(picture, size, brush, "contain", px)
     paint(name, layout, brush, PlanOptions(strokes=20, paints=4, steps=20))

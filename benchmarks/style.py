@@ -22,6 +22,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -48,6 +49,7 @@ FEW, DRAWN, SEEDS = 20, 300, 5
 SHEET, SHEETS, SPLITS = 20, 100, 10
 HELD = (1.0, 1.5, 4.0, float("inf"))
 ENOUGH = 40
+BRUSH = Path(__file__).with_name("round.json")
 
 
 def paths_of(strokes: Strokes) -> Floats:
@@ -249,7 +251,7 @@ def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list
     style = Exemplar.fit("half", Hand.of(half), load_hands())
     if held is not None:
         style = replace(style, held=held)
-    picture, brush = read_picture(str(files("skimage.data").joinpath("astronaut.png"))), load_brush("round")
+    picture, brush = read_picture(str(files("skimage.data").joinpath("astronaut.png"))), load_brush(str(BRUSH))
     layout = lay_out_for(picture, (0.16, 0.16), brush)
     options = PlanOptions(seed=seed)
     painting = plan_photograph(layout, brush, style, options, making(options))

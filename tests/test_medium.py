@@ -18,10 +18,11 @@ numbers = st.floats(-1, 1)
 
 def test_three_brushes_come_with_maulstick() -> None:
     assert built_in_brushes() == ["fineliner", "marker", "round"]
-    for name, thinnest, widest in (("fineliner", 0.15e-3, 0.15e-3), ("marker", 0.7e-3, 1.5e-3), ("round", 1e-3, 7e-3)):
+    for name, narrowest, broadest in (("fineliner", 1e-4, 2e-4), ("marker", 4e-4, 2e-3), ("round", 2e-4, 9e-3)):
         brush = load_brush(name)
         assert brush.name == name
-        assert (brush.thinnest, brush.widest) == pytest.approx((thinnest, widest), rel=ROUNDING)
+        assert "libmypaint" in brush.source, "it says where it comes from"
+        assert narrowest < brush.thinnest <= brush.widest < broadest
         assert brush.presses == (name != "fineliner")
 
 
@@ -175,3 +176,15 @@ def test_the_first_fault_names_the_field_and_shortens_what_came() -> None:
     assert text.startswith("rows[1][1]: Input should be a valid integer")
     assert text.endswith("xxx...)")
     assert len(text) < 160
+
+
+@given(half_widths=st.lists(st.floats(0, 0.02), min_size=1, max_size=5))
+def test_the_press_for_a_half_width_draws_it_where_a_press_can(half_widths: list[float]) -> None:
+    brush = Brush.model_validate(GOOD | {"alpha": 0.006, "beta": 0.001, "curve": (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.8)})
+    drawn = brush.half_width(brush.press_for(np.array(half_widths)))
+    assert drawn == pytest.approx(np.clip(half_widths, 0.001, 0.007), abs=1e-12)
+
+
+def test_a_pen_that_can_only_be_lifted_is_pressed_as_lightly_as_can_be() -> None:
+    pen = Brush.model_validate(GOOD | {"alpha": 0.0, "beta": 0.001})
+    assert np.array_equal(pen.press_for(np.array([0.0, 0.001, 0.01])), np.zeros(3))

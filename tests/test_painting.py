@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
-from maulstick.medium import load_brush
 from maulstick.painting import (
     Making,
     Paint,
@@ -23,9 +22,10 @@ from maulstick.painting import (
     read_painting,
     write_painting,
 )
+from tests.nominal import nominal
 
 MICROMETRE = 1e-6
-BRUSHES = [load_brush("round"), load_brush("marker")]
+BRUSHES = [nominal("round"), nominal("marker")]
 
 
 CURVE = ((0.01, 0.02, 0.0), (0.03, 0.04, 0.5), (0.1, 0.05, 1.0))
@@ -42,7 +42,7 @@ def a_painting(strokes: Iterable[Stroke] = STROKES, paints: int = 2) -> Painting
     return Painting(
         canvas=Sheet(width=0.2, height=0.16),
         made=Making(version="1", image="a.jpg", image_sha256="0" * 64, seed=3, options=options),
-        brushes={"round": load_brush("round"), "pen": load_brush("fineliner")},
+        brushes={"round": nominal("round"), "pen": nominal("fineliner")},
         paints=tuple(Paint(colour=(i / 10, 0.5, 1.0), brush=("round", "pen")[i % 2]) for i in range(paints)),
         strokes=tuple(strokes),
     )

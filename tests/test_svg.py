@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import vpype
 
-from maulstick.medium import load_brush
 from maulstick.painting import Making, Paint, Painting, Point, Sheet, Stroke
 from maulstick.svg import painting_svg
+from tests.nominal import nominal
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -21,11 +21,11 @@ DOT: tuple[Point, ...] = ((0.05, 0.06, 1.0),)
 
 
 def a_painting(*strokes: tuple[int, tuple[Point, ...]]) -> Painting:
-    bent = load_brush("round").model_copy(update={"m_x": 2.0, "b_x": 0.05})
+    bent = nominal("round").model_copy(update={"m_x": 2.0, "b_x": 0.05})
     return Painting(
         canvas=Sheet(width=0.2, height=0.16, paper=(1.0, 1.0, 0.8)),
         made=Making(version="1"),
-        brushes={"round <bent>": bent, "pen": load_brush("fineliner")},
+        brushes={"round <bent>": bent, "pen": nominal("fineliner")},
         paints=(
             Paint(colour=(0.0, 0.0, 0.0), brush="pen"),
             Paint(colour=(1.0, 0.0, 0.0), brush="round <bent>"),

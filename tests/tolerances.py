@@ -58,3 +58,18 @@ EXECUTED_PATH = 0.5001e-6
 
 # A brush fitted to five strokes of five to ten pixels in half-width: its widest mark, as a share of it.
 FEW_STROKES_WIDTH = 0.02
+
+# What a fit sees of its photographs, of 3 pixels a millimetre.
+EVEN_LIGHT = 0.02  # of a photograph whose exposure and light, across it, were 10 % (one sigma) beside another's
+MARK_EXTENT = 0.35e-3  # metres: a cone's edge is too pale to be seen, and a path is known to a pixel
+MOVED_PX = 1.0
+FLOW_NOISY = 0.05  # of an opacity, from 60 strokes that differ by 5 %
+MARK_REACH = 0.6e-3  # metres that a stroke may lie beside its place and not touch the edge of its window
+
+# A brush fitted to 20 simulated strokes of 2 to 5 pixels in half-width, with their noise.
+SIGMAS = 3.5  # of the standard errors that were told
+CLEAN_WIDTH = 0.01  # half-width at a press, as a share
+KEPT_WIDTH = 0.02  # the same where much more is sought, or fewer strokes were drawn
+KEPT_NUMBER = 0.05e-3  # metres: a lag
+INK_COLOUR = 0.03
+OPACITY = 0.06

@@ -101,6 +101,11 @@ class Brush(BaseModel):
         share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 
+    def press_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The press in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
+        presses = np.array((0, *CURVE_PRESSES, 1))
+        return np.asarray(np.interp(half_width, self.half_width(presses), presses)) * self.presses
+
     def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
 

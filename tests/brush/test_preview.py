@@ -5,12 +5,13 @@ import pytest
 
 from maulstick.brush.preview import preview
 from maulstick.canvas import Canvas
-from maulstick.medium import Brush, load_brush
+from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Point, Sheet, Stroke
+from tests.nominal import nominal
 
 CANVAS = Canvas(0.08, 0.06, 1000)
 FLOAT32 = 1e-6
-BRUSHES = {"wide": load_brush("round"), "pen": load_brush("fineliner").model_copy(update={"beta": 0.002})}
+BRUSHES = {"wide": nominal("round"), "pen": nominal("fineliner").model_copy(update={"beta": 0.002})}
 RED, BLUE = Paint(colour=(1, 0, 0), brush="wide"), Paint(colour=(0, 0, 1), brush="pen")
 
 
@@ -80,7 +81,7 @@ def test_no_strokes_are_blank_paper(strokes: int | None) -> None:
 
 
 def test_marks_are_shown_and_not_commands() -> None:
-    shifted = BRUSHES | {"wide": load_brush("round").model_copy(update={"b_y": 0.01})}
+    shifted = BRUSHES | {"wide": nominal("round").model_copy(update={"b_y": 0.01})}
     image = preview(a_painting([(0, across(0.02))], brushes=shifted), CANVAS)
     straight = preview(a_painting([(0, across(0.03))]), CANVAS)
     assert np.abs(image - straight).max() < 1e-4

@@ -12,10 +12,12 @@ from torch import Tensor
 
 from maulstick import strokes
 from maulstick.brush.traj2stroke import Marks, Traj2Stroke, paint, place
-from maulstick.medium import Brush, built_in_brushes, load_brush
+from maulstick.medium import Brush
+from tests.nominal import nominal
 from tests.tolerances import FLOAT32_METRES, FLOAT64_METRES, INK
 
-MARKER = load_brush("marker")
+NAMES = ("fineliner", "marker", "round")
+MARKER = nominal("marker")
 BENT = Brush(
     name="bent", source="a test", m_x=1.1, m_y=0.9, b_x=0.002, b_y=-0.001, alpha=0.004, beta=0.001, c=1.5, plateau=0.1
 )
@@ -162,9 +164,9 @@ def test_a_mark_thinner_than_two_pixels_is_drawn_so_wide_and_as_much_paler(pixel
     assert (marks.c.item(), marks.q.item()) == (1, 0)
 
 
-@pytest.mark.parametrize("name", built_in_brushes())
+@pytest.mark.parametrize("name", NAMES)
 def test_every_edge_that_is_drawn_is_two_pixels_wide_or_as_soft_as_the_brush(name: str) -> None:
-    brush = load_brush(name)
+    brush = nominal(name)
     for pixels_per_metre in np.geomspace(100, 50_000, 40):
         marks = brushes(brush).marks(line(0.05, 0.6, (0.1, 0.1), 0.0), float(pixels_per_metre))
         edge = (1 - marks.q.item()) * marks.thickness[0, 0].item()
@@ -175,9 +177,9 @@ def test_every_edge_that_is_drawn_is_two_pixels_wide_or_as_soft_as_the_brush(nam
 @pytest.mark.parametrize(
     ("brush", "side"),
     [
-        (load_brush("fineliner"), 0.038),
+        (nominal("fineliner"), 0.038),
         (MARKER, 0.160),
-        (load_brush("round"), 0.160),
+        (nominal("round"), 0.160),
         (CONE, 0.160),
         (HOLLOW, 0.160),
     ],
@@ -201,7 +203,7 @@ def test_ink_is_what_the_brush_leaves_at_every_resolution_place_and_angle(
 def test_a_bent_stroke_has_the_same_ink_at_every_resolution_place_and_angle(
     name: str, side: float, press: float
 ) -> None:
-    brush = load_brush(name)
+    brush = nominal(name)
     finest = ink(brush, line(0.3 * side, press, (side / 2, side / 2), 0.2, bend=2.0), 1024, 1024, 1024 / side)
     assert finest == pytest.approx(ink_of_a_line(brush, 0.3 * side, press), rel=INK), "outside gains what inside loses"
     for px in (256, 512):
@@ -212,7 +214,7 @@ def test_a_bent_stroke_has_the_same_ink_at_every_resolution_place_and_angle(
 
 @pytest.mark.parametrize(("name", "side"), [("marker", 0.160), ("round", 0.160)])
 def test_a_stroke_of_rising_press_has_the_same_ink_at_every_resolution(name: str, side: float) -> None:
-    brush = load_brush(name)
+    brush = nominal(name)
     rising = line(0.3 * side, 0.0, (side / 2, side / 2), 0.5)
     rising[..., 2] = torch.linspace(0, 1, 32)
     amounts = [ink(brush, rising, px, px, px / side) for px in (256, 400, 600, 1024)]
@@ -227,7 +229,7 @@ def test_a_stroke_of_rising_press_has_the_same_ink_at_every_resolution(name: str
     angle=st.floats(0, 2 * math.pi),
 )
 def test_no_place_on_the_grid_gains_ink(name: str, press: float, shift: tuple[float, float], angle: float) -> None:
-    brush, side, px = load_brush(name), 0.160, 256
+    brush, side, px = nominal(name), 0.160, 256
     centre = (side / 2 + shift[0] * side / px, side / 2 + shift[1] * side / px)
     found = ink(brush, line(0.3 * side, press, centre, angle), px, px, px / side)
     assert found == pytest.approx(ink_of_a_line(brush, 0.3 * side, press), rel=INK)
@@ -245,10 +247,10 @@ def test_a_stroke_is_drawn_alike_on_canvases_of_every_shape(brush: Brush, height
     assert square.sum() > 50
 
 
-@pytest.mark.parametrize("name", built_in_brushes())
+@pytest.mark.parametrize("name", NAMES)
 def test_a_stroke_turned_by_a_right_angle_is_drawn_turned(name: str) -> None:
     lying, upright = (
-        darkness(load_brush(name), line(0.02, 0.5, (0.02, 0.02), angle, bend=1.0), 64, 64, 1600)
+        darkness(nominal(name), line(0.02, 0.5, (0.02, 0.02), angle, bend=1.0), 64, 64, 1600)
         for angle in (0, math.pi / 2)
     )
     assert torch.allclose(torch.rot90(lying, -1), upright, atol=1e-3)
@@ -266,7 +268,7 @@ def _gradients(each: Sequence[Brush], commanded: Tensor, pixels_per_metre: float
 @pytest.mark.parametrize("pixels_per_metre", [5.0, 300.0, 1600.0, 30_000.0])
 def test_gradients_of_marks_are_finite(pixels_per_metre: float) -> None:
     dry = Brush(name="dry", source="a test", alpha=0.002, beta=-0.001)
-    each = [load_brush("fineliner"), MARKER, load_brush("round"), REED, HOLLOW, BENT, dry, dry]
+    each = [nominal("fineliner"), MARKER, nominal("round"), REED, HOLLOW, BENT, dry, dry]
     commanded = torch.rand(len(each), 32, 3, generator=torch.Generator().manual_seed(0))
     commanded[-1, :, 2] = 0.0  # leaves no mark at all
     commanded[1, :, :2] = 0.1  # stands still
@@ -309,7 +311,7 @@ def test_no_strokes_leave_the_canvas_as_it_is() -> None:
 def test_every_stroke_takes_its_own_brush_and_colour() -> None:
     trajectory = torch.cat([line(0.05, 1.0, (0.04, y), 0.0) for y in (0.0205, 0.0605)])
     colours = torch.tensor([[1.0, 0, 0], [0, 0, 1.0]])
-    canvas = paint(torch.zeros(3, 80, 80), trajectory, colours, brushes(load_brush("round"), MARKER), 1000)
+    canvas = paint(torch.zeros(3, 80, 80), trajectory, colours, brushes(nominal("round"), MARKER), 1000)
     assert canvas[:, 20, 40].tolist() == pytest.approx([1, 0, 0], abs=1e-6)
     assert canvas[:, 60, 40].tolist() == pytest.approx([0, 0, 0.95], abs=1e-6)
     assert (canvas[0] > 0.5).sum() > 3 * (canvas[2] > 0.5).sum()

@@ -25,8 +25,8 @@ def test_the_list_has_the_brushes_that_come_along_and_the_own_ones(here: Path) -
     listed = rows(ran.stdout)
     assert ran.code == 0
     assert list(listed) == ["fineliner", "marker", "round", "twig"]
-    assert listed["fineliner"].startswith("0.3 mm comes with Maulstick: nominal: a 0.3 mm fineliner")
-    assert listed["round"].startswith("2 to 14 mm comes with Maulstick: ")
+    assert listed["fineliner"].startswith("0.312 mm comes with Maulstick: a fineliner")
+    assert listed["round"].startswith("0.686 to 15.8 mm comes with Maulstick: a 6 mm round")
     assert listed["twig"] == "0 to 2 mm your own: a [b]test[/b]"
 
 

@@ -52,7 +52,7 @@ def test_the_summary_goes_to_standard_output_and_the_bar_to_standard_error(paint
 
 
 def test_a_resolution_too_low_for_the_brush_is_said(painted: tuple[Path, Ran]) -> None:
-    assert "note: the thinnest mark of the brush round is 0.30 pixels in half-width" in painted[1].stderr
+    assert "note: the thinnest mark of the brush round is 0.10 pixels in half-width" in painted[1].stderr
 
 
 def test_how_a_painting_was_made_is_written_into_it(painted: tuple[Path, Ran]) -> None:

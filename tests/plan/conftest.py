@@ -10,11 +10,12 @@ from skimage.data import astronaut
 from torch import Tensor
 
 from maulstick.canvas import Canvas
-from maulstick.medium import Brush, load_brush
+from maulstick.medium import Brush
 from maulstick.plan.objectives import Tone
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.planner import Commission, PlanOptions
 from maulstick.style import load_style
+from tests.nominal import nominal
 
 QUICK = PlanOptions(strokes=30, paints=4, steps=80)
 
@@ -45,4 +46,4 @@ def portrait() -> Picture:
 
 @pytest.fixture(scope="session")
 def round_brush() -> Brush:
-    return load_brush("round")
+    return nominal("round")

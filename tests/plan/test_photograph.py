@@ -16,6 +16,7 @@ from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.photograph import Layout, figures_of, lay_out_for, making, plan_photograph
 from maulstick.plan.planner import PlanOptions
 from maulstick.style import load_style
+from tests.nominal import nominal
 from tests.plan.conftest import QUICK, options
 from tests.tolerances import FILE_METRES
 
@@ -152,7 +153,7 @@ def test_twelve_paints_mean_eleven_changes_at_most_and_each_stands_together(layo
 
 
 def test_one_ink_makes_the_tones_of_a_photograph(portrait: Picture) -> None:
-    pen = load_brush("marker")
+    pen = nominal("marker")
     drawn = lay_out_for(portrait, (0.1, 0.08), pen, height_px=64)
     found = painted(drawn, pen, options(strokes=60, paints=None, steps=100))
     assert figures_of(found, drawn).tone_mse_sigma4 < 0.006
@@ -160,14 +161,14 @@ def test_one_ink_makes_the_tones_of_a_photograph(portrait: Picture) -> None:
 
 
 def test_one_ink_is_one_paint(layout: Layout) -> None:
-    found = painted(layout, load_brush("marker"), options(paints=None, ink=(0.0, 0.2, 0.4), steps=20))
+    found = painted(layout, nominal("marker"), options(paints=None, ink=(0.0, 0.2, 0.4), steps=20))
     assert [paint.colour for paint in found.paints] == [(0.0, 0.2, 0.4)]
     assert found.paint_changes() == 0
     assert {stroke.paint for stroke in found.strokes} == {0}
 
 
 def test_a_pen_that_can_only_lift_is_commanded_without_press(layout: Layout) -> None:
-    found = painted(layout, load_brush("fineliner"), options(steps=20))
+    found = painted(layout, nominal("fineliner"), options(steps=20))
     assert len(found.strokes) > 10
     assert not found.trajectories()[..., 2].any()
 
@@ -188,7 +189,7 @@ def test_a_white_picture_makes_a_painting_that_can_be_written(
 @pytest.mark.parametrize("paints", [2, None])
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 3)])
 def test_a_picture_of_a_few_pixels_is_painted(paints: int | None, shape: tuple[int, int]) -> None:
-    pen = load_brush("marker")
+    pen = nominal("marker")
     picture = np.full((*shape, 3), 0.2, dtype=np.float32)
     small = lay_out_for(picture, (0.08, 0.06), pen, height_px=2 if shape == (1, 40) else 32)
     found = painted(small, pen, options(strokes=12, paints=paints, steps=100))
@@ -198,7 +199,7 @@ def test_a_picture_of_a_few_pixels_is_painted(paints: int | None, shape: tuple[i
 
 @pytest.mark.parametrize("size", [(0.3, 0.005), (0.005, 0.3)])
 def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: Picture) -> None:
-    pen = load_brush("marker")
+    pen = nominal("marker")
     ribbon = lay_out_for(portrait, size, pen, fit="cover", height_px=6 if size[0] > size[1] else 240)
     found = painted(ribbon, pen, options(strokes=12, steps=20))
     assert len(found.strokes) > 0
@@ -218,7 +219,7 @@ def test_the_planning_resolution_shows_the_thinnest_mark_with_a_pixel_at_least(p
 
 
 def test_a_resolution_is_bounded_on_a_large_sheet_whatever_the_pen(portrait: Picture) -> None:
-    found = lay_out_for(portrait, (1.0, 0.8), load_brush("fineliner")).canvas
+    found = lay_out_for(portrait, (1.0, 0.8), nominal("fineliner")).canvas
     assert (found.width_px, found.height_px) == (2048, round(2048 * 0.8))
 
 

@@ -16,6 +16,7 @@ from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, Schedule, plan
 from maulstick.plan.start import Places, start_strokes
 from maulstick.style import FreeStyle, Style
+from tests.nominal import nominal
 from tests.plan.conftest import QUICK, commission, mse, options
 from tests.style.synthetic_hands import exemplar_of, zigzag
 from tests.tolerances import FLOAT32_METRES, LEEWAY
@@ -163,7 +164,7 @@ def test_a_white_picture_is_left_nearly_bare(name: str, paints: int | None) -> N
 
 
 def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
-    asked = commission(portrait, load_brush("marker"), halftone=True)
+    asked = commission(portrait, nominal("marker"), halftone=True)
     ink = (0.2, 0.1, 0.4)
     found = plan(asked, options(paints=None, ink=ink))
     assert found.paints.tolist() == [pytest.approx(ink)]
@@ -174,7 +175,7 @@ def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
 
 
 def test_a_pen_that_can_only_lift_never_presses(portrait: Picture) -> None:
-    found = plan(commission(portrait, load_brush("fineliner")), options(steps=30))
+    found = plan(commission(portrait, nominal("fineliner")), options(steps=30))
     assert len(found.strokes) > 0
     assert not found.strokes.press_knots.any()
 

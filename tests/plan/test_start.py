@@ -5,12 +5,13 @@ import pytest
 import torch
 
 from maulstick.brush.traj2stroke import Traj2Stroke, paint
-from maulstick.medium import Brush, load_brush
+from maulstick.medium import Brush
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.start import Floats, Places, detail, find_places, ink_density, start_strokes
 from maulstick.style import FreeStyle, load_style
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from tests.nominal import nominal
 from tests.plan.conftest import commission, mse
 from tests.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, strokes_of
 from tests.tolerances import FLOAT32_VALUE
@@ -203,7 +204,7 @@ def test_press_rises_and_falls_as_the_style_has_it_about_the_width_that_the_room
 
 
 def test_a_pen_that_cannot_press_starts_without_press() -> None:
-    _, press = started(three(12.0), load_brush("fineliner"))
+    _, press = started(three(12.0), nominal("fineliner"))
     assert not press.any()
 
 

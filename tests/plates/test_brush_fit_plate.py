@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.brush.fit import Fit, View
-from maulstick.medium import load_brush
 from maulstick.plates.brush_fit import fit_plate, measured
+from tests.nominal import nominal
 
 ERRORS = {"b_x": 2e-5, "opacity": 0.004, "alpha": 2e-4, "nib[0]": 0.01, "nib[1]": 0.02, "m_x": 0.0}
 PHOTOGRAPH, PREDICTION = (0, 255, 0), (255, 0, 255)
@@ -25,7 +25,7 @@ def a_view(name: str, size: tuple[int, int] = (20, 40), after: float = 0.0, pred
 
 def a_fit(*views: View) -> Fit:
     """The round brush, as if it had been fitted."""
-    brush = load_brush("round").model_copy(update={"name": "twig", "nib": (0.1, -0.05), "b_x": -3e-4})
+    brush = nominal("round").model_copy(update={"name": "twig", "nib": (0.1, -0.05), "b_x": -3e-4})
     return Fit(
         brush=brush,
         errors=ERRORS,

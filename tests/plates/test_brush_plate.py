@@ -16,6 +16,7 @@ from maulstick.medium import Brush, load_brush
 from maulstick.plates import brush as module
 from maulstick.plates.brush import brush_plate, profile
 from maulstick.plates.sheet import Plate
+from tests.nominal import nominal
 from tests.tolerances import FLOAT32_VALUE_FAR
 
 PX = 480
@@ -75,7 +76,7 @@ def test_a_brush_has_a_plate_at_any_size(name: str, px: int) -> None:
 
 
 def test_a_mark_lies_on_its_sheet_however_far_the_machine_is_off() -> None:
-    brush = load_brush("round")
+    brush = nominal("round")
     off = brush.model_copy(update={"m_x": 1.3, "m_y": 0.8, "b_x": 0.5, "b_y": -0.5})
     assert np.array_equal(mark(pixels(off)), mark(pixels(brush)))
 
@@ -88,9 +89,9 @@ def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: py
             told.append(text)
 
     monkeypatch.setattr(module, "Plate", Listening)
-    brush_plate(load_brush("round"), "", PX)
+    brush_plate(nominal("round"), "", PX)
     assert not {*FULL} & {*told}
-    brush_plate(load_brush("round").model_copy(update=FULL), "", PX)
+    brush_plate(nominal("round").model_copy(update=FULL), "", PX)
     assert {
         *FULL,
         "0.1, -0.05",
@@ -102,6 +103,6 @@ def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: py
 
 
 def test_a_lighter_touch_that_leaves_no_mark_has_a_plate() -> None:
-    dry = load_brush("round").model_copy(update={"beta": -0.005})
+    dry = nominal("round").model_copy(update={"beta": -0.005})
     assert profile(dry, 0.0, np.array([0.0, 1e-3])).tolist() == [1.0, 0.0]
     assert (pixels(dry).max(axis=2) < 128).any()

@@ -14,6 +14,7 @@ from maulstick.plates.brush import brush_plate
 from maulstick.plates.ink import ink_plate
 from maulstick.plates.strokes import strokes_plate
 from maulstick.strokes import Strokes
+from tests.nominal import nominal
 
 PX = 480
 WACOM = Path(__file__).parents[3] / "shared" / "data" / "uil_strokes.npz"
@@ -138,7 +139,7 @@ def test_the_mark_of_a_brush_becomes_wider_towards_the_right(name: str) -> None:
 
 
 def test_a_brush_with_much_to_tell_has_a_plate() -> None:
-    brush = load_brush("round").model_copy(
+    brush = nominal("round").model_copy(
         update={
             "name": "long " * 40,
             "source": "fitted to photographs " * 60,

@@ -12,15 +12,15 @@ GROUPS, STEPS = 8, 30
 
 
 def standard_errors(mosaic: Mosaic, found: Unknowns, progress: Callable[[], None]) -> dict[str, Tensor]:
-    """Standard errors (k,) of the numbers that were sought, in their own units (metres or shares).
+    """Standard errors (k,) of the numbers that were sought, and of opacity, in metres or shares.
 
     A jackknife over groups of strokes, which are the independent observations: what the numbers become without each
     group in turn. `progress` is called `GROUPS` * `STEPS` times.
     """
     groups = torch.arange(len(mosaic)) % min(GROUPS, len(mosaic))
-    without = [descend(mosaic, found, groups != group, STEPS, progress).numbers() for group in groups.unique()]
-    errors = {}
-    for name in found.brush:
-        each = torch.stack([numbers[name] for numbers in without])
-        errors[name] = ((len(each) - 1) * each.var(dim=0, correction=0)).sqrt()
-    return errors
+    kept = [groups != group for group in groups.unique()]
+    without = [descend(mosaic, found, taught, STEPS, progress) for taught in kept]
+    each = {name: torch.stack([left.numbers()[name] for left in without]) for name in found.brush}
+    opacities = [left.ink[taught].exp().median() for left, taught in zip(without, kept, strict=True)]
+    each["opacity"] = torch.stack(opacities)[:, None]
+    return {name: ((len(without) - 1) * values.var(dim=0, correction=0)).sqrt() for name, values in each.items()}

@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
+from scipy.optimize import minimize_scalar
 from torch import Tensor
 from torch.nn.functional import softplus
 
@@ -20,6 +22,9 @@ ADDITIONS = ("plateau", "curve", "lag", "nib")
 _LEAST_C = 0.15  # below it a mark is as good as hard-edged, and no gradient finds its width any more
 _RATE = 0.04
 _WARM_UP = 0.15  # of the steps
+_OFTEN = 25  # steps
+_TURN = 0.3  # of the logarithm of opacity, at once
+_PUREST = 1e-3  # of a colour, from black or white
 
 
 @dataclass(frozen=True)
@@ -123,12 +128,14 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
     )
     optimiser = torch.optim.Adam(leaves, lr=_RATE)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps + 1, pct_start=_WARM_UP)
-    for _ in range(steps):
+    for step in range(1, steps + 1):
         optimiser.zero_grad()
         mosaic.loss(stamped(mosaic, unknowns, taught)).backward()
         optimiser.step()
         with torch.no_grad():
             unknowns.ink.clamp_(max=0)  # beyond full ink no gradient would lead back
+            if unknowns.colour is not None and step % _OFTEN == 0:
+                _see_through(mosaic, unknowns, unknowns.colour, taught)
         schedule.step()
         progress()
     found = [leaf.detach() for leaf in leaves]
@@ -139,3 +146,21 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
         found[len(names) + 1],
         None if start.colour is None else found[-1],
     )
+
+
+def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor, taught: Tensor) -> None:
+    """All strokes paler and their ink darker, or the reverse, as suits best what shines through where they cross.
+
+    On bare paper both look alike, so that each number alone, which is all that the gradient sees, is best as it is.
+    """
+    ink, seen = unknowns.ink.clone(), colour.sigmoid()
+    bare = mosaic.before[:, mosaic.counts > 0].median(dim=1).values
+
+    def turned(opacity: float) -> float:
+        unknowns.ink.copy_((ink + opacity).clamp(max=0))
+        colour.copy_((bare + (seen - bare) / np.exp(opacity)).logit(_PUREST))
+        return float(mosaic.loss(stamped(mosaic, unknowns, taught)))
+
+    as_it_was = turned(0)
+    best = minimize_scalar(turned, bounds=(-_TURN, _TURN), method="bounded", options={"xatol": 0.01})
+    turned(best.x if best.fun < as_it_was else 0)

@@ -14,7 +14,7 @@ FEWEST = 5
 _SAMPLE = 12  # trials that are looked at first
 _FAR = 15e-3  # metres around these
 _LARGER, _MORE = 1.25, 1.5e-3  # metres; windows than the marks in them
-_MOST_PX = 3e6  # in all windows together; finer photographs are reduced
+_MOST, _MOST_A_STROKE = 9e6, 2e4  # values of pixels in all windows together, and in one; finer photographs are reduced
 
 
 def read_windows(
@@ -29,7 +29,8 @@ def read_windows(
     if seen:
         reach = _LARGER * float(np.quantile([extent(window, pixels_per_metre) for window in seen], 0.9)) + _MORE
         sides = np.array([np.ptp(w.path[:, :2], axis=0) + 2 * reach for w in seen]) * pixels_per_metre
-        reduced = max(1, round(float(np.sqrt(len(trials) * sides.prod(axis=1).mean() / _MOST_PX))))
+        values = sides.prod(axis=1).mean() * seen[0].after.shape[2]
+        reduced = max(1, round(float(np.sqrt(values / min(_MOST_A_STROKE, _MOST / len(trials))))))
         seen, left_out = _look_at(
             trials,
             range(len(trials)),

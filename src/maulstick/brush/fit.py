@@ -29,7 +29,9 @@ _ENOUGH = 20  # strokes, from which some can be held out
 _HELD_OUT = 0.3
 _STEPS, _STEPS_ALL = 200, 150
 _BETTER, _SIGMAS = 0.99, 2.0  # of held-out error, and of its standard error, for an addition to stay
+_LEAST_RISE = 0.01  # of the thinnest mark, from press 0 to 1; a medium of less draws all presses alike
 _VIEWS = 12
+_MEDIAN = 1.25  # its standard error, of a mean's
 
 
 @dataclass(frozen=True)
@@ -114,12 +116,13 @@ def fit_brush(
     if found.colour is not None and not crosses(windows):  # then what was seen may as well be solid
         paper = np.median([np.median(window.before, axis=(0, 1)) for window in windows], axis=0)
         ink, flow = paper + (ink - paper) * flow.opacity, replace(flow, opacity=1.0)
+        del errors["opacity"]
     places = (found.unit * found.place).double().numpy()
     middle = np.median(places, axis=0)
     scatter = 1.4826 * np.median(np.abs(places - middle), axis=0)
     return Fit(
         brush=_brush(found, middle, flow, name, source, depth),
-        errors=_named(errors, scatter / np.sqrt(len(windows)), flow.scatter * flow.opacity / np.sqrt(len(windows))),
+        errors=_named(errors, _MEDIAN * scatter / np.sqrt(len(windows))),
         warnings=doubts(windows, paths, found, errors),
         left_out=tuple(left_out),
         strokes=len(windows),
@@ -149,16 +152,21 @@ def _choose(
     found = descend(mosaic, start, taught, _STEPS, _ticking(progress, "the paper's numbers", _STEPS))
     paper = best = _held_out(mosaic, found, taught)
     kept: list[str] = []
-    for addition in tried:
+    refused: dict[str, int] = {}  # when so many were kept
+    for addition in (*tried, *tried):  # what one addition hid may show beside another
+        if addition in kept or refused.get(addition) == len(kept):
+            continue
         tick = _ticking(progress, addition, _STEPS)
         anew = start.adding([*kept, addition])  # from what was found it could not get away
         candidate = descend(mosaic, anew, taught, _STEPS, tick)
         error = _held_out(mosaic, candidate, taught)
-        gain = best - error
+        gain = (best / error).log()  # a few strokes that go badly wrong would drown all others
         certain = gain.mean() > _SIGMAS * gain.std() / len(gain) ** 0.5
         if error.mean() < _BETTER * best.mean() and certain:
             found, best = candidate, error
             kept.append(addition)
+        else:
+            refused[addition] = len(kept)
     return _Choice(found, tuple(kept), float(best.mean()), float(paper.mean()))
 
 
@@ -192,6 +200,7 @@ def _views(mosaic: Mosaic, windows: Sequence[Window], found: Unknowns, taught: T
 
 def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, depth: tuple[float, float]) -> Brush:
     numbers = {key: value.double().tolist() for key, value in found.numbers().items()}
+    alpha = numbers["alpha"][0]
     return Brush(
         name=name,
         source=source,
@@ -199,7 +208,7 @@ def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, 
         m_y=numbers["scale"][1],
         b_x=float(middle[0]),
         b_y=float(middle[1]),
-        alpha=numbers["alpha"][0],
+        alpha=alpha if alpha > _LEAST_RISE * numbers["beta"][0] else 0.0,
         beta=numbers["beta"][0],
         c=numbers["c"][0],
         plateau=numbers["plateau"][0],
@@ -214,9 +223,9 @@ def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, 
     )
 
 
-def _named(errors: Mapping[str, Tensor], of_place: Floats, of_opacity: float) -> dict[str, float]:
+def _named(errors: Mapping[str, Tensor], of_place: Floats) -> dict[str, float]:
     """Standard errors by the names of the brush's numbers; those of several values as ``curve[0]``."""
-    named = {"b_x": float(of_place[0]), "b_y": float(of_place[1]), "opacity": of_opacity}
+    named = {"b_x": float(of_place[0]), "b_y": float(of_place[1])}
     for name, each in errors.items():
         values = each.tolist()
         if name == "scale":

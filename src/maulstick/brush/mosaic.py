@@ -6,12 +6,15 @@ from typing import Self
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from maulstick.arrays import Floats
 from maulstick.brush.kernels.render import composite
 from maulstick.brush.traj2stroke import Traj2Stroke
 from maulstick.brush.window import Pixels, Window
+
+Ints = NDArray[np.int64]
 
 _COVERED = 2.0
 """How much more a pixel counts that the new stroke covers (paper: Traj2Stroke Model)."""
@@ -39,7 +42,7 @@ class Mosaic:
     @classmethod
     def of_windows(cls, windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Self:
         """The windows in rows; `paths` are theirs with equally many points each, (n, 3)."""
-        places, height, width = _shelves([window.covered.shape for window in windows])
+        places, height, width = _shelves(*_rooms(windows, pixels_per_metre))
         channels = windows[0].after.shape[2]
         before = np.zeros((height, width, channels), dtype=np.float32)
         after, counts, weights = before.copy(), before[..., 0].copy(), before[..., 0].copy()
@@ -89,19 +92,33 @@ class Mosaic:
 
 
 _GAP = 8
-"""Pixels between windows, so that a stroke at the edge of its own does not reach into another's."""
+"""Pixels between windows: a stroke may lie further beside its place than where it was seen."""
 
 
-def _shelves(shapes: Sequence[tuple[int, ...]]) -> tuple[list[tuple[slice, slice]], int, int]:
+def _rooms(windows: Sequence[Window], pixels_per_metre: float) -> tuple[list[tuple[int, int]], Ints]:
+    """Height and width of each window, and pixels (N, 2, 2) above and below, left and right of it.
+
+    The edge of a photograph cuts a window short, but not the stroke that is stamped there.
+    """
+    shapes = [(window.covered.shape[0], window.covered.shape[1]) for window in windows]
+    corners = np.array([window.corner for window in windows])
+    low = np.array([window.path[:, :2].min(axis=0) for window in windows]) - corners
+    high = corners + np.array(shapes)[:, ::-1] / pixels_per_metre
+    high -= np.array([window.path[:, :2].max(axis=0) for window in windows])
+    margins = np.stack([low, high], axis=2)[:, ::-1]
+    return shapes, _GAP // 2 + np.ceil((margins.max() - margins) * pixels_per_metre).astype(int)
+
+
+def _shelves(shapes: Sequence[tuple[int, int]], rooms: Ints) -> tuple[list[tuple[slice, slice]], int, int]:
     """Where each image goes, the highest first, on a canvas about as high as wide; and its height and width."""
-    area = sum((h + _GAP) * (w + _GAP) for h, w in shapes)
-    width = max(max(w for _, w in shapes), int(np.sqrt(1.1 * area)))
+    heights, widths = (np.array(shapes) + rooms.sum(axis=2)).T
+    width = max(widths.max(), int(np.sqrt(1.1 * (heights * widths).sum())))
     places: dict[int, tuple[slice, slice]] = {}
     x = y = shelf = 0
-    for i in sorted(range(len(shapes)), key=lambda i: -shapes[i][0]):
-        h, w = shapes[i]
-        if x + w > width:
+    for i in np.argsort(-heights, kind="stable"):
+        if x + widths[i] > width:
             x, y, shelf = 0, y + shelf, 0
-        places[i] = (slice(y, y + h), slice(x, x + w))
-        x, shelf = x + w + _GAP, max(shelf, h + _GAP)
-    return [places[i] for i in range(len(shapes))], y + shelf, width
+        top, left = y + rooms[i, 0, 0], x + rooms[i, 1, 0]
+        places[i] = (slice(top, top + shapes[i][0]), slice(left, left + shapes[i][1]))
+        x, shelf = x + widths[i], max(shelf, heights[i])
+    return [places[i] for i in range(len(shapes))], int(y + shelf), int(width)

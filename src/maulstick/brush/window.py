@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from scipy.signal import correlate
 from skimage.measure import label
-from skimage.registration import phase_cross_correlation
-from skimage.transform import downscale_local_mean
 
 from maulstick.arrays import Bools, Floats
 from maulstick.errors import InputError
@@ -22,11 +21,14 @@ STRAY = 2.5e-3
 SEEN = 0.08
 """How much a pixel must change to count as covered, where the photographs are not noisier than that."""
 
+_NOISES = 7  # times what a quarter of the paper's pixels keep to
 _LOOSE_PX = 1  # specks have soft edges
 _ALIGNING_PX = 512  # the longer side of the pictures that are compared for a camera that has moved
 _MOVED_PX = 1.0
-_GAIN = 0.75  # a shift that explains less than a quarter of what changed was not the camera's
+_GAIN = 0.4  # a shift that explains less of what is elsewhere now was not the camera's
+_LEAST_ALIGNING_PX, _AROUND_PX = 200, 5  # of older strokes, and what is looked at beside them
 _LEAST_INK_PX = 4.0  # pixels of full change
+_LEAST_LIT_PX, _ENOUGH_LIT_PX = 50, 10_000  # of bare paper, which the light is fitted to
 _CLIPPED = 0.99
 _DARK = 0.1  # a lit paper is brighter
 
@@ -62,15 +64,18 @@ def look(trial: Trial, pixels_per_metre: float, reach: float, reduced: int = 1) 
     corner = (left / pixels_per_metre, top / pixels_per_metre)
     apart = _distances(trial.path, corner, before.shape[:2], scale)
     if trial.after.shape[2] > 1:
+        _check_light(trial.name, before, after)
         _check_camera(trial, pixels_per_metre, reach)
-        after = _relit(before, after, apart > min(STRAY, reach / 2))
+        after = _relit(before, after, apart > reach / 2)
     change = np.abs(after - before).mean(axis=2)
-    noise = float(np.median(change[apart > STRAY])) if (apart > STRAY).any() else 0.0
-    covered = change > max(SEEN, 5 * noise)
+    noise = float(np.quantile(change[apart > STRAY], 0.25)) if (apart > STRAY).any() else 0.0  # a broad mark is there
+    covered = change > max(SEEN, _NOISES * noise)
     stray = _stray(covered, apart)
     covered &= ~stray
     if change[covered].sum() < _LEAST_INK_PX:
-        raise InputError(f"{trial.name} {_why_nothing(trial)}")
+        raise InputError(
+            f"{trial.name} left no mark that can be seen near its path; was the tip on the paper, and the lens open?"
+        )
     return Window(trial.name, trial.path, corner, before, after, (~stray).astype(np.float32), covered)
 
 
@@ -87,13 +92,17 @@ def _box(trial: Trial, pixels_per_metre: float, reach: float, reduced: int) -> t
     left, top = np.clip(low, 0, (width, height))
     right, bottom = np.clip(high, 0, (width, height))
     bottom, right = bottom - (bottom - top) % reduced, right - (right - left) % reduced
-    if min(bottom - top, right - left) < 2 * reduced:
+    outside = np.maximum(0 - trial.path[:, :2], trial.path[:, :2] - np.array([width, height]) / pixels_per_metre)
+    if outside.max() > reach or min(bottom - top, right - left) < 2 * reduced:
         raise InputError(f"{trial.name} lies beside its photographs; check the pixels per metre and the paths")
     return int(top), int(left), int(bottom), int(right)
 
 
 def _reduced(image: Pixels, by: int) -> Pixels:
-    return image if by == 1 else downscale_local_mean(image, (by, by, 1)).astype(np.float32)
+    """Means of squares, never a view, which would keep the photograph in memory; rows first is much the faster."""
+    height, width = image.shape[0] // by, image.shape[1] // by
+    rows = image[: height * by, : width * by].reshape(height, by, width * by, -1).mean(axis=1)
+    return np.asarray(rows.reshape(height, width, by, -1).mean(axis=2))
 
 
 def _distances(path: Floats, corner: tuple[float, float], shape: tuple[int, ...], pixels_per_metre: float) -> Floats:
@@ -127,11 +136,12 @@ def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
     relit = after.copy()
     for channel in range(after.shape[2]):
         old, new = before[..., channel], after[..., channel]
-        lit = paper & (old > _DARK) & (new > _DARK)
-        if lit.sum() < 50:
+        lit = np.flatnonzero(paper & (old > _DARK) & (new > _DARK))
+        if len(lit) < _LEAST_LIT_PX:
             continue
-        ratio = np.log(old[lit] / new[lit])
-        plane = np.stack([np.ones(lit.sum()), x[lit], y[lit]], axis=1)
+        lit = lit[:: 1 + len(lit) // _ENOUGH_LIT_PX]
+        ratio = np.log(old.flat[lit] / new.flat[lit])
+        plane = np.stack([np.ones(len(lit)), x.flat[lit], y.flat[lit]], axis=1)
         kept = np.abs(ratio - np.median(ratio)) < 0.3
         for _ in range(3):  # older strokes' edges and specks fall out
             light = np.linalg.lstsq(plane[kept], ratio[kept], rcond=None)[0]
@@ -141,36 +151,45 @@ def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
     return relit
 
 
+def _check_light(name: str, before: Pixels, after: Pixels) -> None:
+    """Raise InputError where the photographs show nothing at all; paper that is white before the stroke may be."""
+    if after.min() > _CLIPPED:
+        raise InputError(f"{name} cannot be seen: its photograph after it is all white; was it overexposed?")
+    for which, image in (("before", before), ("after", after)):
+        if image.max() < _DARK:
+            raise InputError(f"{name} cannot be seen: its photograph {which} it is all black; light the paper")
+
+
 def _check_camera(trial: Trial, pixels_per_metre: float, reach: float) -> None:
-    """Raise InputError where all that was on the paper before is somewhere else now."""
+    """Raise InputError where the older strokes, away from the new one, are somewhere else now."""
     factor = -(-max(trial.after.shape[:2]) // _ALIGNING_PX)
-    height, width = (side - side % factor for side in trial.after.shape[:2])
-    before, after = (
-        downscale_local_mean(image[:height, :width].mean(axis=2), (factor, factor))
-        for image in (trial.before, trial.after)
-    )
-    apart = _distances(trial.path, (0.0, 0.0), before.shape, pixels_per_metre / factor)
-    after = np.where(apart > min(reach, 2 * STRAY), after * np.median(before) / max(np.median(after), 1e-3), before)
-    if np.ptp(before) < _DARK:
+    before, after = (_reduced(image, factor).mean(axis=2, keepdims=True) for image in (trial.before, trial.after))
+    away = _distances(trial.path, (0.0, 0.0), before.shape, pixels_per_metre / factor) > reach
+    even = np.full_like(before, np.median(before))
+    old, new = ((even - _relit(even, image, away))[..., 0] for image in (before, after))
+    ink = away & (np.maximum(old, new) > _DARK)
+    if ink.sum() < _LEAST_ALIGNING_PX:
         return  # an empty sheet looks the same wherever the camera is
-    shift = phase_cross_correlation(before, after, upsample_factor=10)[0]
-    moved = float(np.hypot(*shift)) * factor
-    if moved < _MOVED_PX:
-        return
-    back = ndimage.shift(after, shift, order=1, mode="nearest")
-    inner = apart > reach + moved / pixels_per_metre
-    if np.abs(back - before)[inner].sum() < _GAIN * np.abs(after - before)[inner].sum():
+    away &= ndimage.binary_dilation(ink, iterations=_AROUND_PX)
+    moved, gain = _shift(old, new, away)
+    if moved * factor >= _MOVED_PX and gain > _GAIN:
         raise InputError(
-            f"{trial.name}: the camera or the paper moved by {moved:.1f} pixels between its photographs; "
+            f"{trial.name}: the camera or the paper moved by {moved * factor:.1f} pixels between its photographs; "
             "fix both and draw it again"
         )
 
 
-def _why_nothing(trial: Trial) -> str:
-    if trial.after.shape[2] > 1:
-        for which, image in (("before", trial.before), ("after", trial.after)):
-            if np.mean(image > _CLIPPED) > _CLIPPED:
-                return f"left no mark, and its photograph {which} it is all white; was it overexposed?"
-            if np.median(image) < _DARK:
-                return f"cannot be seen: its photograph {which} it is all black; light the paper"
-    return "left no mark that can be seen near its path; was the tip on the paper, and the lens open?"
+def _shift(old: Floats, new: Floats, where: Bools) -> tuple[float, float]:
+    """How far `old` is to be shifted to be most like `new`, pixels; and the share of the squares that this explains."""
+    counted = where * new
+    squares = (counted * new).sum() - 2 * correlate(old, counted, "same") + correlate(old**2, where * 1.0, "same")
+    middle = np.array(old.shape) // 2
+    most = int(min(middle)) // 2
+    near = squares[middle[0] - most : middle[0] + most + 1, middle[1] - most : middle[1] + most + 1]
+    best = np.clip(np.unravel_index(near.argmin(), near.shape), 1, 2 * most - 1)
+    finer = []
+    for axis in (0, 1):
+        less, here, more = near.take(best[axis] + np.arange(-1, 2), axis).take(best[1 - axis], 1 - axis)
+        finer.append((less - more) / 2 / max(less - 2 * here + more, 1e-9))
+    moved = float(np.hypot(*(best - most + np.clip(finer, -1, 1))))
+    return moved, 1 - float(near.min() / max(min(near[most, most], (counted * new).sum()), 1e-9))

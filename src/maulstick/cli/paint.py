@@ -59,7 +59,9 @@ def paint(
     ink: Annotated[
         str | None, _painting(metavar="COLOUR", help="One ink instead of paints: black, or #rrggbb.")
     ] = None,
-    brush: Annotated[str, _painting(metavar="BRUSH", help="round, marker, fineliner, or a JSON file.")] = "round",
+    brush: Annotated[
+        str, _painting(metavar="BRUSH", help="round, marker, fineliner, one of your own, or a JSON file.")
+    ] = "round",
     style: Annotated[
         str, _painting(metavar="STYLE", help="Whose strokes: a name out of maulstick style list, or a JSON file.")
     ] = "free",

@@ -83,7 +83,7 @@ def start_strokes(
     spacing = places.spacing / pixels_per_metre
     codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
     if brush.presses:
-        press = np.clip((_WIDTH_IN_SPACINGS * spacing - brush.beta) / brush.alpha, 0, 1)
+        press = brush.press_for(_WIDTH_IN_SPACINGS * spacing)
         knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(press)[:, None]).clamp(0, 1)
     else:
         knots = torch.zeros_like(knots)
