@@ -92,7 +92,7 @@ def fit_brush(
     Each predicted stroke is stamped onto its photograph before and compared with the one after by a weighted L1. A
     stroke's own small offset and darkness are sought along with the brush, so that scatter does not widen it.
     trials: read one at a time, so a folder larger than memory will do; those that cannot be used are left out.
-    additions: which of plateau, curve, lag, nib and faint may be tried; none leaves the paper's seven numbers.
+    additions: which of `ADDITIONS` may be tried; none leaves the paper's seven numbers.
     Raises InputError where fewer than five trials can be used.
     """
     with one_torch_thread():
@@ -214,6 +214,8 @@ def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, 
         plateau=numbers["plateau"][0],
         curve=tuple(numbers["curve"]),
         nib=tuple(numbers["nib"]),
+        swell=numbers["swell"][0],
+        swell_length=numbers["swell_length"][0],
         lag=numbers["lag"][0],
         touch=tuple(numbers["touch"]),
         opacity=flow.opacity,
