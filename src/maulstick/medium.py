@@ -42,8 +42,6 @@ class Brush(BaseModel):
     plateau: the flat part of the mark, q.  opacity: its darkness there, o.
     curve: the share of alpha that is reached at each of `CURVE_PRESSES`, instead of a straight line.
     nib: half-width times 1 + nib[0] cos 2φ + nib[1] sin 2φ, where φ is the direction of travel.
-    swell, swell_length: half-width times 1 + swell (e^(-s / swell_length) + e^(-r / swell_length)), where s is the way
-        from the path's beginning and r that to its end: a machine lingers there, and ink spreads.
     lag: the mark is drawn by a tip that is dragged: d tip / d s = (commanded - tip) / lag along the path.
     touch: how far beside its place the tip comes down; it fades over the lag.
     faint, solid: opacity times faint + (1 - faint) press / solid, at most 1, at the stroke's mean press.
@@ -67,8 +65,6 @@ class Brush(BaseModel):
         CURVE_PRESSES
     )
     nib: tuple[_Number, _Number] = (0.0, 0.0)
-    swell: Annotated[_Number, Field(gt=-0.5)] = 0.0
-    swell_length: Annotated[_Number, Field(ge=0)] = 0.0
     lag: Annotated[_Number, Field(ge=0)] = 0.0
     touch: tuple[_Number, _Number] = (0.0, 0.0)
     faint: Annotated[_Number, Field(gt=0, le=1)] = 1.0
@@ -101,7 +97,7 @@ class Brush(BaseModel):
         return self.alpha + self.beta
 
     def half_width(self, press: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Half-width of the mark in metres at each press in [0, 1], any shape; the mean over all directions, away from the ends."""
+        """Half-width of the mark in metres at each press in [0, 1], any shape; the mean over all directions."""
         share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 

@@ -134,14 +134,6 @@ def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
     assert found.half_width(PRESSES) == pytest.approx(NIB_PEN.half_width(PRESSES), rel=KEPT_WIDTH)
 
 
-def test_ends_that_swell_are_found() -> None:
-    blotting = MARKER.model_copy(update={"plateau": 0.5, "c": 0.7, "swell": 0.3, "swell_length": 2e-3})
-    fit = fitted(draw_darkness(blotting, 20, 1, Faults()), "plateau", "swell")
-    assert sorted(fit.kept) == ["plateau", "swell"]
-    assert (fit.brush.swell, 1e3 * fit.brush.swell_length) == pytest.approx((0.3, 2), abs=0.02)
-    assert fit.brush.half_width(PRESSES) == pytest.approx(blotting.half_width(PRESSES), rel=KEPT_WIDTH)
-
-
 def test_a_curve_and_a_lag_are_found(of_round: Fit) -> None:
     assert sorted(of_round.kept) == ["curve", "lag"]
     found = of_round.brush

@@ -26,15 +26,13 @@ REED = BENT.model_copy(  # with every number that goes beyond the paper
         "name": "reed",
         "curve": (0.05, 0.1, 0.15, 0.5, 0.7, 0.9, 0.95),
         "nib": (0.3, -0.2),
-        "swell": 0.4,
-        "swell_length": 0.005,
         "lag": 0.004,
         "touch": (0.001, -0.002),
         "faint": 0.4,
         "solid": 0.7,
     }
 )
-BEYOND = {"curve", "nib", "swell", "swell_length", "lag", "touch", "faint", "solid"}
+BEYOND = {"curve", "nib", "lag", "touch", "faint", "solid"}
 CONE = MARKER.model_copy(update={"name": "cone", "plateau": 0.0})
 HOLLOW = CONE.model_copy(update={"name": "hollow", "c": 2.5})
 PIXELS = 1e-4  # of a coordinate or thickness in float32, some hundreds of pixels
@@ -126,7 +124,7 @@ def test_half_widths_are_those_of_the_brush_on_average_over_all_directions(press
     along = np.linspace(0, 0.02, 5)
     paths = np.stack([np.outer(np.cos(angles), along), np.outer(np.sin(angles), along)], axis=2)
     commanded = np.concatenate([paths, np.repeat(press, 36, axis=0)[..., None]], axis=2)
-    straight = REED.model_copy(update={"lag": 0.0, "touch": (0.0, 0.0), "swell": 0.0, "m_x": 1.0, "m_y": 1.0})
+    straight = REED.model_copy(update={"lag": 0.0, "touch": (0.0, 0.0), "m_x": 1.0, "m_y": 1.0})
     marks = brushes(*[straight] * 36).bare(torch.from_numpy(commanded), 1.0)
     assert marks.thickness.mean(dim=0).numpy() == pytest.approx(straight.half_width(press[0]), rel=1e-5)
     assert marks.thickness[0].numpy() == pytest.approx(1.3 * straight.half_width(press[0]), rel=1e-5)
@@ -140,14 +138,6 @@ def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_
     assert dragged[-1] == pytest.approx((0.1 - 0.004, 0.0), abs=1e-9), "a lag behind"
     slope = np.gradient(dragged, along, axis=0)[1:-1]  # d tip / d s = (commanded - tip) / lag
     assert slope == pytest.approx((path - dragged)[1:-1] / 0.004, abs=1e-4)
-
-
-def test_a_mark_is_broader_at_both_ends_where_the_machine_lingers() -> None:
-    lingers = MARKER.model_copy(update={"swell": 0.4, "swell_length": 0.002})
-    found = brushes(lingers).bare(line(0.02, 0.5, (0.02, 0.02), 0.3), 1.0).thickness[0]
-    away = torch.linspace(0, 0.02, 32)
-    factor = 1 + 0.4 * ((-away / 0.002).exp() + (-away.flip(0) / 0.002).exp())
-    assert found.numpy() == pytest.approx(MARKER.half_width(np.array(0.5)) * factor.numpy(), rel=1e-4)
 
 
 def test_a_lighter_stroke_is_fainter_until_the_press_that_is_solid() -> None:
@@ -292,7 +282,7 @@ def test_gradients_of_marks_are_those_of_finite_differences(pixels_per_metre: fl
     commanded = torch.rand(1, 4, 3, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
     each = Traj2Stroke.of([MARKER.model_copy(update=REED.model_dump(include=BEYOND))])
     parts = {field.name: getattr(each, field.name).double() for field in fields(Traj2Stroke)}
-    wanted = ["scale", "shift", "curve", "nib", "swell", "swell_length", "lag", "touch", "faint", "solid"]
+    wanted = ["scale", "shift", "curve", "nib", "lag", "touch", "faint", "solid"]
 
     def marks(trajectory: Tensor, *numbers: Tensor) -> tuple[Tensor, ...]:
         drawn = Traj2Stroke(**{**parts, **dict(zip(wanted, numbers, strict=True))}).marks(trajectory, pixels_per_metre)

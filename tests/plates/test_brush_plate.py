@@ -22,8 +22,6 @@ from tests.tolerances import FLOAT32_VALUE_FAR
 PX = 480
 FULL = {
     "nib": (0.1, -0.05),
-    "swell": 0.2,
-    "swell_length": 3e-3,
     "lag": 2e-3,
     "touch": (1e-3, -2e-3),
     "faint": 0.6,

@@ -16,7 +16,7 @@ from maulstick.medium import CURVE_PRESSES
 PAPER = ("scale", "alpha", "beta", "c")
 """The paper's numbers but for b, which is the middle of all strokes' own places."""
 
-ADDITIONS = ("plateau", "curve", "lag", "nib", "swell")
+ADDITIONS = ("plateau", "curve", "lag", "nib")
 """What may be added to the paper's brush; a lag brings a touch along."""
 
 _LEAST_C = 0.15  # below it a mark is as good as hard-edged, and no gradient finds its width any more
@@ -63,7 +63,6 @@ _FIRST: Mapping[str, Mapping[str, Tensor]] = {
     "curve": {"curve": torch.zeros(len(CURVE_PRESSES) + 1)},
     "lag": {"lag": torch.tensor([-0.7]), "touch": torch.zeros(2)},
     "nib": {"nib": torch.zeros(2)},
-    "swell": {"swell": torch.zeros(1), "swell_length": torch.ones(1)},
 }
 
 _MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
@@ -76,8 +75,6 @@ _MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
     "lag": lambda raw, unit: unit * raw.exp(),
     "touch": lambda raw, unit: unit * raw,
     "nib": lambda raw, unit: raw / (1.1 + raw.norm()),
-    "swell": lambda raw, unit: 0.45 * raw.tanh(),
-    "swell_length": lambda raw, unit: unit * raw.exp(),
 }
 
 _NEUTRAL = {
@@ -90,14 +87,12 @@ _NEUTRAL = {
     "lag": torch.zeros(1),
     "touch": torch.zeros(2),
     "nib": torch.zeros(2),
-    "swell": torch.zeros(1),
-    "swell_length": torch.zeros(1),
 }
 
 
 def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -> Traj2Stroke:
     """One brush a stroke: the numbers (N, k) of each, its place (N, 2) in metres and its opacity (N,)."""
-    alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "c", "plateau", "swell", "swell_length", "lag")}
+    alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "c", "plateau", "lag")}
     several = {name: numbers[name] for name in ("scale", "curve", "touch", "nib")}
     solid = torch.ones(len(place))
     return Traj2Stroke(**alone, **several, shift=place, opacity=opacity, faint=solid, solid=solid)

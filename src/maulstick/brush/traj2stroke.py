@@ -51,8 +51,6 @@ class Traj2Stroke:
     c: Tensor
     plateau: Tensor
     opacity: Tensor
-    swell: Tensor
-    swell_length: Tensor
     lag: Tensor
     faint: Tensor
     solid: Tensor
@@ -63,12 +61,12 @@ class Traj2Stroke:
         rows = [
             (
                 *(b.m_x, b.m_y, b.b_x, b.b_y, *b.curve, *b.nib, *b.touch),
-                *(b.alpha, b.beta, b.c, b.plateau, b.opacity, b.swell, b.swell_length, b.lag, b.faint, b.solid),
+                *(b.alpha, b.beta, b.c, b.plateau, b.opacity, b.lag, b.faint, b.solid),
             )
             for b in brushes
         ]
-        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 18 + len(CURVE_PRESSES))
-        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSES), 2, 2, 10], dim=1)
+        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 16 + len(CURVE_PRESSES))
+        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSES), 2, 2, 8], dim=1)
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
     def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
@@ -80,7 +78,7 @@ class Traj2Stroke:
         flow = self.faint + (1 - self.faint) * (press.mean(dim=1) / self.solid).clamp(max=1)
         return Marks(
             points * pixels_per_metre,
-            half_width * self._broad(points) * self._spread(trajectories[..., :2]) * pixels_per_metre,
+            half_width * self._broad(points) * pixels_per_metre,
             self.c,
             self.plateau,
             self.opacity * flow,
@@ -141,16 +139,6 @@ class Traj2Stroke:
         x, y = along.unbind(-1)
         squared = x * x + y * y + _SHORTEST**2
         return 1 + (self.nib[:, :1] * (x * x - y * y) + self.nib[:, 1:] * 2 * x * y) / squared
-
-    def _spread(self, path: Tensor) -> Tensor:
-        """How much broader the mark is near its ends, (N, n) or (N, 1), along a commanded path (N, n, 2)."""
-        if not (self.swell.any() or self.swell.requires_grad):
-            return path.new_ones(path.shape[0], 1)
-        steps = path[:, 1:] - path[:, :-1]
-        lengths = (steps.square().sum(-1) + _SHORTEST**2).sqrt()
-        way = torch.nn.functional.pad(lengths.cumsum(1), (1, 0))
-        length = self.swell_length[:, None].clamp(min=_SHORTEST)
-        return 1 + self.swell[:, None] * ((-way / length).exp() + ((way - way[:, -1:]) / length).exp())
 
 
 def paint(

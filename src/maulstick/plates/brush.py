@@ -141,8 +141,6 @@ def _numbers(plate: Plate, brush: Brush, x: float, y: float, wide: float) -> Non
     ]
     beyond = {
         "nib": ", ".join(f"{share:.2g}" for share in brush.nib),
-        "swell": f"{brush.swell:.2g}",
-        "swell_length": mm(brush.swell_length),
         "lag": mm(brush.lag),
         "touch": mm(*brush.touch),
         "faint": f"{brush.faint:.3g}",

@@ -24,7 +24,7 @@ _ROWS = ("photograph", "prediction", "difference")
 _DARKER = "#2f6690"
 _FULL = 0.5  # the difference that has the whole colour
 _DIFFERENCE = LinearSegmentedColormap.from_list("difference", [_DARKER, PAPER, ACCENT])
-_LENGTHS = ("b_x", "b_y", "alpha", "beta", "swell_length", "lag", "touch")
+_LENGTHS = ("b_x", "b_y", "alpha", "beta", "lag", "touch")
 
 
 def fit_plate(fit: Fit) -> bytes:
