@@ -1,6 +1,6 @@
 # make demo    install into .venv and paint a photograph into demo/
 # make test    lint, import contracts, types and tests
-# make bench   speed of the kernel, speed and quality of the planner, likeness of the styles
+# make bench   speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes
 # make clean   remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
@@ -35,6 +35,7 @@ bench: $(VENV)/installed
 	$(BIN)/python benchmarks/kernel.py
 	$(BIN)/python benchmarks/plan.py
 	$(BIN)/python benchmarks/style.py
+	$(BIN)/python benchmarks/brush.py fit
 
 clean:
 	rm -rf $(VENV) build demo .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -14,7 +14,7 @@ FEWEST = 5
 _SAMPLE = 12  # trials that are looked at first
 _FAR = 15e-3  # metres around these
 _LARGER, _MORE = 1.25, 1.5e-3  # metres; windows than the marks in them
-_MOST, _MOST_A_STROKE = 9e6, 2e4  # values of pixels in all windows together, and in one; finer photographs are reduced
+_MOST, _MOST_A_STROKE = 9e6, 1e4  # values of pixels in all windows together, and in one; finer photographs are reduced
 
 
 def read_windows(
