@@ -10,7 +10,7 @@ from maulstick.canvas import Canvas
 from maulstick.mypaint import Paper
 from maulstick.strokes import POINTS
 from maulstick.style.press import press_along
-from maulstick.style.store import read_style, style_paths
+from maulstick.style.store import STYLES, read_style
 from maulstick.trials import Trial
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -75,7 +75,7 @@ def _paths(styles: tuple[str, ...], count: int, seed: int) -> Floats:
 
 
 def _of_style(style: str, count: int, generator: torch.Generator) -> Floats:
-    hand = read_style(style_paths()[style])
+    hand = read_style(STYLES.paths()[style])
     codes, knots = hand.sample(3 * count, generator)
     paths = hand.decode(codes).detach().double().numpy()
     press = press_along(knots).double().numpy()

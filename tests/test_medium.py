@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from maulstick import medium
 from maulstick.errors import InputError, OutputError
-from maulstick.medium import Brush, built_in_brushes, first_fault, load_brush, write_brush
+from maulstick.medium import BRUSHES, Brush, built_in_brushes, first_fault, load_brush, write_brush
 
 ROUNDING = 1e-12  # of float64
 GOOD = {"name": "twig", "source": "a test", "alpha": 0.002, "beta": 0.001}
@@ -81,11 +80,11 @@ def test_a_brush_is_read_as_it_was_written(
 
 
 def test_an_own_brush_is_found_by_its_name(own: Path) -> None:
-    assert medium.own_brushes() == own
+    assert BRUSHES.own() == own
     twig = Brush.model_validate(GOOD)
     write_brush(twig, own / "twig.json")
     assert load_brush("twig") == twig
-    assert list(medium.brush_paths()) == ["fineliner", "marker", "round", "twig"]
+    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round", "twig"]
     assert built_in_brushes() == ["fineliner", "marker", "round"]
     with pytest.raises(InputError, match=r"there are: FILE\.json, fineliner, marker, round, twig$"):
         load_brush("broom")
@@ -94,26 +93,26 @@ def test_an_own_brush_is_found_by_its_name(own: Path) -> None:
 def test_an_own_brush_never_hides_a_built_in_one_and_needs_a_proper_name(own: Path) -> None:
     for name in ("round", "Round", "a b", "-a"):
         write_brush(Brush.model_validate(GOOD), own / f"{name}.json")
-    assert list(medium.brush_paths()) == ["fineliner", "marker", "round"]
+    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round"]
     assert load_brush("round").name == "round"
 
 
 @pytest.mark.parametrize("name", ["../x", "", "Twig", "a b", "-a", "a" * 41, "a.json", "twig\n"])
 def test_a_name_that_could_be_a_path_is_refused(own: Path, name: str) -> None:
     with pytest.raises(InputError) as caught:
-        medium.check_own_name(name, overwrite=True)
+        BRUSHES.check_own_name(name, overwrite=True)
     allowed = "it must be up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
     assert str(caught.value) == f"the name of a brush is {name!r}; {allowed}"
 
 
 def test_a_name_that_is_taken_is_refused_unless_it_may_be_overwritten(own: Path) -> None:
-    assert medium.check_own_name("twig", overwrite=False) == "twig"
+    assert BRUSHES.check_own_name("twig", overwrite=False) == "twig"
     write_brush(Brush.model_validate(GOOD), own / "twig.json")
-    assert medium.check_own_name("twig", overwrite=True) == "twig"
+    assert BRUSHES.check_own_name("twig", overwrite=True) == "twig"
     with pytest.raises(OutputError, match=r"^there is a brush twig already; choose another --name"):
-        medium.check_own_name("twig", overwrite=False)
+        BRUSHES.check_own_name("twig", overwrite=False)
     with pytest.raises(InputError, match=r"^the brush round comes with Maulstick; choose another --name$"):
-        medium.check_own_name("round", overwrite=True)
+        BRUSHES.check_own_name("round", overwrite=True)
 
 
 def test_a_brush_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:

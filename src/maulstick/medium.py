@@ -1,18 +1,16 @@
 """A brush: the few numbers of Traj2Stroke (paper), their file, and where a commanded path leaves its mark."""
 
-import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from platformdirs import user_data_path
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError
 from maulstick.files import atomic_write, read_whole
+from maulstick.shelf import Shelf
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -24,13 +22,12 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+BRUSHES = Shelf("brush", "brushes", Path(__file__).with_name("brush") / "built_in")
 CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Where a brush's curve is known; between them it is straight."""
 
 _SHORTEST = 1e-12  # metres
-_BUILT_IN = Path(__file__).with_name("brush") / "built_in"
 _LARGEST_FILE = 2**20  # bytes
-_NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 
 
 class Brush(BaseModel):
@@ -128,40 +125,9 @@ class Brush(BaseModel):
         return np.stack(tips, axis=-2)
 
 
-def own_brushes() -> Path:
-    """The folder that the user's brushes are kept in."""
-    return user_data_path("maulstick", appauthor=False) / "brushes"
-
-
-def brush_paths() -> dict[str, Path]:
-    """The JSON of every brush that has a name, the built-in ones before the user's own."""
-    built_in, own = (
-        {path.stem: path for path in sorted(folder.glob("*.json")) if re.fullmatch(_NAME, path.stem)}
-        for folder in (_BUILT_IN, own_brushes())
-    )
-    return built_in | {name: path for name, path in own.items() if name not in built_in}
-
-
-def is_built_in(path: Path) -> bool:
-    """Whether the brush whose JSON is at `path` comes with Maulstick."""
-    return path.parent == _BUILT_IN
-
-
 def built_in_brushes() -> list[str]:
     """Names of the brushes that come with Maulstick."""
-    return [name for name, path in brush_paths().items() if is_built_in(path)]
-
-
-def check_own_name(name: str, overwrite: bool) -> str:
-    """The name itself. Raises InputError where the user's brush may not have it, and OutputError where one has it."""
-    if not re.fullmatch(_NAME, name):  # it must never be a path
-        allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
-        raise InputError.of_range("the name of a brush", repr(name), allowed)
-    if name in built_in_brushes():
-        raise InputError(f"the brush {name} comes with Maulstick; choose another --name")
-    if os.path.lexists(own_brushes() / f"{name}.json") and not overwrite:
-        raise OutputError(f"there is a brush {name} already; choose another --name, or add --overwrite")
-    return name
+    return [name for name, path in BRUSHES.paths().items() if BRUSHES.is_built_in(path)]
 
 
 def load_brush(name: str) -> Brush:
@@ -169,7 +135,7 @@ def load_brush(name: str) -> Brush:
 
     Raises InputError where there is no such brush, or the file is not one.
     """
-    paths = brush_paths()
+    paths = BRUSHES.paths()
     if name not in paths and Path(name).suffix != ".json":
         raise InputError.of_choice("brush", name, [*paths, "FILE.json"])
     path = paths.get(name, Path(name))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from maulstick.medium import Brush, own_brushes, write_brush
+from maulstick.medium import BRUSHES, Brush, write_brush
 from tests.cli.conftest import run
 from tests.cli.test_brush_fit import rows
 
@@ -16,7 +16,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setenv("COLUMNS", "200")
     monkeypatch.chdir(tmp_path)
-    write_brush(Brush(name="twig", source="a [b]test[/b]", alpha=2e-3, beta=-1e-3), own_brushes() / "twig.json")
+    write_brush(Brush(name="twig", source="a [b]test[/b]", alpha=2e-3, beta=-1e-3), BRUSHES.own() / "twig.json")
     return tmp_path
 
 
@@ -31,7 +31,7 @@ def test_the_list_has_the_brushes_that_come_along_and_the_own_ones(here: Path) -
 
 
 def test_a_broken_brush_does_not_hide_the_others(here: Path) -> None:
-    (own_brushes() / "twig.json").write_text("{}")
+    (BRUSHES.own() / "twig.json").write_text("{}")
     listed = rows(run("brush", "list").stdout)
     assert "twig.json is not a brush: name: Field required" in listed["twig"]
     assert "round" in listed
@@ -46,7 +46,7 @@ def test_a_brush_is_shown_by_its_name(here: Path, name: str) -> None:
 
 
 def test_a_brush_is_shown_by_its_file(here: Path) -> None:
-    path = own_brushes() / "twig.json"
+    path = BRUSHES.own() / "twig.json"
     assert run("brush", "show", path, "--px", "240") == (0, "twig.png\n", "")
     assert run("brush", "show", "twig", "--px", "240", "--out", "same.png").code == 0
     assert Path("twig.png").read_bytes() == Path("same.png").read_bytes()

@@ -116,7 +116,7 @@ def test_what_many_hands_have_in_common_is_read_as_it_was_written(
 
 
 def test_every_style_that_comes_along_draws(own: Path) -> None:
-    names = list(store.style_paths())
+    names = list(store.STYLES.paths())
     assert len(names) >= 5
     for name in names:
         style = load_style(name, CANVAS)
@@ -135,7 +135,7 @@ def test_a_style_is_found_by_its_name_or_by_the_path_of_its_file(own: Path) -> N
 
 def test_a_style_that_is_not_there_is_refused_with_all_that_are(own: Path) -> None:
     store.write_style(an_exemplar(), "", own)
-    built_in = sorted(set(store.style_paths()) - {"arcs"})
+    built_in = sorted(set(store.STYLES.paths()) - {"arcs"})
     with pytest.raises(InputError) as caught:
         load_style("rococo", CANVAS)
     there = ", ".join(sorted(["FILE.json", "arcs", "free", *built_in]))
@@ -152,20 +152,20 @@ def test_a_name_is_never_a_path(name: str, tmp_path: Path) -> None:
 
 
 def test_a_built_in_style_keeps_its_name_and_an_own_one_unless_told_otherwise(own: Path) -> None:
-    built_in = next(iter(store.style_paths()))
+    built_in = next(iter(store.STYLES.paths()))
     with pytest.raises(InputError, match=f"the style {built_in} comes with Maulstick; choose another --name"):
-        store.check_own_name(built_in, overwrite=True)
-    assert store.check_own_name("arcs", overwrite=False) == "arcs"
+        store.STYLES.check_own_name(built_in, overwrite=True)
+    assert store.STYLES.check_own_name("arcs", overwrite=False) == "arcs"
     store.write_style(an_exemplar(), "", own)
     with pytest.raises(OutputError, match="there is a style arcs already; choose another --name, or add --overwrite"):
-        store.check_own_name("arcs", overwrite=False)
-    assert store.check_own_name("arcs", overwrite=True) == "arcs"
+        store.STYLES.check_own_name("arcs", overwrite=False)
+    assert store.STYLES.check_own_name("arcs", overwrite=True) == "arcs"
 
 
 def test_an_own_style_does_not_hide_a_built_in_one(own: Path) -> None:
-    built_in = next(iter(store.style_paths()))
+    built_in = next(iter(store.STYLES.paths()))
     store.write_style(an_exemplar(built_in), "", own)
-    assert store.is_built_in(store.style_paths()[built_in])
+    assert store.STYLES.is_built_in(store.STYLES.paths()[built_in])
 
 
 @pytest.mark.parametrize("fails_at", range(7))

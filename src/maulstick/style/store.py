@@ -2,14 +2,12 @@
 
 import hashlib
 import os
-import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from platformdirs import user_data_path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
@@ -17,6 +15,7 @@ from safetensors.numpy import load, save
 from maulstick.errors import InputError, OutputError
 from maulstick.files import atomic_write, file_to_read
 from maulstick.medium import Name, first_fault
+from maulstick.shelf import NAME, Shelf
 from maulstick.strokes import POINTS, path_lengths
 from maulstick.style.exemplar import Exemplar, Hands
 from maulstick.style.hand import FEWEST, Hand
@@ -27,8 +26,8 @@ from maulstick.style.trajvae import TrajVAE
 VERSION: Final = 1
 _BUILT_IN = Path(__file__).with_name("built_in")
 _LARGEST_FILE = 256 * 2**20  # bytes
-_NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 _FREE = "free"
+STYLES = Shelf("style", "styles", _BUILT_IN, taken=_FREE)
 _HAND = {"paths": (POINTS, 2), "press": (KNOTS,), "speeds": (POINTS,)}
 _HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}
 _SHORTEST, _LONGEST = 1e-4, 100.0  # metres
@@ -62,58 +61,21 @@ class StyleCard(_Model):
     """
 
     version: Literal[1] = VERSION
-    name: Annotated[str, Field(pattern=f"^{_NAME}$")]
+    name: Annotated[str, Field(pattern=f"^{NAME}$")]
     source: Name
     strokes: Annotated[int, Field(ge=FEWEST)]
     settings: Annotated[ExemplarSettings | TrajVAESettings, Field(discriminator="kind")]
     sha256: str
 
 
-def own_styles() -> Path:
-    """The folder that the user's styles are kept in."""
-    return user_data_path("maulstick", appauthor=False) / "styles"
-
-
-def style_paths() -> dict[str, Path]:
-    """The JSON of every style that has a name, the built-in ones before the user's own."""
-    built_in, own = (
-        {path.stem: path for path in sorted(folder.glob("*.json")) if re.fullmatch(_NAME, path.stem)}
-        for folder in (_BUILT_IN, own_styles())
-    )
-    return built_in | {name: path for name, path in own.items() if name not in {*built_in, _FREE}}
-
-
-def is_built_in(path: Path) -> bool:
-    """Whether the style whose JSON is at `path` comes with Maulstick."""
-    return path.parent == _BUILT_IN
-
-
 def style_path(name: str) -> Path:
     """The JSON of the style with this name, or at this path. Raises InputError where there is no such style."""
-    paths = style_paths()
+    paths = STYLES.paths()
     if name in paths:
         return paths[name]
     if Path(name).suffix == ".json":
         return file_to_read(name, "style")
     raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
-
-
-def check_name(name: str) -> str:
-    """The name itself. Raises InputError where a style may not be called so: a name must never be a path."""
-    if not re.fullmatch(_NAME, name) or name == _FREE:
-        allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit, and not free"
-        raise InputError.of_range("the name of a style", repr(name), allowed)
-    return name
-
-
-def check_own_name(name: str, overwrite: bool) -> str:
-    """The name itself. Raises InputError where the user's style may not have it, and OutputError where one has it."""
-    path = style_paths().get(check_name(name))
-    if path is not None and is_built_in(path):
-        raise InputError(f"the style {name} comes with Maulstick; choose another --name")
-    if os.path.lexists(own_styles() / f"{name}.json") and not overwrite:
-        raise OutputError(f"there is a style {name} already; choose another --name, or add --overwrite")
-    return name
 
 
 def write_style(style: Fitted, source: str, folder: Path) -> Path:
@@ -122,7 +84,7 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     Raises OutputError where that fails; a style of that name is then still there. However it ends, no JSON stands
     beside arrays that are not its own.
     """
-    name = check_name(style.name)
+    name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
     if isinstance(style, Exemplar):
         settings: ExemplarSettings | TrajVAESettings = ExemplarSettings(freedom=style.freedom)

@@ -15,7 +15,7 @@ from rich.text import Text
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError, OutputError
 from maulstick.files import atomic_write
-from maulstick.medium import check_own_name, own_brushes, write_brush
+from maulstick.medium import BRUSHES, write_brush
 from maulstick.trials import Trials
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def fit(
 
     It is kept among your own brushes, and maulstick paint --brush NAME paints with it.
     """
-    check_own_name(name, overwrite)
+    BRUSHES.check_own_name(name, overwrite)
     if plate is not None:
         _check_plate(plate, overwrite)
     drawn = Trials.open(trials)
@@ -52,7 +52,7 @@ def fit(
     with _progress_bar(console) as show:
         found = fit_brush(drawn, drawn.pixels_per_metre, name, source=_source(drawn), depth=drawn.depth, progress=show)
     seconds = time.monotonic() - started
-    path = own_brushes() / f"{name}.json"
+    path = BRUSHES.own() / f"{name}.json"
     write_brush(found.brush, path)
     for warning in found.warnings:
         console.print(f"note: {warning}", soft_wrap=True)

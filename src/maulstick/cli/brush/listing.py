@@ -5,7 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
-from maulstick.medium import brush_paths, is_built_in, load_brush
+from maulstick.medium import BRUSHES, load_brush
 
 
 def list_brushes() -> None:
@@ -13,7 +13,7 @@ def list_brushes() -> None:
     table = Table()
     for column in ("name", "width", "from"):
         table.add_column(column, justify="right" if column == "width" else "left", overflow="fold")
-    for name, path in brush_paths().items():
+    for name, path in BRUSHES.paths().items():
         try:
             brush = load_brush(name)
         except InputError as error:
@@ -21,6 +21,6 @@ def list_brushes() -> None:
             continue
         thinnest, widest = (f"{2e3 * half_width:.3g}" for half_width in (brush.thinnest, brush.widest))
         width = f"{thinnest} to {widest} mm" if brush.presses else f"{widest} mm"
-        whose = "comes with Maulstick" if is_built_in(path) else "your own"
+        whose = "comes with Maulstick" if BRUSHES.is_built_in(path) else "your own"
         table.add_row(name, width, Text(f"{whose}: {brush.source}"))
     Console().print(table)

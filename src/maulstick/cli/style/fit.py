@@ -48,14 +48,14 @@ def fit(
     if len(files) != len({file.resolve() for file in files}):
         raise InputError("a file is named twice, and its strokes would count twice; name each file once")
     from maulstick.style.hand import Hand  # these load torch
-    from maulstick.style.store import check_own_name, own_styles, write_style
+    from maulstick.style.store import STYLES, write_style
 
-    check_own_name(name, overwrite)
+    STYLES.check_own_name(name, overwrite)
     started = time.monotonic()
     strokes = _read(files)
     hand = Hand.of(strokes)
     style, told = _exemplar(name, hand) if kind == "exemplar" else _trajvae(name, hand)
-    path = write_style(style, ", ".join(file.name for file in files), own_styles())
+    path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
         "lengths": _lengths(path_lengths(hand.paths)),

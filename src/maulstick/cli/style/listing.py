@@ -9,18 +9,18 @@ from maulstick.errors import InputError
 
 def list_styles() -> None:
     """List the styles that come with Maulstick, and your own."""
-    from maulstick.style.store import is_built_in, read_card, style_paths  # loads torch
+    from maulstick.style.store import STYLES, read_card  # loads torch
 
     table = Table()
     for column in ("name", "kind", "strokes", "from"):
         table.add_column(column, justify="right" if column == "strokes" else "left", overflow="fold")
     table.add_row("free", "", "", "nobody: any smooth stroke")
-    for name, path in style_paths().items():
+    for name, path in STYLES.paths().items():
         try:
             card = read_card(path)
         except InputError as error:
             table.add_row(name, "", "", Text(f"cannot be used: {error}"))
             continue
-        whose = "comes with Maulstick" if is_built_in(path) else "your own"
+        whose = "comes with Maulstick" if STYLES.is_built_in(path) else "your own"
         table.add_row(name, card.settings.kind, str(card.strokes), Text(f"{whose}: {card.source}"))
     Console().print(table)
