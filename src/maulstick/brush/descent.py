@@ -46,6 +46,16 @@ class Unknowns:
         """The same with some of `ADDITIONS`, near their neutral values."""
         return replace(self, brush={**self.brush, **{k: v for name in additions for k, v in _FIRST[name].items()}})
 
+    def each(self, change: Callable[[Tensor], Tensor]) -> "Unknowns":
+        """The same with every tensor changed alike."""
+        return Unknowns(
+            self.unit,
+            {name: change(raw) for name, raw in self.brush.items()},
+            change(self.place),
+            change(self.ink),
+            None if self.colour is None else change(self.colour),
+        )
+
     def numbers(self) -> dict[str, Tensor]:
         """The brush's numbers (k,) in metres and shares, neutral ones too."""
         return {
@@ -116,16 +126,9 @@ def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
 
 def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progress: Callable[[], None]) -> Unknowns:
     """The unknowns after so many steps of Adam down the weighted L1 of the paper."""
-    leaves = [*start.brush.values(), start.place, start.ink, *([] if start.colour is None else [start.colour])]
-    leaves = [leaf.detach().clone().requires_grad_() for leaf in leaves]
-    names = list(start.brush)
-    unknowns = Unknowns(
-        start.unit,
-        dict(zip(names, leaves, strict=False)),
-        leaves[len(names)],
-        leaves[len(names) + 1],
-        None if start.colour is None else leaves[-1],
-    )
+    unknowns = start.each(lambda tensor: tensor.detach().clone().requires_grad_())
+    leaves = [*unknowns.brush.values(), unknowns.place, unknowns.ink]
+    leaves += [] if unknowns.colour is None else [unknowns.colour]
     optimiser = torch.optim.Adam(leaves, lr=_RATE)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps + 1, pct_start=_WARM_UP)
     for step in range(1, steps + 1):
@@ -138,14 +141,7 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
                 _see_through(mosaic, unknowns, unknowns.colour, taught)
         schedule.step()
         progress()
-    found = [leaf.detach() for leaf in leaves]
-    return Unknowns(
-        start.unit,
-        dict(zip(names, found, strict=False)),
-        found[len(names)],
-        found[len(names) + 1],
-        None if start.colour is None else found[-1],
-    )
+    return unknowns.each(Tensor.detach)
 
 
 def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor, taught: Tensor) -> None:

@@ -11,6 +11,9 @@ from maulstick.trials import Trial, Trials
 FEWEST = 5
 """Strokes, below which nothing can be fitted."""
 
+ENOUGH = 20
+"""Strokes, from which some can be held out, or halves compared."""
+
 _SAMPLE = 12  # trials that are looked at first
 _FAR = 15e-3  # metres around these
 _LARGER, _MORE = 1.25, 1.5e-3  # metres; windows than the marks in them

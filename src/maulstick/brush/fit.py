@@ -6,17 +6,18 @@ from itertools import count
 
 import numpy as np
 import torch
+from scipy.stats import median_abs_deviation
 from torch import Tensor
 
 from maulstick.arrays import Floats
 from maulstick.brush import certainty, descent
 from maulstick.brush.descent import Unknowns, descend, stamped
-from maulstick.brush.doubts import crosses, doubts
-from maulstick.brush.evidence import read_windows
+from maulstick.brush.doubts import doubts
+from maulstick.brush.evidence import ENOUGH, read_windows
 from maulstick.brush.flow import Flow, fit_flow
 from maulstick.brush.mosaic import Mosaic
 from maulstick.brush.start import first_guess, has_presses
-from maulstick.brush.window import Pixels, Window
+from maulstick.brush.window import Pixels, Window, crosses
 from maulstick.medium import Brush
 from maulstick.strokes import POINTS, resample
 from maulstick.threads import one_torch_thread
@@ -25,7 +26,6 @@ from maulstick.trials import Trial, Trials
 ADDITIONS = (*descent.ADDITIONS, "faint")
 """What may be added to the paper's brush."""
 
-_ENOUGH = 20  # strokes, from which some can be held out
 _HELD_OUT = 0.3
 _STEPS, _STEPS_ALL = 200, 150
 _BETTER, _SIGMAS = 0.99, 2.0  # of held-out error, and of its standard error, for an addition to stay
@@ -113,17 +113,18 @@ def fit_brush(
         "faint" in additions,
     )
     ink = found.ink_colour().double().numpy()
-    if found.colour is not None and not crosses(windows):  # then what was seen may as well be solid
+    opaque = found.colour is not None and not crosses(windows)
+    if opaque:  # what was seen may as well be solid
         paper = np.median([np.median(window.before, axis=(0, 1)) for window in windows], axis=0)
         ink, flow = paper + (ink - paper) * flow.opacity, replace(flow, opacity=1.0)
         del errors["opacity"]
     places = (found.unit * found.place).double().numpy()
     middle = np.median(places, axis=0)
-    scatter = 1.4826 * np.median(np.abs(places - middle), axis=0)
+    scatter = median_abs_deviation(places, axis=0, scale="normal")
     return Fit(
         brush=_brush(found, middle, flow, name, source, depth),
         errors=_named(errors, _MEDIAN * scatter / np.sqrt(len(windows))),
-        warnings=doubts(windows, paths, found, errors),
+        warnings=doubts(paths, found, errors, opaque),
         left_out=tuple(left_out),
         strokes=len(windows),
         ink=tuple(ink.tolist()),
@@ -185,7 +186,7 @@ def _ticking(progress: Callable[[str, int, int], None], stage: str, total: int) 
 def _split(count: int, seed: int) -> Tensor:
     """(count,) which strokes teach the brush; the others are held out."""
     taught = torch.ones(count, dtype=torch.bool)
-    if count >= _ENOUGH:
+    if count >= ENOUGH:
         held_out = torch.randperm(count, generator=torch.Generator().manual_seed(seed))[: round(_HELD_OUT * count)]
         taught[held_out] = False
     return taught

@@ -7,11 +7,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from maulstick.arrays import Bools, Floats
+from maulstick.brush.evidence import ENOUGH
 
 _PRESSES = np.linspace(0.1, 1.0, 19)  # from which a mark may be solid
 _BETTER = 0.9  # of the error on the other half, for the dependence to be believed
 _LEAST = 1e-3
-_ENOUGH = 20  # strokes
+_NORMAL = 1.4826  # times the median deviation: the standard deviation
 
 
 @dataclass(frozen=True)
@@ -31,11 +32,11 @@ class Flow:
 def fit_flow(press: Floats, opacity: Floats, may_pale: bool) -> Flow:
     """The flow of strokes (N,) of a mean press and an opacity; pale at a light press only if halves agree on it."""
     flow = _even(press, opacity)
-    if may_pale and len(press) >= _ENOUGH:
+    if may_pale and len(press) >= ENOUGH:
         halves = np.arange(len(press)) % 2 == 0
         if _crossed(press, opacity, halves, _paling) < _BETTER * _crossed(press, opacity, halves, _even):
             flow = _paling(press, opacity)
-    scatter = 1.4826 * np.median(np.abs(opacity - flow.at(press))) / flow.opacity
+    scatter = _NORMAL * np.median(np.abs(opacity - flow.at(press))) / flow.opacity
     return Flow(flow.opacity, flow.faint, flow.solid, float(scatter))
 
 

@@ -1,5 +1,6 @@
 """What a trial's photographs show around its stroke, corrected for the camera, and whether they can be used at all."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ _LEAST_INK_PX = 4.0  # pixels of full change
 _LEAST_LIT_PX, _ENOUGH_LIT_PX = 50, 10_000  # of bare paper, which the light is fitted to
 _CLIPPED = 0.99
 _DARK = 0.1  # a lit paper is brighter
+_CROSSED, _OLD_INK = 0.02, 0.15  # of all covered pixels; how much older ink differs from the paper
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,17 @@ def extent(window: Window, pixels_per_metre: float) -> float:
     """How far from the commanded path the stroke is seen, metres."""
     apart = _distances(window.path, window.corner, window.covered.shape, pixels_per_metre)
     return float(np.quantile(apart[window.covered], 0.99))
+
+
+def crosses(windows: Sequence[Window]) -> bool:
+    """Whether enough of the strokes lies on older ink to see what shows through."""
+    covered = crossed = 0
+    for window in windows:
+        paper = np.median(window.before, axis=(0, 1))
+        old = np.abs(window.before - paper).mean(axis=2) > _OLD_INK
+        covered += int(window.covered.sum())
+        crossed += int((window.covered & old).sum())
+    return crossed > _CROSSED * covered
 
 
 def _box(trial: Trial, pixels_per_metre: float, reach: float, reduced: int) -> tuple[int, int, int, int]:

@@ -6,6 +6,11 @@ from torch import Tensor
 from maulstick.errors import InputError
 
 
+def plain(*tensors: Tensor) -> list[Tensor]:
+    """What the kernels read; to be checked as such, since a number may be too large or small for float32."""
+    return [x.to(torch.float32).contiguous() for x in tensors]
+
+
 def check_strokes(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor) -> None:
     """Refuse strokes that no kernel can draw.
 

@@ -7,7 +7,7 @@ from torch import Tensor
 from torch.autograd.function import FunctionCtx, once_differentiable
 
 from maulstick.brush.kernels import _cpu
-from maulstick.brush.kernels.arguments import check_canvas, check_size, check_strokes
+from maulstick.brush.kernels.arguments import check_canvas, check_size, check_strokes, plain
 
 INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
 """Those that this processor can run, the fastest first."""
@@ -29,7 +29,7 @@ def darkness(
     threads: int = THREADS,
 ) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
-    points, thickness, c, q, o = _plain(points, thickness, c, q, o)
+    points, thickness, c, q, o = plain(points, thickness, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_size(height, width)
     result: Tensor = _Darkness.apply(
@@ -52,7 +52,7 @@ def composite(
     threads: int = THREADS,
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
-    canvas, points, thickness, colours, c, q, o = _plain(canvas, points, thickness, colours, c, q, o)
+    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
@@ -68,11 +68,6 @@ def composite(
         threads,
     )
     return result
-
-
-def _plain(*tensors: Tensor) -> list[Tensor]:
-    """What the native module reads; to be checked as such, since a number may be too large or small for float32."""
-    return [x.to(torch.float32).contiguous() for x in tensors]
 
 
 def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:

@@ -14,14 +14,14 @@ from torch.autograd.function import once_differentiable
 from torch.nn.functional import pad
 
 from maulstick.brush.kernels import gpu_programs as programs
-from maulstick.brush.kernels.arguments import check_canvas, check_size, check_strokes
+from maulstick.brush.kernels.arguments import check_canvas, check_size, check_strokes, plain
 
 _TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value
 
 
 def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
-    points, thickness, c, q, o = _plain(points, thickness, c, q, o)
+    points, thickness, c, q, o = plain(points, thickness, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_size(height, width)
     with torch.cuda.device_of(points):
@@ -41,7 +41,7 @@ def composite(
     trainable: Tensor | None = None,
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
-    canvas, points, thickness, colours, c, q, o = _plain(canvas, points, thickness, colours, c, q, o)
+    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
     check_strokes(points, thickness, c, q, o)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
@@ -50,11 +50,6 @@ def composite(
     with torch.cuda.device_of(points):
         result: Tensor = _Composite.apply(canvas, points, thickness, strokes, trainable.to(torch.uint8).contiguous())
     return result
-
-
-def _plain(*tensors: Tensor) -> list[Tensor]:
-    """What the programs read; to be checked as such, since a number may be too large or small for float32."""
-    return [x.to(torch.float32).contiguous() for x in tensors]
 
 
 def _numbers(points: Tensor, *numbers: Tensor) -> Tensor:
