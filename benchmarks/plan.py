@@ -24,10 +24,11 @@ from skimage import data
 
 from maulstick.medium import Brush, load_brush
 from maulstick.painting import Painting
+from maulstick.plan.commission import PlanOptions, Weighted
 from maulstick.plan.objectives import Tone
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import Layout, as_painting, commission_of, figures_of, lay_out_for, making
-from maulstick.plan.planner import PlanOptions, Schedule, plan
+from maulstick.plan.planner import Schedule, plan
 from maulstick.style import Style, load_style
 
 IMAGES = ("astronaut", "camera", "chelsea", "coffee", "rocket", "hubble_deep_field")
@@ -64,7 +65,8 @@ def paint(name: str, layout: Layout, brush: Brush, options: PlanOptions) -> Pain
         planned = plan(commission, options)
     else:
         even = torch.ones_like(commission.weights)
-        commission = replace(commission, weights=even, objective=Tone(commission.target, even, levels=1))
+        tone = Weighted(Tone(commission.target, even, levels=1), 1.0)
+        commission = replace(commission, weights=even, objectives=(tone,))
         planned = plan(commission, options, schedule=PUBLISHED, start=anywhere(layout, style, options))
     return as_painting(planned, layout, brush, style, making(options))
 

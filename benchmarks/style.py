@@ -32,8 +32,8 @@ from recordings import mocap_hands, mouse_hands, wacom_drawings
 
 from maulstick.medium import load_brush
 from maulstick.picture import read_picture
+from maulstick.plan.commission import PlanOptions
 from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph
-from maulstick.plan.planner import PlanOptions
 from maulstick.strokes import Strokes
 from maulstick.style import shape
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy

@@ -121,7 +121,7 @@ def filmed(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
     """The film of a canvas that grows lighter with each of so many steps."""
     camera = Camera(Film("gif"), steps)
     for step in range(steps):
-        camera.watch(Progress(step / steps, 0.0, torch.full((3, *shape), step / steps)))
+        camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps)))
     return Image.open(io.BytesIO(camera.film.encode()))
 
 

@@ -11,9 +11,9 @@ from torch import Tensor
 
 from maulstick.canvas import Canvas
 from maulstick.medium import Brush
+from maulstick.plan.commission import Commission, PlanOptions, Weighted
 from maulstick.plan.objectives import Tone
 from maulstick.plan.photograph import Image as Picture
-from maulstick.plan.planner import Commission, PlanOptions
 from maulstick.style import load_style
 from tests.nominal import nominal
 
@@ -29,8 +29,8 @@ def commission(picture: Picture, brush: Brush, *, halftone: bool = False) -> Com
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
-    objective = Tone(target, weights, halftone=halftone)
-    return Commission(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), objective)
+    tone = Weighted(Tone(target, weights, halftone=halftone), 1.0)
+    return Commission(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
 
 
 def mse(canvas: Tensor, target: Tensor) -> float:

@@ -12,9 +12,9 @@ from maulstick.errors import InputError
 from maulstick.medium import Brush, load_brush
 from maulstick.painting import Making, Painting, read_painting, write_painting
 from maulstick.palette import lightness
+from maulstick.plan.commission import PlanOptions
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.photograph import Layout, figures_of, lay_out_for, making, plan_photograph
-from maulstick.plan.planner import PlanOptions
 from maulstick.style import load_style
 from tests.nominal import nominal
 from tests.plan.conftest import QUICK, options
@@ -127,15 +127,16 @@ def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: La
 
 def test_making_holds_every_option_and_more() -> None:
     digest = hashlib.sha256(b"a picture").hexdigest()
-    made = making(options(ink=(0.5, 0.0, 0.25)), "a.jpg", digest, size="20x16cm")
+    made = making(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, size="20x16cm")
     assert isinstance(made, Making)
     assert made.image_sha256 == digest
     assert made.options == {
         "strokes": 30,
         "exact": False,
         "paints": 4,
-        "ink": [0.5, 0.0, 0.25],
+        "palette": [[0.5, 0.0, 0.25]],
         "steps": 80,
+        "calls": 150,
         "seed": 0,
         "size": "20x16cm",
     }
@@ -161,7 +162,7 @@ def test_one_ink_makes_the_tones_of_a_photograph(portrait: Picture) -> None:
 
 
 def test_one_ink_is_one_paint(layout: Layout) -> None:
-    found = painted(layout, nominal("marker"), options(paints=None, ink=(0.0, 0.2, 0.4), steps=20))
+    found = painted(layout, nominal("marker"), options(paints=None, palette=((0.0, 0.2, 0.4),), steps=20))
     assert [paint.colour for paint in found.paints] == [(0.0, 0.2, 0.4)]
     assert found.paint_changes() == 0
     assert {stroke.paint for stroke in found.strokes} == {0}

@@ -10,10 +10,11 @@ from maulstick.errors import InputError
 from maulstick.medium import Brush, load_brush
 from maulstick.palette import lightness
 from maulstick.plan import planner
+from maulstick.plan.commission import Commission, PlanOptions, Weighted
 from maulstick.plan.objectives import Objective
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import Image as Picture
-from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, Schedule, plan
+from maulstick.plan.planner import Plan, Progress, Schedule, plan
 from maulstick.plan.start import Places, start_strokes
 from maulstick.style import FreeStyle, Style
 from tests.nominal import nominal
@@ -145,11 +146,11 @@ def test_a_nearly_blank_picture_is_planned_with_fewer_strokes(round_brush: Brush
     asked = commission(nearly_blank(), round_brush, halftone=paints is None)
 
     def loss(found: Plan) -> float:
-        return asked.objective.loss(rendered(asked, found), 1.0).item()
+        return asked.objectives[0].term.loss(rendered(asked, found), 1.0).item()
 
     found = plan(asked, options(strokes=50, paints=paints))
     assert 1 <= len(found.strokes) < 50
-    assert loss(found) < 0.6 * asked.objective.loss(asked.paper, 1.0).item()
+    assert loss(found) < 0.6 * asked.objectives[0].term.loss(asked.paper, 1.0).item()
     whole = plan(asked, options(strokes=50, paints=paints, exact=True))
     assert loss(found) <= (1 + 1e-5) * loss(whole), "what was left out is not missed"
 
@@ -166,7 +167,7 @@ def test_a_white_picture_is_left_nearly_bare(name: str, paints: int | None) -> N
 def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
     asked = commission(portrait, nominal("marker"), halftone=True)
     ink = (0.2, 0.1, 0.4)
-    found = plan(asked, options(paints=None, ink=ink))
+    found = plan(asked, options(paints=None, palette=(ink,)))
     assert found.paints.tolist() == [pytest.approx(ink)]
     assert not found.paint_of.any()
     assert len(found.strokes) > 10
@@ -313,13 +314,18 @@ def test_a_style_that_binds_nobody_never_weighs_more(
 class Darker(Objective):
     """Wants a black canvas."""
 
+    @property
+    def name(self) -> str:
+        """``darker``."""
+        return "darker"
+
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Mean of what is not black."""
         return canvas.square().mean()
 
 
 def test_any_objective_that_sees_the_canvas_can_lead(asked: Commission) -> None:
-    led = Commission(**{**vars(asked), "objective": Darker()})
+    led = replace(asked, objectives=(Weighted(Darker(), 1.0),))
     found = plan(led, options(steps=40, exact=True))
     assert rendered(asked, found).mean() < 0.7 * rendered(asked, plan(asked, options(steps=40))).mean()
 

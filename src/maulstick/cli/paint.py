@@ -97,10 +97,10 @@ def paint(
 
     from maulstick.brush.preview import preview  # loads torch
     from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph
-    from maulstick.plan.planner import PlanOptions
+    from maulstick.plan.commission import PlanOptions
     from maulstick.style import load_style
 
-    options = PlanOptions(strokes, exact, mixed, colour, steps, seed)
+    options = PlanOptions(strokes, exact, mixed, (colour,), steps, seed=seed)
     layout = lay_out_for(picture, sheet, chosen_brush, fit, px)
     hand = load_style(style, layout.canvas)
     made = making(options, path.name, picture_hash(path), size=size, fit=fit, px=px, brush=brush, style=style)

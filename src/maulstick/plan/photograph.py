@@ -16,8 +16,9 @@ from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse
 from maulstick.picture import lay_out
 from maulstick.plan.attention import attention
+from maulstick.plan.commission import Commission, PlanOptions, Weighted
 from maulstick.plan.objectives import Tone
-from maulstick.plan.planner import Commission, Plan, PlanOptions, Progress, plan
+from maulstick.plan.planner import Plan, Progress, plan
 from maulstick.style import Style
 
 Image = NDArray[np.float32]
@@ -90,8 +91,8 @@ def commission_of(layout: Layout, brush: Brush, style: Style, options: PlanOptio
     paper = torch.tensor(_PAPER)[:, None, None].expand_as(target).contiguous()
     weights = torch.ones_like(target[0])
     layout.crop(weights.numpy())[:] = attention(layout.crop(layout.target))
-    objective = Tone(target, weights, halftone=options.paints is None)
-    return Commission(target, paper, weights, layout.canvas, brush, style, objective)
+    tone = Weighted(Tone(target, weights, halftone=options.one_ink), 1.0)
+    return Commission(target, paper, weights, layout.canvas, brush, style, (tone,))
 
 
 def making(options: PlanOptions, image: str | None = None, sha256: str | None = None, **more: object) -> Making:
@@ -102,7 +103,7 @@ def making(options: PlanOptions, image: str | None = None, sha256: str | None = 
             "image": image,
             "image_sha256": sha256,
             "seed": options.seed,
-            "options": {**asdict(options), "ink": list(options.ink), **more},
+            "options": {**asdict(options), "palette": [list(colour) for colour in options.palette], **more},
         }
     )
 

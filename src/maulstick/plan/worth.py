@@ -52,7 +52,7 @@ def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, gene
     slope = pull(2 * difference.detach())
     curvature = torch.zeros_like(slope)
     for _ in range(_PROBES):
-        signs = torch.randint(0, 2, difference.shape, generator=generator) * 2.0 - 1
+        signs = torch.randint(0, 2, difference.shape, generator=generator).to(difference) * 2 - 1
         curvature += 2 * pull(signs).square() / _PROBES
     amount = opacity.detach()
     return 0.5 * curvature * amount.square() - slope * amount

@@ -1,18 +1,10 @@
-"""What a painting should look like. An objective sees the canvas and nothing else."""
-
-from abc import ABC, abstractmethod
+"""How near the tones of the canvas are to those of a picture."""
 
 import torch
 from torch import Tensor
 from torch.nn.functional import conv2d, pad
 
-
-class Objective(ABC):
-    """A term of the loss."""
-
-    @abstractmethod
-    def loss(self, canvas: Tensor, progress: float) -> Tensor:
-        """A scalar, smaller for a better canvas (C, H, W); progress in [0, 1] tells how far planning has come."""
+from maulstick.plan.objectives.objective import Objective
 
 
 class Tone(Objective):
@@ -29,6 +21,11 @@ class Tone(Objective):
         self._scale = weights.sqrt()
         self._levels = levels or max(1, min(target.shape[1:]).bit_length() - 4)
         self._halftone = halftone
+
+    @property
+    def name(self) -> str:
+        """``tone``."""
+        return "tone"
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Mean squared difference, averaged over the levels."""

@@ -1,0 +1,1 @@
+"""Pretrained networks, and the views of a canvas that they are shown."""
