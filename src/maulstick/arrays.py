@@ -45,8 +45,10 @@ def kind_of(path: str | Path) -> str | None:
         return None
 
 
-def read_arrays(path: str | Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[np.generic]]:
-    """The arrays with these names, of numbers or text, in the file of this kind at `path`.
+def read_arrays(
+    path: str | Path, kind: str, names: tuple[str, ...] | None = None
+) -> dict[str, NDArray[np.generic]]:
+    """The arrays with these names, or all, of numbers or text, in the file of this kind at `path`.
 
     Raises InputError where there is no such file, or it is of another kind, broken or of a later version.
     """
@@ -57,7 +59,7 @@ def read_arrays(path: str | Path, kind: str, names: tuple[str, ...]) -> dict[str
                 raise InputError(f"{path} holds {came}; it must be a file of {kind}")
             if (version := int(_read(entries, "version"))) != VERSION:
                 raise InputError(f"{path} is of version {version}, and this Maulstick reads {VERSION}; write it again")
-            arrays = {name: _read(entries, name) for name in names}
+            arrays = {name: _read(entries, name) for name in (names or _names(entries))}
     except InputError:
         raise
     except Exception as error:
@@ -75,6 +77,11 @@ def _opened(path: Path, kind: str) -> Iterator[zipfile.ZipFile]:
         if unpacked > _LARGEST:
             raise InputError(f"{path} unpacks to {unpacked >> 20} MiB; no {kind} is that large")
         yield entries
+
+
+def _names(entries: zipfile.ZipFile) -> list[str]:
+    names = (name.removesuffix(".npy") for name in entries.namelist())
+    return [name for name in names if name not in ("kind", "version")]
 
 
 def _read(entries: zipfile.ZipFile, name: str) -> NDArray[np.generic]:

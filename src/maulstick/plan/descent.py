@@ -2,10 +2,12 @@
 
 from math import cos, pi
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.state import State, optimiser_state, restore_optimiser
 
 _RATES = {"codes": 0.02, "angles": 0.05, "press_knots": 0.03, "colours": 0.02}
 _CENTRES_IN_SPACINGS = 0.1
@@ -52,9 +54,18 @@ class Descent:
         """Begin anew with other strokes in some rows."""
         self.strokes.replace_rows(rows, others)
         for tensor in self.strokes.each().values():
-            for moment in ("exp_avg", "exp_avg_sq"):
-                if moment in self._adam.state[tensor]:
+            if tensor in self._adam.state:
+                for moment in ("exp_avg", "exp_avg_sq"):
                     self._adam.state[tensor][moment][rows] = 0
+
+    def state(self) -> State:
+        """All that its next step depends on but the strokes and paints themselves."""
+        return {"taken": np.array(self._taken), **optimiser_state(self._adam)}
+
+    def restore(self, state: State) -> None:
+        """Go on from there."""
+        self._taken = int(state["taken"])
+        restore_optimiser(state, self._adam)
 
     @torch.no_grad()
     def _clamp(self) -> None:

@@ -1,12 +1,15 @@
 """Few calls of expensive networks: between two calls, what they said last stands for them."""
 
+import json
 from collections.abc import Sequence
 
+import numpy as np
 import torch
 from torch import Generator, Tensor
 
 from maulstick.plan.commission import Weighted
 from maulstick.plan.objectives import Judge
+from maulstick.plan.state import State
 
 _AT_ONCE = 4
 _MEMORY = 0.5
@@ -19,11 +22,11 @@ class Judgement:
     v + <slope, c - c0> + pull |c - c0|² / 2, the last term keeping the canvas where the slope can be trusted.
     """
 
-    def __init__(self, judges: Sequence[Weighted[Judge]], radius: float = 0.1) -> None:
+    def __init__(self, judges: Sequence[Weighted[Judge]], paper: Tensor, radius: float = 0.1) -> None:
         self._judges = judges
         self._views = min(judge.term.views for judge in judges)
         self._radius = radius
-        self._anchor = self._slope = torch.empty(0)
+        self._anchor = self._slope = torch.zeros_like(paper)
         self._value = 0.0
         self.calls = 0
         self.parts: dict[str, float] = {}
@@ -39,6 +42,21 @@ class Judgement:
         self._anchor, self._value = canvas.detach(), loss.item()
         self.parts = {name: part.item() for name, part in losses.items()}
         self.calls += 1
+
+    def state(self) -> State:
+        """What they said last."""
+        last = {"parts": self.parts, "value": self._value, "calls": self.calls}
+        return {
+            "judged": self._anchor.cpu().numpy(),
+            "slope": self._slope.cpu().numpy(),
+            "last": np.array(json.dumps(last)),
+        }
+
+    def restore(self, state: State) -> None:
+        """Take that for what they said last."""
+        last = json.loads(str(state["last"]))
+        self.parts, self._value, self.calls = last["parts"], last["value"], last["calls"]
+        self._anchor, self._slope = (torch.from_numpy(state[name]).to(self._anchor) for name in ("judged", "slope"))
 
     @property
     def proposal(self) -> Tensor:

@@ -20,6 +20,7 @@ from maulstick.plan.commission import Commission, PlanOptions
 from maulstick.plan.descent import Descent
 from maulstick.plan.judgement import Judgement
 from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.state import State, chance_state, restore_chance
 from maulstick.plan.work import Work, as_array
 from maulstick.plan.worth import View, coverage, removal_costs
 from maulstick.threads import one_torch_thread
@@ -47,12 +48,16 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Progress:
-    """After a step: how far planning is in [0, 1], the loss, its parts by name, and the canvas (C, H, W)."""
+    """After a step: how far planning is in [0, 1], the loss, its parts by name, and the canvas (C, H, W).
+
+    state: all that going on from here needs, if it is asked before the next step.
+    """
 
     done: float
     loss: float
     parts: dict[str, float]
     canvas: Tensor
+    state: Callable[[], State]
 
 
 @dataclass(frozen=True)
@@ -72,15 +77,19 @@ def plan(
     *,
     schedule: Schedule = Schedule(),
     start: StrokeParameters | None = None,
+    resume: State | None = None,
 ) -> Plan:
     """Plan strokes that turn the paper into what is wanted.
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
+    resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
     """
     if start is not None and len(start) != options.strokes:
         raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
     planning = _Planning(commission, options, schedule, start)
+    if resume is not None:
+        planning.restore(resume)
     while not planning.done:
         if not watch(planning.advance()):
             planning.hurry()
@@ -118,7 +127,7 @@ class _Planning:
         if options.one_ink:
             self._work.paints = torch.tensor(options.palette)
         self._descent = Descent(strokes, self._spacing)
-        self._judgement = Judgement(commission.judges) if commission.judges else None
+        self._judgement = Judgement(commission.judges, commission.paper) if commission.judges else None
         self._progress, self._stride = 0.0, 1 / options.steps
         self._sorted = self._respent = 0  # how many of the schedule's are over
 
@@ -145,12 +154,32 @@ class _Planning:
             self._work.sort()
         if now >= schedule.snap:
             self._snap()
-        after = self._step(now)
+        loss, parts, canvas = self._step(now)
         self._progress += self._stride
-        return after
+        return Progress(now, loss, parts, canvas, self.state)
 
-    def _step(self, now: float) -> Progress:
-        """One step of all strokes.
+    def state(self) -> State:
+        """All that the next step depends on."""
+        numbers = (self._progress, self._stride, self._style_weight, self._sorted, self._respent)
+        judgement = {} if self._judgement is None else self._judgement.state()
+        chance = chance_state(self._rng, self._chance)
+        state = {"numbers": np.array(numbers), **self._work.state(), **self._descent.state(), **judgement, **chance}
+        return {name: array.copy() for name, array in state.items()}
+
+    def restore(self, state: State) -> None:
+        """Go on from there."""
+        self._progress, self._stride, self._style_weight, *over = state["numbers"].tolist()
+        self._sorted, self._respent = (int(count) for count in over)
+        self._work.restore(state)
+        if "paints" in state and self._work.paints is None:
+            self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"]))
+        self._descent.restore(state)
+        if self._judgement is not None:
+            self._judgement.restore(state)
+        restore_chance(state, self._rng, self._chance)
+
+    def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
+        """One step of all strokes: the loss before it, its parts, and the canvas.
 
         The style weighs more as long as the strokes are less likely than it allows, and less afterwards: it is held
         alike with a broad brush or a thin pen.
@@ -166,7 +195,7 @@ class _Planning:
         excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
         self._style_weight = max(self._style_weight * exp(_HOLD * self._stride * excess), _STYLE_WEIGHT)
         strokes.keep_inside(self._style, self._canvas.width, self._canvas.height)
-        return Progress(now, loss.item(), parts, canvas.detach())
+        return loss.item(), parts, canvas.detach()
 
     def _loss(self, canvas: Tensor, now: float) -> tuple[Tensor, dict[str, float]]:
         """Without the style, and its terms by name, each times its weight; judges' as they last said."""
@@ -219,9 +248,14 @@ class _Planning:
             shown = as_array(self._work.by_row(coverage(self._view(), self._asked.paper, marks, colours)))
             free = as_array(self._work.strokes.colours)
             mixed = mix_paints(free, np.sqrt(shown.clip(min=1)), options.paints, options.seed)
-            paints = torch.tensor(mixed, dtype=torch.float32, requires_grad=True)
-            self._descent.add_paints(paints)
-        self._work.snap(paints, self._schedule.grouped)
+            paints = torch.tensor(mixed, dtype=torch.float32)
+        self._work.snap(self._paints_to_use(paints), self._schedule.grouped)
+
+    def _paints_to_use(self, paints: Tensor) -> Tensor:
+        """Those (k, C), which go on adapting if they are still to be mixed."""
+        if self._options.paints is not None:
+            self._descent.add_paints(paints.requires_grad_())
+        return paints
 
     def finish(self) -> Plan:
         """The plan in painting order, without the strokes that do nothing unless their number is to be exact."""

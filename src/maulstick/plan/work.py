@@ -14,6 +14,7 @@ from maulstick.medium import Brush
 from maulstick.order import by_paint, light_to_dark
 from maulstick.palette import nearest_paint
 from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.state import State
 from maulstick.style import Style
 
 
@@ -68,6 +69,18 @@ class Work:
         self.paint_of = torch.from_numpy(nearest_paint(as_array(self.strokes.colours), as_array(paints)))
         if grouped:
             self.order = by_paint(self.paint_of.numpy(), self.order)
+
+    def state(self) -> State:
+        """Strokes, paints and order."""
+        strokes = {name: tensor.detach().numpy() for name, tensor in self.strokes.each().items()}
+        paints = {} if self.paints is None else {"paints": self.paints.detach().numpy()}
+        return {**strokes, **paints, "paint_of": self.paint_of.numpy(), "order": self.order}
+
+    def restore(self, state: State) -> None:
+        """Go on from there: the same strokes and order; whoever made the paints puts them back."""
+        for name, tensor in self.strokes.each().items():
+            tensor.detach().copy_(torch.from_numpy(state[name]))
+        self.paint_of, self.order = torch.from_numpy(state["paint_of"]), np.array(state["order"])
 
 
 def as_array(tensor: Tensor) -> NDArray[np.float64]:
