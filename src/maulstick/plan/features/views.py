@@ -33,8 +33,8 @@ def squares(height: int, width: int) -> Tensor:
 def random_views(count: int, height: int, width: int, chance: Generator) -> Tensor:
     """Random perspectives (V, 3, 3) of all of a canvas of so many pixels, cropped at random.
 
-    Source: Vinker et al., CLIPasso, section 3.2: a perspective whose corners move up to half way to the middle, then
-    a square of 0.7 to 1 of the area.
+    Source: Vinker et al., CLIPasso, its augmentations: a perspective whose corners move up to half way to the middle,
+    then a square, here of 0.7 to 1 of the area.
     """
     corners = torch.tensor([[-1.0, -1], [1, -1], [1, 1], [-1, 1]], dtype=torch.float64)
     moved = corners * (1 - _DISTORTION * torch.rand(count, 4, 2, generator=chance, dtype=torch.float64))
