@@ -1,5 +1,9 @@
+import base64
+import io
 import json
+import struct
 import time
+import zlib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -8,8 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 from pydantic import ValidationError
 
+from maulstick.canvas import Canvas
 from maulstick.errors import InputError, OutputError
 from maulstick.painting import (
     Making,
@@ -22,11 +28,15 @@ from maulstick.painting import (
     read_painting,
     write_painting,
 )
+from maulstick.picture import encode_png
 from tests.nominal import nominal
 
 MICROMETRE = 1e-6
 BRUSHES = [nominal("round"), nominal("marker")]
 
+STRIPES = np.zeros((4, 6, 3), dtype=np.float32)
+STRIPES[:, 2:4] = 1.0
+PNG = encode_png(STRIPES)
 
 CURVE = ((0.01, 0.02, 0.0), (0.03, 0.04, 0.5), (0.1, 0.05, 1.0))
 USE = StyleUse(name="free", hash="ab12", code=(0.1, -2.5), pose=(0.01, 0.02, 0.7))
@@ -89,14 +99,29 @@ def paintings(draw: st.DrawFn) -> Painting:
     width, height = draw(st.floats(0.01, 10)), draw(st.floats(0.01, 10))
     x, y = width * draw(st.floats(0, 0.5)), height * draw(st.floats(0, 0.5))
     brushes = draw(st.dictionaries(names, st.sampled_from(BRUSHES), min_size=1, max_size=3))
-    paint = st.builds(Paint, colour=st.tuples(shares, shares, shares), brush=st.sampled_from(sorted(brushes)))
+    paint = st.builds(
+        Paint,
+        colour=st.tuples(shares, shares, shares),
+        brush=st.sampled_from(sorted(brushes)),
+        name=st.none() | names,
+    )
     paints = draw(st.lists(paint, min_size=1, max_size=3))
     ids = draw(st.lists(st.integers(0, 10**9), unique=True, max_size=3))
     options = draw(st.dictionaries(names, json_values, max_size=3))
     return Painting(
-        canvas=Sheet(width=width, height=height, paper=draw(st.tuples(shares, shares, shares))),
+        canvas=Sheet(
+            width=width,
+            height=height,
+            paper=draw(st.tuples(shares, shares, shares)),
+            picture=draw(st.none() | st.just(PNG)),
+        ),
         area=(x, y, width - x, height - y),
-        made=Making(version="1", image=draw(st.none() | st.text()), options=options),
+        made=Making(
+            version="1",
+            image=draw(st.none() | st.text()),
+            options=options,
+            figures=draw(st.dictionaries(names, st.floats(allow_nan=False, allow_infinity=False), max_size=3)),
+        ),
         brushes=brushes,
         paints=tuple(paints),
         strokes=tuple(draw(strokes_of(number, len(paints))) for number in ids),
@@ -172,6 +197,60 @@ def test_paint_changes_are_counted_in_painting_order() -> None:
     assert changes(0, 1, 0, 1) == 3
 
 
+def test_metres_are_added_up_for_each_paint() -> None:
+    path = ((0.0, 0.0, 0.0), (0.03, 0.04, 0.5), (0.03, 0.05, 1.0))
+    painting = a_painting([Stroke(id=i, paint=p, trajectory=path) for i, p in enumerate((2, 0, 2))], 4)
+    assert painting.lengths() == pytest.approx([0.06] * 3)
+    assert painting.metres_of_paints() == pytest.approx([0.06, 0, 0.12, 0])
+    assert a_painting([]).metres_of_paints().tolist() == [0, 0]
+    assert a_painting([], 0).metres_of_paints().tolist() == []
+
+
+def test_a_paint_is_known_by_its_name_where_it_has_one() -> None:
+    assert Paint(colour=(0, 0, 1), brush="round").label == "#0000ff"
+    assert Paint(colour=(0, 0, 1), brush="round", name="ultramarine").label == "ultramarine #0000ff"
+
+
+def test_what_a_painting_does_not_have_is_not_in_its_file(tmp_path: Path) -> None:
+    """So that a Maulstick that does not know of it can still read the file."""
+    write_painting(a_painting(), tmp_path / "painting.json")
+    fields = json.loads((tmp_path / "painting.json").read_text())
+    assert list(fields["canvas"]) == ["width", "height", "paper"]
+    assert list(fields["paints"][0]) == ["colour", "brush"]
+
+
+def test_a_painting_of_an_older_maulstick_is_read(tmp_path: Path) -> None:
+    write_painting(a_painting(), tmp_path / "painting.json")
+    fields = json.loads((tmp_path / "painting.json").read_text())
+    del fields["made"]["figures"]
+    (tmp_path / "old.json").write_text(json.dumps(fields))
+    assert read_painting(tmp_path / "old.json") == a_painting()
+
+
+def test_a_sheet_is_its_paper_s_colour_or_the_picture_of_what_is_on_it(tmp_path: Path) -> None:
+    bare = Sheet(width=0.06, height=0.04, paper=(0.25, 0.5, 1.0))
+    canvas = Canvas(0.06, 0.04, 500)
+    assert bare.image(canvas).dtype == np.float32
+    assert bare.image(canvas).shape == (20, 30, 3)
+    assert (bare.image(canvas) == (0.25, 0.5, 1.0)).all()
+    sheet = Sheet(width=0.06, height=0.04, picture=PNG)
+    used = a_painting([]).model_copy(update={"canvas": sheet, "area": (0, 0, 0.06, 0.04)})
+    write_painting(used, tmp_path / "painting.json")
+    stored = json.loads((tmp_path / "painting.json").read_text())["canvas"]["picture"]
+    assert base64.b64decode(stored, validate=True) == PNG
+    again = read_painting(tmp_path / "painting.json").canvas
+    image = again.image(canvas)
+    assert (image.shape, image.dtype) == ((20, 30, 3), np.float32)
+    assert image[10, [2, 15, 27]] == pytest.approx(np.array([[0, 0, 0], [1, 1, 1], [0, 0, 0]]), abs=0.02)
+    assert again.image(Canvas(0.06, 0.04, 100)) == pytest.approx(STRIPES)
+
+
+def test_a_picture_on_a_sheet_must_be_a_png() -> None:
+    for wrong in (b"", "hello", 3, [1]):
+        with pytest.raises(ValidationError):
+            Sheet.model_validate({"width": 0.1, "height": 0.1, "picture": wrong})
+
+
 def test_the_picture_covers_the_whole_canvas_unless_told_otherwise() -> None:
     assert a_painting().area == (0.0, 0.0, 0.2, 0.16)
 
@@ -199,11 +278,31 @@ def test_a_painting_that_cannot_be_written_leaves_the_one_that_was_there(tmp_pat
         write_painting(a_painting(), tmp_path / "none" / "painting.json")
 
 
+def a_jpeg() -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (9, 9)).save(file, format="JPEG")
+    return file.getvalue()
+
+
+def a_bomb(width: int, height: int) -> bytes:
+    """A PNG of a few bytes that says it is so large."""
+    parts = ((b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(b"")))
+    chunks = [
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in parts
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
 Damage = Callable[[dict[str, Any]], object]
 
 
 def of_stroke(index: int, **change: object) -> Damage:
     return lambda painting: painting["strokes"][index].update(change)
+
+
+def of_picture(content: bytes | str) -> Damage:
+    text = content if isinstance(content, str) else base64.b64encode(content).decode()
+    return lambda painting: painting["canvas"].update(picture=text)
 
 
 def of_point(*point: float) -> Damage:
@@ -223,6 +322,24 @@ def of_point(*point: float) -> Damage:
         (lambda p: p["canvas"].update(width="wide"), "canvas.width: Input should be a valid number (got 'wide')"),
         (lambda p: p["canvas"].update(paper=[1, 1]), "canvas.paper[2]: Field required"),
         (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the canvas; it must"),
+        (
+            of_picture("no base64!"),
+            "canvas.picture: Value error, it is not base64; embed a PNG in base64 (got 'no base64",
+        ),
+        (of_picture("é"), "canvas.picture: Value error, it is not base64; embed a PNG in base64 (got 'é')"),
+        (of_picture(b""), "canvas.picture: Value error, the picture is not a PNG; save it as one (got '')"),
+        (of_picture(a_jpeg()), "canvas.picture: Value error, the picture is not a PNG; save it as one (got '/9j/"),
+        (of_picture(PNG[:50]), "canvas.picture: Value error, the picture is a damaged PNG: "),
+        (of_picture(PNG[:20]), "canvas.picture: Value error, the picture is "),
+        (of_picture(a_bomb(60_000, 60_000)), "canvas.picture: Value error, the picture has more than 4096 pixels on a"),
+        (
+            of_picture(a_bomb(4097, 1)),
+            "canvas.picture: Value error, the picture is 4097 x 1 pixels; it must be at most",
+        ),
+        (lambda p: p["canvas"].update(picture=7), "canvas.picture: Input should be a valid bytes (got 7)"),
+        (lambda p: p["made"].update(figures={"psnr": float("inf")}), "made.figures.psnr: Input should be a finite"),
+        (lambda p: p["made"].update(figures={"psnr": "high"}), "made.figures.psnr: Input should be a valid number"),
+        (lambda p: p["paints"][0].update(name=""), "paints[0].name: String should have at least 1 character (got '')"),
         (lambda p: p["made"].update(image_sha256="12"), "made.image_sha256: String should match pattern"),
         (lambda p: p["made"].update(seed=1.5), "made.seed: Input should be a valid integer"),
         (lambda p: p["made"].update(options={"a": [float("nan")]}), "made.options: Value error, Out of range float"),

@@ -18,7 +18,16 @@ from PIL import Image, ImageCms
 
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.picture import FITS, lay_out, picture_hash, read_picture
+from maulstick.picture import (
+    FITS,
+    canvas_photograph,
+    decode_png,
+    encode_png,
+    lay_out,
+    picture_hash,
+    read_picture,
+    spread,
+)
 
 EIGHT_BIT = 1 / 255  # one step of the usual picture
 JPEG = 0.04  # what its compression may change on smooth pictures
@@ -339,6 +348,18 @@ def test_contain_puts_the_whole_picture_in_the_middle_of_white_paper(
     assert (target == 0).all(axis=2).sum() == across * down
 
 
+def test_contain_leaves_around_the_picture_what_is_on_the_sheet() -> None:
+    under = np.random.default_rng(0).random((160, 200, 3), dtype=np.float32)
+    before = under.copy()
+    black = np.zeros((32, 16, 3), np.float32)
+    target, (x, _, wide, _) = lay_out(black, SHEET, "contain", under)
+    left, right = round(1000 * x), round(1000 * (x + wide))
+    assert np.array_equal(target[:, :left], under[:, :left])
+    assert np.array_equal(target[:, right:], under[:, right:])
+    assert (target[:, left:right] == 0).all()
+    assert np.array_equal(under, before), "what came in was changed"
+
+
 def test_cover_fills_the_sheet_and_cuts_both_sides_alike() -> None:
     wide = np.ones((32, 80, 3), np.float32)
     wide[:, 20:60] = 0  # what stays: 40 of 80 columns
@@ -402,3 +423,80 @@ def test_an_unknown_fit_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError) as caught:
         lay_out(np.zeros((2, 2, 3), np.float32), SHEET, "stretch")
     assert str(caught.value) == "there is no fit 'stretch'; there are: contain, cover"
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 7), (40, 20)])
+def test_a_picture_kept_in_a_file_is_known_to_a_step_of_its_8_bits(shape: tuple[int, int]) -> None:
+    picture = np.random.default_rng(0).random((*shape, 3), dtype=np.float32)
+    again = decode_png(encode_png(picture))
+    assert (again.shape, again.dtype) == (picture.shape, np.float32)
+    assert again == pytest.approx(picture, abs=0.5001 * EIGHT_BIT)
+    assert np.array_equal(decode_png(encode_png(again)), again)
+
+
+def test_a_kept_picture_is_read_with_the_care_of_any_other(tmp_path: Path) -> None:
+    pixels = np.array([[[255, 0, 0, 0], [255, 0, 0, 255]]], np.uint8)
+    exif = Image.Exif()
+    exif[274] = 6
+    Image.fromarray(pixels).save(tmp_path / "a.png", exif=exif)
+    assert decode_png((tmp_path / "a.png").read_bytes()).tolist() == [[[1, 1, 1]], [[1, 0, 0]]]
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        (b"", "the picture is not a PNG; save it as one"),
+        (b"BM" + bytes(60), "the picture is not a PNG; save it as one"),
+        (png(4096, 4096), "the picture is a damaged PNG: image file is truncated"),
+        (png(1, 4097), "the picture is 1 x 4097 pixels; it must be at most 4096 on a side"),
+        (png(10_000, 10_000), "the picture is 10000 x 10000 pixels; it must be at most 4096 on a side"),
+        (png(2**31 - 1, 2**31 - 1), "the picture has more than 4096 pixels on a side; scale it down first"),
+    ],
+)
+def test_what_cannot_be_kept_in_a_file_is_refused(content: bytes, text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        decode_png(content)
+    assert str(caught.value).startswith(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_damaged_png_is_decoded_or_refused_but_nothing_else() -> None:
+    chance = np.random.default_rng(2)
+    whole = np.frombuffer(encode_png(ramp().astype(np.float32) / 255), np.uint8)
+    refused = 0
+    for _ in range(100):
+        damaged = whole.copy()
+        damaged[chance.integers(0, len(whole), 3)] = chance.integers(0, 256, 3)
+        try:
+            assert max(decode_png(damaged.tobytes()).shape) <= 4096
+        except InputError:
+            refused += 1
+    assert refused > 0
+
+
+def test_a_picture_is_spread_over_a_canvas_of_any_shape() -> None:
+    picture = ramp(24, 36).astype(np.float32) / 255
+    over = spread(picture, SHEET)
+    assert over.shape == (160, 200, 3)
+    assert over == pytest.approx(ramp(160, 200) / 255, abs=0.03)
+    assert np.array_equal(spread(over, SHEET), over)
+
+
+@pytest.mark.parametrize("size", [(100, 80), (1000, 800), (50, 40), (101, 80)])
+def test_a_photograph_of_the_sheet_has_the_pixels_of_the_canvas(tmp_path: Path, size: tuple[int, int]) -> None:
+    Image.fromarray(ramp(size[1], size[0])).save(tmp_path / "sheet.png")
+    found = canvas_photograph(tmp_path / "sheet.png", SHEET)
+    assert (found.shape, found.dtype) == ((160, 200, 3), np.float32)
+    assert found == pytest.approx(ramp(160, 200) / 255, abs=0.03)
+
+
+@pytest.mark.parametrize(("size", "shape"), [((100, 100), "1.000"), ((103, 80), "1.288"), ((80, 100), "0.800")])
+def test_a_photograph_of_another_shape_is_refused_with_both(tmp_path: Path, size: tuple[int, int], shape: str) -> None:
+    path = tmp_path / "sheet.png"
+    Image.new("RGB", size).save(path)
+    with pytest.raises(InputError) as caught:
+        canvas_photograph(path, SHEET)
+    assert str(caught.value) == (
+        f"the photograph {path} is {shape} times as wide as high, and the sheet, 200 x 160 mm, 1.250 times; "
+        "cut the photograph at the sheet's edges"
+    )

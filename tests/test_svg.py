@@ -117,3 +117,13 @@ def test_vpype_reads_the_same_page_layers_and_lengths(tmp_path: Path, painting: 
         assert (line[0].real, line[0].imag) == pytest.approx(
             (x * PX_PER_METRE, y * PX_PER_METRE), abs=HALF_A_STEP * PX_PER_METRE
         )
+
+
+def test_a_layer_is_called_by_the_name_of_its_paint() -> None:
+    named = PAINTING.paints[1].model_copy(update={"name": "cadmium <red>"})
+    found = layers(PAINTING.model_copy(update={"paints": (PAINTING.paints[0], named, PAINTING.paints[2])}))
+    assert [layer.get(f"{INKSCAPE}label") for layer in found] == [
+        "1 cadmium <red> #ff0000 round <bent>",
+        "2 #000000 pen",
+        "3 #0080ff pen",
+    ]

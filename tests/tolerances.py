@@ -73,3 +73,6 @@ KEPT_WIDTH = 0.02  # the same where much more is sought, or fewer strokes were d
 KEPT_NUMBER = 0.05e-3  # metres: a lag
 INK_COLOUR = 0.03
 OPACITY = 0.06
+
+# Colours of paints, sRGB.
+MIXED = 1e-7  # of a mix that must be what it was made of: the two pieces of sRGB's curve miss each other by 3e-8

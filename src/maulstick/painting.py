@@ -3,6 +3,7 @@
 Numbers are rounded when a painting is made (lengths to a micrometre), so that its file says all there is to say.
 """
 
+import base64
 import json
 from itertools import pairwise
 from pathlib import Path
@@ -17,13 +18,16 @@ from pydantic import (
     ConfigDict,
     Field,
     JsonValue,
+    PlainSerializer,
     ValidationError,
     model_validator,
 )
 
+from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.files import atomic_write, file_to_read
 from maulstick.medium import Brush, Name, first_fault
+from maulstick.picture import decode_png, spread
 
 SCHEMA_VERSION: Final = 1
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
@@ -47,11 +51,32 @@ def _plain(options: dict[str, JsonValue]) -> dict[str, JsonValue]:
     return plain
 
 
+def _from_base64(content: Any) -> Any:
+    if not isinstance(content, str):
+        return content
+    try:
+        return base64.b64decode(content, validate=True)
+    except ValueError:
+        raise ValueError("it is not base64; embed a PNG in base64") from None
+
+
+def _to_base64(content: bytes) -> str:
+    return base64.b64encode(content).decode()
+
+
+def _decodable(content: bytes) -> bytes:
+    decode_png(content)
+    return content
+
+
 Metres = Annotated[float, AfterValidator(_rounded)]
 Length = Annotated[float, AfterValidator(_rounded), Field(gt=0)]
 Share = Annotated[float, Field(ge=0, le=1), AfterValidator(_rounded)]
 Point = tuple[Metres, Metres, Share]
 Colour = tuple[Share, Share, Share]
+Png = Annotated[
+    bytes, BeforeValidator(_from_base64), AfterValidator(_decodable), PlainSerializer(_to_base64, when_used="json")
+]
 Area = tuple[Metres, Metres, Length, Length]
 
 
@@ -60,15 +85,21 @@ class _Part(BaseModel):
 
 
 class Paint(_Part):
-    """A colour (sRGB) and the brush that applies it, by its name in the painting."""
+    """A colour (sRGB) and the brush that applies it, by its name in the painting; name: what its tube says."""
 
     colour: Colour
     brush: Name
+    name: Name | None = None
 
     @property
     def hex(self) -> str:
         """The colour as ``#rrggbb``."""
         return hex_colour(self.colour)
+
+    @property
+    def label(self) -> str:
+        """What a person knows it by: the colour as ``#rrggbb``, after its name where it has one."""
+        return self.hex if self.name is None else f"{self.name} {self.hex}"
 
 
 class StyleUse(_Part):
@@ -104,21 +135,36 @@ class Stroke(_Part):
 
 
 class Sheet(_Part):
-    """What is painted on: width and height in metres, and the colour of the paper (sRGB)."""
+    """What is painted on: width and height in metres, and the colour of the paper (sRGB).
+
+    picture: where something is on the sheet before the first stroke, its photograph, a PNG of 8-bit sRGB of at most
+    4096 pixels a side, which covers the sheet; base64 in the file.
+    """
 
     width: Length
     height: Length
     paper: Colour = (1.0, 1.0, 1.0)
+    picture: Png | None = None
+
+    def image(self, canvas: Canvas) -> NDArray[np.float32]:
+        """The sheet before the first stroke on the pixels of the canvas, (height_px, width_px, 3) in [0, 1]."""
+        if self.picture is not None:
+            return spread(decode_png(self.picture), canvas)
+        return np.full((canvas.height_px, canvas.width_px, 3), self.paper, dtype=np.float32)
 
 
 class Making(_Part):
-    """How a painting was made: Maulstick's version, the picture (name and SHA-256), the seed and the options."""
+    """How a painting was made: Maulstick's version, the picture (name and SHA-256), the seed and the options.
+
+    figures: how near the plan came to the picture, each by its name (psnr in dB, ssim ...).
+    """
 
     version: Name
     image: Annotated[str, BeforeValidator(_encodable)] | None = None
     image_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     seed: int = 0
     options: Annotated[dict[str, JsonValue], AfterValidator(_plain)] = Field(default_factory=dict)
+    figures: dict[Name, float] = Field(default_factory=dict)
 
 
 def _whole_sheet(fields: dict[str, Any]) -> Area:
@@ -167,6 +213,16 @@ class Painting(_Part):
         padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
         return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
 
+    def lengths(self) -> NDArray[np.float64]:
+        """(N,) metres that each stroke is drawn."""
+        steps = np.diff(self.trajectories()[..., :2], axis=1)
+        return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
+
+    def metres_of_paints(self) -> NDArray[np.float64]:
+        """(k,) metres that are drawn with each paint."""
+        paint_of = np.array([stroke.paint for stroke in self.strokes], dtype=np.int64)
+        return np.asarray(np.bincount(paint_of, self.lengths(), len(self.paints)), dtype=np.float64)
+
     def paint_changes(self) -> int:
         """How often the painter must take up another paint after the first."""
         return sum(before.paint != after.paint for before, after in pairwise(self.strokes))
@@ -183,7 +239,9 @@ def write_painting(painting: Painting, path: str | Path) -> None:
     Raises OutputError where that fails; what was at `path` is then still there.
     """
     fields = painting.model_dump(mode="json")
-    fields["strokes"] = [{k: v for k, v in stroke.items() if v is not None} for stroke in fields["strokes"]]
+    fields["canvas"] = _said(fields["canvas"])
+    for name in ("paints", "strokes"):
+        fields[name] = [_said(entry) for entry in fields[name]]
     body = ",\n".join(f"  {json.dumps(name)}: {_an_entry_a_line(value)}" for name, value in fields.items())
     atomic_write(path, f"{{\n{body}\n}}\n".encode())
 
@@ -205,6 +263,10 @@ def read_painting(path: str | Path) -> Painting:
     if "schema_version" not in painting.model_fields_set:
         raise InputError(f"{path} is not a painting: schema_version: it is missing; write {SCHEMA_VERSION}")
     return painting
+
+
+def _said(fields: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in fields.items() if value is not None}
 
 
 def _an_entry_a_line(value: Any) -> str:

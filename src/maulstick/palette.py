@@ -46,10 +46,13 @@ def lightness(colours: Floats) -> Floats:
 
 def parse_colour(text: str) -> tuple[float, float, float]:
     """SRGB in [0, 1] from the name of a colour, as in ``black``, or ``#rrggbb``."""
+    refusal = InputError(f"{text!r} is not a colour; write a name such as black, or #rrggbb")
     try:
         red, green, blue = ImageColor.getrgb(text)[:3]
     except ValueError:
-        raise InputError(f"{text!r} is not a colour; write a name such as black, or #rrggbb") from None
+        raise refusal from None
+    if max(red, green, blue) > 255:  # Pillow takes rgb(999, 0, 0) for a colour
+        raise refusal
     return red / 255, green / 255, blue / 255
 
 

@@ -1,4 +1,4 @@
-"""The picture to be painted: any photograph as sRGB, and its place on the canvas; never stretched."""
+"""The picture to be painted: any photograph as sRGB, and its place on the canvas."""
 
 import hashlib
 import io
@@ -17,7 +17,11 @@ from maulstick.errors import InputError
 from maulstick.files import file_to_read
 
 FITS = ("contain", "cover")
+LONGEST_KEPT_PX = 4096
+"""The longest side of a picture that is kept within another file."""
+
 _LARGEST = 100_000_000  # pixels
+_STRETCH = 0.02  # of a photograph's shape beside its sheet's
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
 _UPRIGHT = {
@@ -70,13 +74,70 @@ def picture_hash(path: str | Path) -> str:
         raise InputError(f"cannot read the picture {path}: {error.strerror}") from error
 
 
+def decode_png(content: bytes) -> NDArray[np.float32]:
+    """(H, W, 3) sRGB in [0, 1] of a PNG that is kept within another file.
+
+    Raises InputError where it is none, damaged, or longer than 4096 pixels on a side.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content), formats=("PNG",)) as image:
+                if max(image.size) > LONGEST_KEPT_PX:
+                    size = f"{image.width} x {image.height} pixels"
+                    raise InputError.of_range("the picture", size, f"at most {LONGEST_KEPT_PX} on a side")
+                return _decode(image, LONGEST_KEPT_PX)
+    except InputError:
+        raise
+    except Image.DecompressionBombError as error:
+        raise InputError(
+            f"the picture has more than {LONGEST_KEPT_PX} pixels on a side; scale it down first"
+        ) from error
+    except UnidentifiedImageError as error:
+        raise InputError("the picture is not a PNG; save it as one") from error
+    except Exception as error:  # decoders raise anything on damaged bytes
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"the picture is a damaged PNG: {reason}; embed it again") from error
+
+
+def encode_png(picture: NDArray[np.float32]) -> bytes:
+    """A picture (H, W, 3) in [0, 1] as a PNG of 8 bits a channel."""
+    file = io.BytesIO()
+    Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(file, format="PNG")
+    return file.getvalue()
+
+
+def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
+    """(canvas.height_px, canvas.width_px, 3) sRGB in [0, 1]: a photograph of the sheet as it is, cut at its edges.
+
+    Raises InputError where it cannot be read, or its shape is not the sheet's to 2 %.
+    """
+    picture = read_picture(path, longest_px=LONGEST_KEPT_PX)
+    height, width = picture.shape[:2]
+    stretch = (width / height) / (canvas.width / canvas.height)
+    if max(stretch, 1 / stretch) > 1 + _STRETCH:
+        raise InputError(
+            f"the photograph {path} is {width / height:.3f} times as wide as high, and the sheet, "
+            f"{1e3 * canvas.width:g} x {1e3 * canvas.height:g} mm, {canvas.width / canvas.height:.3f} times; "
+            "cut the photograph at the sheet's edges"
+        )
+    return spread(picture, canvas)
+
+
+def spread(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
+    """The whole picture (H, W, 3) over the whole canvas, (canvas.height_px, canvas.width_px, 3), whatever its shape."""
+    height, width = picture.shape[:2]
+    return _scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
+
+
 def lay_out(
-    picture: NDArray[np.float32], canvas: Canvas, fit: str
+    picture: NDArray[np.float32], canvas: Canvas, fit: str, under: NDArray[np.float32] | None = None
 ) -> tuple[NDArray[np.float32], tuple[float, float, float, float]]:
     """The picture (H, W, 3) on the canvas, (canvas.height_px, canvas.width_px, 3), and its area (x, y, width, height).
 
     The area is in metres and whole pixels, but for where the sheet ends within one. `fit` is ``contain`` (all of the
-    picture, in the middle of white paper) or ``cover`` (all of the sheet; what hangs over is cut off on both sides).
+    picture, in the middle of the sheet) or ``cover`` (all of the sheet; what hangs over is cut off on both sides).
+    under: the sheet as it is, of the canvas' pixels, which is seen around the picture; white when left out.
     """
     if fit not in FITS:
         raise InputError.of_choice("fit", fit, FITS)
@@ -90,7 +151,7 @@ def lay_out(
     columns = max(1, round(width * min(across, down)))
     rows = max(1, round(height * min(across, down)))
     left_px, top_px = (canvas.width_px - columns) // 2, (canvas.height_px - rows) // 2
-    target = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32)
+    target = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32) if under is None else under.copy()
     whole = _scaled(picture, (columns, rows), (0, 0, width, height))
     target[top_px : top_px + rows, left_px : left_px + columns] = whole
     x, y = left_px / canvas.pixels_per_metre, top_px / canvas.pixels_per_metre

@@ -37,7 +37,7 @@ def painting_svg(painting: Painting) -> str:
             {
                 "id": f"layer-{number}",
                 "inkscape:groupmode": "layer",
-                "inkscape:label": f"{number} {paint.hex} {paint.brush}",
+                "inkscape:label": f"{number} {paint.label} {paint.brush}",
             },
         )
         for stroke in run:

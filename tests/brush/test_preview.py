@@ -3,10 +3,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from maulstick.brush.preview import preview
+from maulstick.brush.preview import coverage, preview
 from maulstick.canvas import Canvas
 from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Point, Sheet, Stroke
+from maulstick.picture import encode_png
 from tests.nominal import nominal
 
 CANVAS = Canvas(0.08, 0.06, 1000)
@@ -103,3 +104,28 @@ def test_a_painting_looks_alike_at_every_resolution(pixels_per_metre: float) -> 
     assert image.shape == (0.06 * pixels_per_metre, 0.08 * pixels_per_metre, 3)
     reference = preview(painting, Canvas(0.08, 0.06, 4000))
     assert image.mean(axis=(0, 1)) == pytest.approx(reference.mean(axis=(0, 1)), rel=0.01)
+
+
+def test_strokes_go_over_what_is_on_the_sheet() -> None:
+    used = np.random.default_rng(0).integers(0, 256, (60, 80, 3)).astype(np.float32) / 255
+    painting = a_painting([(0, across(0.0155))])
+    sheet = Sheet(width=0.08, height=0.06, picture=encode_png(used))
+    image = preview(painting.model_copy(update={"canvas": sheet}), CANVAS)
+    assert np.array_equal(image[30:], used[30:])
+    assert image[15, 40] == pytest.approx([1, 0, 0], abs=FLOAT32)
+
+
+def test_coverage_is_of_the_sheet_whatever_the_colour_of_the_paint() -> None:
+    white = (RED.model_copy(update={"colour": (1.0, 1.0, 1.0)}), BLUE)
+    strokes = [(0, across(0.0155)), (1, across(0.0455))]
+    covered = coverage(a_painting(strokes), CANVAS)
+    assert (covered.shape, covered.dtype) == ((60, 80), np.float32)
+    assert np.array_equal(covered, coverage(a_painting(strokes, paints=white), CANVAS))
+    black = preview(a_painting(strokes, paints=(RED.model_copy(update={"colour": (0.0, 1.0, 1.0)}), BLUE)), CANVAS)
+    assert covered == pytest.approx(1 - black[..., 0], abs=FLOAT32)
+    assert coverage(a_painting([]), CANVAS).max() == 0
+
+
+def test_paint_over_paint_covers_no_more() -> None:
+    once, twice = (coverage(a_painting([(1, across(0.03))] * count), CANVAS).sum() for count in (1, 2))
+    assert once < twice < 1.3 * once, "only its soft edge grows"

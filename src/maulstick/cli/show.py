@@ -41,11 +41,15 @@ def check_picture(path: Path, px: int, overwrite: bool) -> None:
     check_absent(path, "--out", overwrite)
 
 
+def kind_in(file: Path) -> str | None:
+    """Which of the things that Maulstick writes seems to be in the file, if any."""
+    kind = kind_of(file)
+    return _kind_of_json(file) if kind is None and file.suffix.lower() == ".json" else kind
+
+
 def _kind(file: Path) -> str:
     """Which of the things that have a picture is in the file."""
-    kind = kind_of(file)
-    if kind is None and file.suffix.lower() == ".json":
-        kind = _kind_of_json(file)
+    kind = kind_in(file)
     if kind not in _PICTURES:
         raise InputError(
             f"{file} is none of what can be shown: {', '.join(sorted(_PICTURES))}; "

@@ -1,0 +1,186 @@
+"""``maulstick compare``: plans side by side, as a picture and in figures."""
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from pydantic import JsonValue
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.canvas import Canvas
+from maulstick.cli.show import check_picture, kind_in
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
+from maulstick.painting import Painting, read_painting
+from maulstick.picture import lay_out, read_picture
+
+if TYPE_CHECKING:
+    from maulstick.figures import Figures
+
+_MOST = 6
+_READ_PX = 4096
+_MEASURED_PX, _WIDEST_PX = 512, 4096  # height of the sheet, and its width at most
+_NOTHING = "-"
+_SEVERAL = 3  # names that are told, at most
+
+
+def compare(
+    paintings: Annotated[list[Path], typer.Argument(metavar="PAINTING", help="Two to six painting.json.")],
+    photo: Annotated[
+        Path | None, typer.Option(metavar="PICTURE", help="What they are paintings of, to measure the likeness to.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The picture, a PNG.")] = Path("comparison.png"),
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
+    ] = False,
+) -> None:
+    """Compare paintings: a picture of them side by side at one scale, and their figures."""
+    check_picture(out, px, overwrite)
+    plans = _read(paintings)
+    picture = None if photo is None else read_picture(photo, longest_px=_READ_PX)
+
+    from maulstick.brush.preview import preview  # these load torch
+    from maulstick.plates.compare import Panel, compare_plate
+
+    named = dict(zip(_names(paintings), plans, strict=True))
+    likeness = {name: None if picture is None else _likeness(plan, picture) for name, plan in named.items()}
+    panels = [
+        Panel(name, _note(plan, likeness[name]), (plan.canvas.width, plan.canvas.height), partial(preview, plan))
+        for name, plan in named.items()
+    ]
+    if picture is not None and photo is not None:
+        panels.insert(0, Panel("photograph", photo.name, plans[0].area[2:], partial(_over, picture)))
+    title = f"{len(plans)} paintings" + ("" if photo is None else f" of {photo.name}")
+    told = "each as its own brushes leave it, all at one scale"
+    note = "" if picture is None else "likeness to the photograph is measured over the picture's area"
+    atomic_write(out, compare_plate(panels, title, told, note, px))
+    table = Table()
+    table.add_column("")
+    for name in named:
+        table.add_column(Text(name), justify="right", overflow="fold")
+    for row, values in _rows(list(named.values()), list(likeness.values())).items():
+        if any(value != _NOTHING for value in values):
+            table.add_row(row, *map(Text, values))
+    Console().print(table)
+    print(out, flush=True)
+
+
+def _read(paths: Sequence[Path]) -> list[Painting]:
+    """Raise InputError where they are too few, too many, one of them twice, or not all paintings."""
+    if not 2 <= len(paths) <= _MOST:
+        raise InputError.of_range("the number of paintings to compare", len(paths), f"from 2 to {_MOST}")
+    seen: set[str] = set()
+    for path in paths:
+        if (place := os.path.realpath(path)) in seen:
+            raise InputError(f"{path} is named twice; name each painting once")
+        seen.add(place)
+        kind = kind_in(path)
+        if kind not in (None, "painting"):
+            remedy = "use maulstick style compare" if kind == "style" else "name a painting.json"
+            raise InputError(f"{path} holds {kind}, and paintings are compared; {remedy}")
+    return [read_painting(path) for path in paths]
+
+
+def _names(paths: Sequence[Path]) -> list[str]:
+    """What each is called: by its folder where that is all that tells it apart."""
+    for names in ([path.stem for path in paths], [path.absolute().parent.name for path in paths]):
+        if all(names) and len(set(names)) == len(names):
+            return names
+    return [str(path) for path in paths]
+
+
+def _over(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
+    return lay_out(picture, canvas, "cover")[0]
+
+
+def _measured_on(plan: Painting) -> Canvas:
+    width, height = plan.canvas.width, plan.canvas.height
+    return Canvas(width, height, min(_MEASURED_PX / height, _WIDEST_PX / width))
+
+
+def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Figures":
+    """How near the painting comes to the picture over the picture's area."""
+    from maulstick.brush.preview import preview
+    from maulstick.figures import compare as figures
+
+    canvas = _measured_on(plan)
+    left, top, right, bottom = (
+        round(metres * canvas.pixels_per_metre)
+        for metres in (*plan.area[:2], plan.area[0] + plan.area[2], plan.area[1] + plan.area[3])
+    )
+    painted = preview(plan, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
+    height, width = painted.shape[:2]
+    area = Canvas(width / canvas.pixels_per_metre, height / canvas.pixels_per_metre, canvas.pixels_per_metre)
+    return figures(painted, _over(picture, area))
+
+
+def _note(plan: Painting, likeness: "Figures | None") -> str:
+    counts = f"{len(plan.strokes)} strokes, {len(plan.paints)} paint{'s' if len(plan.paints) != 1 else ''}"
+    return counts if likeness is None else f"{counts}, {_figures(likeness)}"
+
+
+def _figures(likeness: "Figures | None") -> str:
+    if likeness is None:
+        return _NOTHING
+    return f"{likeness.psnr:.1f} dB" + ("" if isnan(likeness.ssim) else f", {likeness.ssim:.2f} SSIM")
+
+
+def _rows(plans: Sequence[Painting], likeness: Sequence["Figures | None"]) -> dict[str, list[str]]:
+    """A value for each plan in each row."""
+    from maulstick.brush.preview import coverage
+
+    lengths = [plan.lengths() for plan in plans]
+    styles = [Counter(stroke.style.name for stroke in plan.strokes if stroke.style is not None) for plan in plans]
+    planned = dict.fromkeys(name for plan in plans for name in plan.made.figures)
+    return {
+        "sheet": [f"{1e3 * plan.canvas.width:g} x {1e3 * plan.canvas.height:g} mm" for plan in plans],
+        "strokes": [f"{len(plan.strokes)}" for plan in plans],
+        "drawn": [f"{each.sum():.2f} m" for each in lengths],
+        "mean stroke": [f"{1e3 * each.mean():.1f} mm" if len(each) else _NOTHING for each in lengths],
+        "paints": [f"{len(plan.paints)}" for plan in plans],
+        "paint changes": [f"{plan.paint_changes()}" for plan in plans],
+        "sheet covered": [f"{coverage(plan, _measured_on(plan)).mean():.0%}" for plan in plans],
+        "style": [_first_names([name for name, _ in each.most_common()]) for each in styles],
+        "brush": [_first_names(list(plan.brushes)) for plan in plans],
+        "picture": [plan.made.image or _NOTHING for plan in plans],
+        "steps": [_option(plan, "steps") for plan in plans],
+        "seed": [f"{plan.made.seed}" for plan in plans],
+        "objectives": [_option(plan, "objectives") for plan in plans],
+        **{
+            f"{name} when planned": [
+                f"{plan.made.figures[name]:.3g}" if name in plan.made.figures else _NOTHING for plan in plans
+            ]
+            for name in planned
+        },
+        "likeness to the photo": [_figures(each) for each in likeness],
+    }
+
+
+def _first_names(names: Sequence[str]) -> str:
+    more = f" and {len(names) - _SEVERAL} more" if len(names) > _SEVERAL else ""
+    return ", ".join(names[:_SEVERAL]) + more or _NOTHING
+
+
+def _option(plan: Painting, name: str) -> str:
+    return _plain(plan.made.options.get(name))
+
+
+def _plain(value: JsonValue) -> str:
+    """An option as a person would write it."""
+    if value is None:
+        return _NOTHING
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_plain(each)}" for name, each in value.items()) or _NOTHING
+    if isinstance(value, list):
+        return ", ".join(_plain(each) for each in value) or _NOTHING
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,64 @@
+"""``maulstick mix``: how to mix the paints of a painting from tubes."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.painting import Paint, hex_colour, read_painting
+
+if TYPE_CHECKING:
+    from maulstick.mixing import Recipe
+
+
+def mix(
+    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json whose paints are wanted.")],
+    source: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            show_default="a dozen usual acrylics",
+            help="The paints that are at hand: CSV lines name,#rrggbb.",
+        ),
+    ] = None,
+) -> None:
+    """Advise how to mix a painting's paints from tubes.
+
+    Colours come from a model of paint and are a start: mix, compare, correct. A paint that has a name is taken for what
+    is in its tube, unless `--from` names others. At 5 (CIEDE2000) and above a colour is out of these paints' reach.
+    """
+    plan = read_painting(painting)
+    from maulstick.mixing import mixing_advice  # these take a moment
+    from maulstick.paints import USUAL_PAINTS, read_paints
+
+    base = USUAL_PAINTS if source is None else read_paints(source)
+    recipes = mixing_advice(np.array([paint.colour for paint in plan.paints]).reshape(-1, 3), base)
+    table = Table(title=Text(f"{painting}, from {'usual acrylics' if source is None else source}"))
+    for column in ("paint", "metres", "recipe", "gives"):
+        table.add_column(column, justify="right" if column == "metres" else "left", overflow="fold")
+    for number, (paint, metres) in enumerate(zip(plan.paints, plan.metres_of_paints(), strict=True), start=1):
+        in_its_tube = source is None and paint.name is not None
+        advice = None if in_its_tube else recipes[number - 1]
+        table.add_row(_wanted(number, paint), f"{metres:.2f}", _recipe(advice), _given(advice))
+    Console().print(table)
+
+
+def _wanted(number: int, paint: Paint) -> Text:
+    return Text.assemble(f"{number} ", ("   ", f"on {paint.hex}"), f" {paint.label}")
+
+
+def _recipe(advice: "Recipe | None") -> Text:
+    return Text("as it is in its tube" if advice is None else str(advice))
+
+
+def _given(advice: "Recipe | None") -> Text:
+    """What comes of the recipe, and how near that is."""
+    if advice is None:
+        return Text("")
+    colour = hex_colour(advice.colour)
+    return Text.assemble(("   ", f"on {colour}"), f" {colour}, {advice.verdict} ({advice.error:.1f})")
