@@ -1,112 +1,184 @@
-"""How well and how fast photographs are planned: one JSON object a line.
+"""How well and how fast pictures are planned: one JSON object a line.
 
-    python benchmarks/plan.py [--large]
+    python benchmarks/plan.py [--large | --scaling | --objective network [IMAGE ...] [--plot FILE.png]]
 
-name: `plan` is Maulstick's way. `paper` is the published one at the same budget of steps: strokes begin anywhere, one
-    scale, no order and no respending, colours free until the last tenth; its paints are changed at nearly every stroke.
-image: a photograph in the scikit-image package, laid out 160 mm high.  px: its height in pixels while planned.
+name: `plan` is Maulstick's way with tones alone, `likeness` with what a network sees beside them. `paper` is the
+    published one at the same budget of steps: strokes begin anywhere, one scale, no order and no respending, colours
+    free until the last tenth; its paints are changed at nearly every stroke.
+image: a photograph in the scikit-image package, laid out 160 mm high; `horse` is a black shape on white paper.
+px: its height in pixels while planned.
 seconds: of planning alone, in a process that has planned a little before.  peak_mib: resident, of the whole process.
 mse, psnr, ssim, tone_mse_sigma4: of the painting as its file orders it, against the photograph.
---large: 4,000 strokes of the astronaut at 768 pixels, and nothing else.
+stray: strokes more than half of whose path lies where the picture is bare paper.
+--large: 4,000 strokes of the astronaut at 768 pixels, and 10,000 at 1536.
+--scaling: what a step costs.  covered_mpx: how many pixels the marks cover, each mark by itself, in millions.
+    step_ms: of the whole step, the middle one of several.  ns_a_pixel: that for each pixel covered and of the canvas.
+--objective network: how few calls of a network do; see `few_calls.py`.
 """
 
 import argparse
 import json
 import multiprocessing
 import resource
+import sys
 import time
-from dataclasses import asdict, replace
+from collections.abc import Callable
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import numpy as np
 import torch
-from skimage import data
+from matplotlib.figure import Figure
+from photographs import BRUSH, IMAGES, laid_out
 
-from maulstick.medium import Brush, load_brush
+from maulstick.brush.traj2stroke import Traj2Stroke
 from maulstick.painting import Painting
 from maulstick.plan.commission import PlanOptions, Weighted
+from maulstick.plan.layout import Layout
 from maulstick.plan.objectives import Tone
 from maulstick.plan.parameters import StrokeParameters
-from maulstick.plan.photograph import Layout, as_painting, commission_of, figures_of, lay_out_for, making
-from maulstick.plan.planner import Schedule, plan
-from maulstick.style import Style, load_style
+from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
+from maulstick.plan.planner import Progress, Schedule, plan
+from maulstick.plan.terms import Wishes
+from maulstick.style import load_style
 
-IMAGES = ("astronaut", "camera", "chelsea", "coffee", "rocket", "hubble_deep_field")
-HEIGHT = 0.16
-BRUSH = Path(__file__).with_name("round.json")
+sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scripts there are not installed
+from few_calls import few_calls, few_calls_time
+from frida import anywhere
+
 PUBLISHED = Schedule(sorts=(), respends=(), snap=0.9, grouped=False)
+TONES = Wishes(weights={"likeness": 0.0})
+SEEN = 2 / 255
+SIZES = ((400, 256), (400, 512), (400, 1024), (1600, 512), (1600, 1024), (6400, 1024), (10_000, 1536))
+Row = dict[str, object]
 
 
-def load(image: str) -> np.ndarray:
-    picture = getattr(data, image)()
-    if picture.ndim == 2:
-        picture = np.repeat(picture[..., None], 3, axis=2)
-    return (picture / 255).astype(np.float32)
-
-
-def anywhere(layout: Layout, style: Style, options: PlanOptions) -> StrokeParameters:
-    """Strokes of the style at random: places, directions, press and colours."""
-    chance = torch.Generator().manual_seed(options.seed)
-    codes, _ = style.sample(options.strokes, chance)
-    size = torch.tensor([layout.canvas.width, layout.canvas.height])
-    return StrokeParameters(
-        codes=codes,
-        centres=torch.rand(options.strokes, 2, generator=chance) * size,
-        angles=torch.rand(options.strokes, generator=chance) * 2 * torch.pi,
-        press_knots=torch.rand(options.strokes, 4, generator=chance),
-        colours=torch.rand(options.strokes, 3, generator=chance),
-    )
-
-
-def paint(name: str, layout: Layout, brush: Brush, options: PlanOptions) -> Painting:
+def paint(name: str, layout: Layout, options: PlanOptions) -> Painting:
+    """As the rows are called."""
     style = load_style("free", layout.canvas)
-    commission = commission_of(layout, brush, style, options)
-    if name == "plan":
-        planned = plan(commission, options)
-    else:
+    commission = commission_of(layout, BRUSH, style, options, Wishes() if name == "likeness" else TONES)
+    if name == "paper":
+        assert commission.target is not None
         even = torch.ones_like(commission.weights)
         tone = Weighted(Tone(commission.target, even, levels=1), 1.0)
         commission = replace(commission, weights=even, objectives=(tone,))
-        planned = plan(commission, options, schedule=PUBLISHED, start=anywhere(layout, style, options))
-    return as_painting(planned, layout, brush, style, making(options))
+        start = anywhere(commission, options.strokes, torch.Generator().manual_seed(options.seed))
+        planned = plan(commission, options, schedule=PUBLISHED, start=start)
+    else:
+        planned = plan(commission, options)
+    return as_painting(planned, layout, BRUSH, style, making(options))
 
 
-def measure(name: str, image: str, options: PlanOptions, px: int, queue: multiprocessing.Queue) -> None:
-    picture, brush = load(image), load_brush(str(BRUSH))
-    size = (HEIGHT * picture.shape[1] / picture.shape[0], HEIGHT)
-    layout = lay_out_for(picture, size, brush, "contain", px)
-    paint(name, layout, brush, PlanOptions(strokes=20, paints=4, steps=20))
+def stray(painting: Painting, layout: Layout) -> int:
+    """How many strokes are mostly where the picture is bare paper."""
+    assert layout.target is not None
+    bare = np.abs(layout.target - layout.under).max(axis=2) < SEEN
+    points = (painting.trajectories()[..., :2] * layout.canvas.pixels_per_metre).astype(int)
+    rows, columns = (points[..., i].clip(0, bare.shape[1 - i] - 1) for i in (1, 0))
+    return int((bare[rows, columns].mean(axis=1) > 0.5).sum())
+
+
+def measure(name: str, image: str, options: PlanOptions, px: int) -> Row:
+    """A row of likeness, speed and memory."""
+    layout = laid_out(image, px)
+    paint(name, layout, PlanOptions(strokes=20, paints=4, steps=20))
     started = time.perf_counter()
-    painting = paint(name, layout, brush, options)
+    painting = paint(name, layout, options)
     seconds = time.perf_counter() - started
-    peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    row = {
+    figures = figures_of(painting, layout)
+    assert figures is not None
+    return {
         "name": name,
         "image": image,
         "strokes": len(painting.strokes),
+        "stray": stray(painting, layout),
         "paints": len(painting.paints),
         "paint_changes": painting.paint_changes(),
         "px": layout.canvas.height_px,
         "seconds": round(seconds, 1),
-        "peak_mib": round(peak_mib),
+        "peak_mib": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
+        **{key: round(value, 6) for key, value in asdict(figures).items()},
     }
-    queue.put(row | {key: round(value, 6) for key, value in asdict(figures_of(painting, layout)).items()})
+
+
+def scaling(strokes: int, px: int) -> Row:
+    """A row of what a step costs: the middle one of those from the 6th to the 16th."""
+    layout, options = laid_out("astronaut", px), PlanOptions(strokes=strokes, steps=1500)
+    style = load_style("free", layout.canvas)
+    commission = commission_of(layout, BRUSH, style, options, TONES)
+    times: list[float] = []
+
+    def watch(progress: Progress) -> bool:
+        times.append(time.perf_counter())
+        if len(times) > 16:
+            raise StopIteration(progress)
+        return True
+
+    try:
+        plan(commission, options, watch, schedule=Schedule(sorts=(0.0,), respends=()))
+    except StopIteration as stopped:
+        state = stopped.value.state()
+    step = float(np.median(np.diff(times[5:])))
+    tensors = {each.name: torch.from_numpy(state[each.name]) for each in fields(StrokeParameters)}
+    trajectories = StrokeParameters(**tensors).trajectories(style)
+    marks = Traj2Stroke.of([BRUSH] * strokes).marks(trajectories, layout.canvas.pixels_per_metre)
+    lengths = marks.points.diff(dim=1).norm(dim=-1).sum(dim=1)
+    covered = float((lengths * 2 * marks.thickness.mean(dim=1)).sum())
+    return {
+        "name": "scaling",
+        "strokes": strokes,
+        "px": px,
+        "covered_mpx": round(covered / 1e6, 2),
+        "step_ms": round(1e3 * step, 1),
+        "ns_a_pixel": round(1e9 * step / (covered + layout.canvas.width_px * layout.canvas.height_px), 1),
+    }
+
+
+def in_its_own_process(measured: Callable[..., Row], *arguments: object) -> None:
+    """Print the row, measured in a fresh process, so that its memory is its own."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        print(json.dumps(pool.apply(measured, arguments)), flush=True)
+
+
+def network_rows(images: list[str], plot: Path | None) -> None:
+    """Print rows about calls of a network, and draw the loss after so many calls, a panel an image."""
+    curves = {}
+    for image in images:
+        row, curves[image] = few_calls(image)
+        print(json.dumps(row), flush=True)
+    in_its_own_process(few_calls_time, images[0])
+    if plot is not None:
+        figure = Figure(figsize=(5 * len(images), 4), layout="constrained")
+        for image, axes in zip(images, np.ravel(figure.subplots(1, len(images))), strict=True):
+            for name, curve in curves[image].items():
+                calls, losses = zip(*curve, strict=True)
+                axes.semilogy(np.maximum(calls, 1), losses, label=name)
+            axes.set(title=image, xlabel="calls of the network", ylabel="its loss, through views never used for steps")
+            axes.set_xscale("log")
+            axes.legend()
+        figure.savefig(plot, dpi=150)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--large", action="store_true", help="plan 4,000 strokes at 768 pixels instead")
-    if parser.parse_args().large:
-        jobs = [("plan", "astronaut", PlanOptions(strokes=4000), 768)]
+    parser.add_argument("images", nargs="*", default=IMAGES)
+    parser.add_argument("--large", action="store_true")
+    parser.add_argument("--scaling", action="store_true")
+    parser.add_argument("--plot", type=Path, help="with --objective network: draw the curves, too")
+    parser.add_argument("--objective", choices=["tone", "network"], default="tone")
+    asked = parser.parse_args()
+    if asked.large:
+        for strokes, px, steps in ((4000, 768, 1500), (10_000, 1536, 300)):
+            in_its_own_process(measure, "plan", "astronaut", PlanOptions(strokes=strokes, steps=steps), px)
+    elif asked.scaling:
+        for strokes, px in SIZES:
+            in_its_own_process(scaling, strokes, px)
+    elif asked.objective == "network":
+        network_rows(asked.images, asked.plot)
     else:
-        jobs = [(name, image, PlanOptions(), 256) for image in IMAGES for name in ("plan", "paper")]
-    context = multiprocessing.get_context("spawn")  # each in a fresh process, so that its memory is its own
-    for job in jobs:
-        queue = context.Queue()
-        process = context.Process(target=measure, args=(*job, queue))
-        process.start()
-        print(json.dumps(queue.get()), flush=True)
-        process.join()
+        for image in asked.images:
+            for name in ("plan", "likeness", "paper"):
+                in_its_own_process(measure, name, image, PlanOptions(), 256)
 
 
 if __name__ == "__main__":

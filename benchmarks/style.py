@@ -21,19 +21,18 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from photographs import BRUSH, laid_out
 from published import published_vae
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
-from maulstick.medium import load_brush
-from maulstick.picture import read_picture
 from maulstick.plan.commission import PlanOptions
-from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph
+from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
+from maulstick.plan.planner import plan
+from maulstick.plan.terms import Wishes
 from maulstick.strokes import Strokes
 from maulstick.style import shape
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
@@ -49,7 +48,7 @@ FEW, DRAWN, SEEDS = 20, 300, 5
 SHEET, SHEETS, SPLITS = 20, 100, 10
 HELD = (1.0, 1.5, 4.0, float("inf"))
 ENOUGH = 40
-BRUSH = Path(__file__).with_name("round.json")
+TONES = Wishes(weights={"likeness": 0.0})
 
 
 def paths_of(strokes: Strokes) -> Floats:
@@ -251,12 +250,13 @@ def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list
     style = Exemplar.fit("half", Hand.of(half), load_hands())
     if held is not None:
         style = replace(style, held=held)
-    picture, brush = read_picture(str(files("skimage.data").joinpath("astronaut.png"))), load_brush(str(BRUSH))
-    layout = lay_out_for(picture, (0.16, 0.16), brush)
-    options = PlanOptions(seed=seed)
-    painting = plan_photograph(layout, brush, style, options, making(options))
+    layout, options = laid_out("astronaut", 256), PlanOptions(seed=seed)
+    planned = plan(commission_of(layout, BRUSH, style, options, TONES), options)
+    painting = as_painting(planned, layout, BRUSH, style, making(options))
     if likeness is not None:
-        likeness.append(figures_of(painting, layout).psnr)
+        figures = figures_of(painting, layout)
+        assert figures is not None
+        likeness.append(figures.psnr)
     return painting.trajectories()[..., :2]
 
 

@@ -45,9 +45,7 @@ def kind_of(path: str | Path) -> str | None:
         return None
 
 
-def read_arrays(
-    path: str | Path, kind: str, names: tuple[str, ...] | None = None
-) -> dict[str, NDArray[np.generic]]:
+def read_arrays(path: str | Path, kind: str, names: tuple[str, ...] | None = None) -> dict[str, NDArray[np.generic]]:
     """The arrays with these names, or all, of numbers or text, in the file of this kind at `path`.
 
     Raises InputError where there is no such file, or it is of another kind, broken or of a later version.

@@ -5,6 +5,8 @@ from contextlib import contextmanager
 
 import torch
 
+_USUAL = torch.get_num_threads()
+
 
 @contextmanager
 def one_torch_thread() -> Iterator[None]:
@@ -12,8 +14,21 @@ def one_torch_thread() -> Iterator[None]:
 
     The kernels have threads of their own.
     """
+    with _threads(1):
+        yield
+
+
+@contextmanager
+def usual_torch_threads() -> Iterator[None]:
+    """As many as torch began with: for networks, whose tensors are large."""
+    with _threads(_USUAL):
+        yield
+
+
+@contextmanager
+def _threads(count: int) -> Iterator[None]:
     before = torch.get_num_threads()
-    torch.set_num_threads(1)
+    torch.set_num_threads(count)
     try:
         yield
     finally:

@@ -2,8 +2,11 @@
 
 import io
 import os
+import re
+import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +19,7 @@ from maulstick.cli import main
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 PORTRAIT = str(Path(data_dir) / "astronaut.png")
-QUICK = ("--steps", "30", "--strokes", "20", "--px", "48")
+QUICK = ("--steps", "30", "--strokes", "20", "--px", "48", "--weigh", "likeness=0")
 RESULTS = ["painting.json", "painting.svg", "palette.png", "preview.png"]
 
 
@@ -63,6 +66,48 @@ def run_command(*words: str | Path, stdout: int = subprocess.PIPE, **environment
     environment = {**os.environ, "OMP_NUM_THREADS": "1", **environment}
     ran = subprocess.run([COMMAND, *words], stdout=stdout, stderr=subprocess.PIPE, text=True, env=environment)
     return Ran(ran.returncode, ran.stdout or "", ran.stderr)
+
+
+class Running:
+    """``maulstick`` in a terminal, by these words or as that `command`."""
+
+    def __init__(self, *words: str | Path, command: Sequence[str | Path] = (COMMAND,)) -> None:
+        self._terminal, theirs = os.openpty()
+        self._process = subprocess.Popen(
+            [*command, *words],
+            stdout=subprocess.DEVNULL,
+            stderr=theirs,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "COLUMNS": "100"},
+            start_new_session=True,
+        )
+        os.close(theirs)
+        self.said = ""
+
+    def interrupt_after(self, text: str) -> None:
+        """Press Ctrl-C once it has said so; a terminal tells all its processes."""
+        while not re.search(text, self.said):
+            assert self.listen(), self.said
+        os.killpg(self._process.pid, signal.SIGINT)
+
+    def kill(self) -> None:
+        """As a power cut would."""
+        self._process.kill()
+
+    def leave(self) -> int:
+        """The exit code, at the end."""
+        while self.listen():
+            pass
+        os.close(self._terminal)
+        return self._process.wait()
+
+    def listen(self) -> bool:
+        """Whether anything more is said."""
+        try:
+            heard = os.read(self._terminal, 4096)
+        except OSError:  # the other end is closed
+            return False
+        self.said += heard.decode(errors="replace")
+        return bool(heard)
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,6 @@
 import os
+import subprocess
+import sys
 from importlib.metadata import version
 from pathlib import Path
 
@@ -28,7 +30,7 @@ def test_help_says_what_each_exit_code_means() -> None:
 def test_the_command_that_is_installed_leaves_with_one_line_and_a_code() -> None:
     ran = run_command("paint", "none.jpg")
     assert ran.code == 2
-    assert ran.mistake == "there is no picture none.jpg; check its name and folder"
+    assert ran.mistake == f"there is no picture {Path('none.jpg').absolute()}; check its name and folder"
 
 
 def test_a_mistake_is_found_before_torch_is_loaded(tmp_path: Path) -> None:
@@ -57,3 +59,9 @@ def test_a_standard_output_that_is_full_is_one_line() -> None:
         os.close(full)
     assert ran.code == 1
     assert ran.mistake == "cannot write to the standard output: No space left on device"
+
+
+def test_what_takes_long_to_load_is_not_loaded_for_help() -> None:
+    script = "import sys, maulstick.cli.app; print(*{'torch', 'sklearn', 'open_clip'} & set(sys.modules))"
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == []

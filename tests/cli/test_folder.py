@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli import folder
+from maulstick.cli.paint import run as paint_run
 from maulstick.painting import read_painting
-from maulstick.plan import photograph
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run_command
 
 
@@ -67,7 +67,7 @@ def small_disk() -> Iterator[None]:
 def test_a_disk_without_room_is_found_before_planning_and_no_folder_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(photograph, "plan_photograph", None)  # to call it would be a traceback
+    monkeypatch.setattr(paint_run, "plan_with", None)  # to call it would be a traceback
     out = tmp_path / "new" / "folder"
     ran = paint(out)
     assert ran.code == 1
@@ -126,6 +126,6 @@ def test_a_plan_that_fails_takes_its_empty_folder_along_unless_it_was_there(
 
     if there:
         (tmp_path / "out").mkdir()
-    monkeypatch.setattr(photograph, "plan_photograph", fail)
+    monkeypatch.setattr(paint_run, "plan_with", fail)
     assert paint(tmp_path / "out").code == 130
     assert os.listdir(tmp_path) == (["out"] if there else [])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from maulstick.medium import built_in_brushes
+from maulstick.medium import built_in_brushes, load_brush, write_brush
 from maulstick.painting import Painting, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run
 
@@ -67,6 +67,16 @@ def test_how_a_painting_was_made_is_written_into_it(painted: tuple[Path, Ran]) -
         "size": "200x160mm",
         "brush": "round",
     }
+
+
+def test_files_are_known_in_a_painting_by_their_names_and_not_by_where_they_were(tmp_path: Path) -> None:
+    brush = load_brush("round").model_copy(update={"name": "mine"})
+    write_brush(brush, tmp_path / "old" / "brush.json")
+    (tmp_path / "old" / "paints.csv").write_text("ink,#000000")
+    words = ("--brush", tmp_path / "old" / "brush.json", "--paints-from", tmp_path / "old" / "paints.csv")
+    options = planned(tmp_path / "out", *words).made.options
+    assert (options["brush"], options["style"], options["paints_from"]) == ("mine", "free", "paints.csv")
+    assert str(tmp_path) not in (tmp_path / "out" / "painting.json").read_text()
 
 
 def test_the_same_seed_repeats_a_painting_and_another_does_not(painted: tuple[Path, Ran], tmp_path: Path) -> None:
@@ -155,10 +165,10 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        ([], "name one picture to paint, or --demo for the portrait that comes along"),
+        ([], "name one picture to paint, --demo for the portrait that comes along, or a --text"),
         (["--demo", PORTRAIT], "name one picture to paint, or --demo for the portrait that comes along"),
-        (["none.jpg"], "there is no picture none.jpg; check its name and folder"),
-        ([os.curdir], ". is a folder; name the picture itself"),
+        (["none.jpg"], f"there is no picture {Path('none.jpg').absolute()}; check its name and folder"),
+        ([os.curdir], f"{Path.cwd()} is a folder; name the picture itself"),
         (["/dev/null"], "/dev/null is a device or a pipe; a picture must be a file"),
         ([__file__], f"{__file__} is not a picture that can be read; save it as one of JPEG, PNG, TIFF, WEBP, GIF"),
         (["--demo", "--size", "large"], "'large' is not a size; write width x height and a unit, as in 200x160mm"),
@@ -168,11 +178,14 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
         ([PORTRAIT, "--size", "90x1mm"], "a side of the canvas is 1 mm; it must be between 5 mm and 100 m"),
         (["--demo", "--fit", "stretch"], "there is no fit 'stretch'; there are: contain, cover"),
         (["--demo", "--brush", "broom"], "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round"),
-        (["--demo", "--brush", "none.json"], "there is no brush none.json"),
+        (["--demo", "--brush", "none.json"], f"there is no brush {Path('none.json').absolute()}"),
         (["--demo", "--style", "rococo"], "there is no style 'rococo'; there are: FILE.json, "),
         (["--demo", "--ink", "octarine"], "'octarine' is not a colour; write a name such as black, or #rrggbb"),
-        (["--demo", "--ink", "red", "--paints", "2"], "--ink paints in one colour and --paints in several; leave one"),
-        (["--demo", "--film", "avi"], "there is no film format 'avi'; there are: gif, mp4"),
+        (
+            ["--demo", "--ink", "red", "--paints", "2"],
+            "--paints and --ink are two ways to say what to paint with; leave one",
+        ),
+        (["--demo", "--frames", "avi"], "there is no film format 'avi'; there are: gif, mp4"),
         (["--demo", "--strokes", "0"], "--strokes is 0; it must be from 1 to 100000"),
         (["--demo", "--strokes", "-3"], "--strokes is -3; it must be from 1 to 100000"),
         (["--demo", "--strokes", "1000000"], "--strokes is 1000000; it must be from 1 to 100000"),

@@ -1,8 +1,5 @@
 import io
 import os
-import re
-import signal
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,69 +7,35 @@ import pytest
 import torch
 from PIL import Image, ImageSequence
 
+from maulstick.cli.paint import prepare
 from maulstick.cli.watch import Camera
 from maulstick.film import Film
 from maulstick.painting import read_painting
-from maulstick.plan import photograph
 from maulstick.plan.planner import Progress
-from tests.cli.conftest import COMMAND, PORTRAIT, RESULTS, paint
-
-
-class Running:
-    """``maulstick paint`` in a terminal."""
-
-    def __init__(self, *words: str | Path) -> None:
-        self._terminal, theirs = os.openpty()
-        self._process = subprocess.Popen(
-            [COMMAND, "paint", PORTRAIT, *words],
-            stdout=subprocess.DEVNULL,
-            stderr=theirs,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "COLUMNS": "100"},
-        )
-        os.close(theirs)
-        self.said = ""
-
-    def interrupt_after(self, text: str) -> None:
-        """Press Ctrl-C once it has said so."""
-        while not re.search(text, self.said):
-            assert self._listen(), self.said
-        self._process.send_signal(signal.SIGINT)
-
-    def leave(self) -> int:
-        """The exit code, at the end."""
-        while self._listen():
-            pass
-        os.close(self._terminal)
-        return self._process.wait()
-
-    def _listen(self) -> bool:
-        try:
-            heard = os.read(self._terminal, 4096)
-        except OSError:  # the other end is closed
-            return False
-        self.said += heard.decode(errors="replace")
-        return bool(heard)
+from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint
 
 
 def test_ctrl_c_finishes_the_plan_so_far(tmp_path: Path) -> None:
-    running = Running("--steps", "100000", "--strokes", "20", "--px", "48", "--out", tmp_path / "out")
+    running = Running("paint", PORTRAIT, *QUICK, "--steps", "100000", "--out", tmp_path / "out")
     running.interrupt_after(r"loss 0\.\d")
     assert running.leave() == 130
     assert "stopping: finishing the plan so far (Ctrl-C again leaves without it)" in running.said
     assert "Traceback" not in running.said
-    assert sorted(os.listdir(tmp_path / "out")) == RESULTS
+    assert f"maulstick paint --resume {tmp_path / 'out'} goes on from where it was stopped" in running.said
+    assert sorted(os.listdir(tmp_path / "out")) == sorted([*RESULTS, "plan-0.npz"])
     painting = read_painting(tmp_path / "out" / "painting.json")
     assert painting.strokes
     assert painting.paint_changes() <= len(painting.paints) - 1
 
 
-def test_a_second_ctrl_c_leaves_at_once_and_nothing_behind(tmp_path: Path) -> None:
-    running = Running("--steps", "100000", "--strokes", "2000", "--px", "200", "--out", tmp_path / "new" / "out")
+def test_a_second_ctrl_c_leaves_at_once_and_behind_at_most_what_to_go_on_from(tmp_path: Path) -> None:
+    words = ("--steps", "100000", "--strokes", "2000", "--px", "200", "--out", tmp_path / "new" / "out")
+    running = Running("paint", PORTRAIT, *QUICK, *words)
     running.interrupt_after(r"loss 0\.\d")
     running.interrupt_after("stopping")
     assert running.leave() == 130
     assert "Traceback" not in running.said
-    assert os.listdir(tmp_path) == []
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] in ([], ["plan-0.npz"])
 
 
 def test_ctrl_c_before_the_planning_is_no_traceback_and_leaves_no_folder(
@@ -81,13 +44,13 @@ def test_ctrl_c_before_the_planning_is_no_traceback_and_leaves_no_folder(
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(photograph, "lay_out_for", interrupt)
+    monkeypatch.setattr(prepare, "lay_out_for", interrupt)
     assert paint(tmp_path / "out") == (130, "", "")
     assert os.listdir(tmp_path) == []
 
 
 def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
-    ran = paint(tmp_path, "--film", "gif")
+    ran = paint(tmp_path, "--frames", "gif")
     assert ran.code == 0
     assert "progress.gif" in ran.stdout
     with Image.open(tmp_path / "progress.gif") as film:
@@ -103,7 +66,7 @@ def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
 
 def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
-    assert paint(tmp_path, "--film", "mp4").code == 0
+    assert paint(tmp_path, "--frames", "mp4").code == 0
     with av.open(tmp_path / "progress.mp4") as film:
         frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
     assert len(frames) == 30 + 1 + 40
@@ -112,7 +75,7 @@ def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
 
 def test_an_mp4_without_the_package_that_makes_it_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("maulstick.film.find_spec", lambda name: None)
-    ran = paint(tmp_path / "out", "--film", "mp4")
+    ran = paint(tmp_path / "out", "--frames", "mp4")
     assert ran.code == 2
     assert ran.mistake == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
 
@@ -121,7 +84,7 @@ def filmed(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
     """The film of a canvas that grows lighter with each of so many steps."""
     camera = Camera(Film("gif"), steps)
     for step in range(steps):
-        camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps)))
+        camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps), dict))
     return Image.open(io.BytesIO(camera.film.encode()))
 
 

@@ -1,4 +1,5 @@
 import hashlib
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,30 +9,45 @@ import torch
 from maulstick import strokes
 from maulstick.brush.preview import preview
 from maulstick.canvas import Canvas
-from maulstick.errors import InputError
-from maulstick.medium import Brush, load_brush
-from maulstick.painting import Making, Painting, read_painting, write_painting
+from maulstick.figures import Figures
+from maulstick.medium import Brush
+from maulstick.painting import Making, Painting, Sheet, hex_colour, read_painting, write_painting
 from maulstick.palette import lightness
 from maulstick.plan.commission import PlanOptions
+from maulstick.plan.layout import Layout, lay_out_for
 from maulstick.plan.photograph import Image as Picture
-from maulstick.plan.photograph import Layout, figures_of, lay_out_for, making, plan_photograph
+from maulstick.plan.photograph import as_painting, commission_of, figures_of, making, with_figures
+from maulstick.plan.planner import plan
+from maulstick.plan.terms import Wishes
 from maulstick.style import load_style
 from tests.nominal import nominal
 from tests.plan.conftest import QUICK, options
 from tests.tolerances import FILE_METRES
 
+NO_NETWORK = Wishes(weights={"likeness": 0.0})
 LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
 
 
 def painted(layout: Layout, brush: Brush, wanted: PlanOptions = QUICK) -> Painting:
     style = load_style("free", layout.canvas)
-    return plan_photograph(layout, brush, style, wanted, making(wanted, "a.jpg"))
+    commission = commission_of(layout, brush, style, wanted, NO_NETWORK)
+    return as_painting(plan(commission, wanted), layout, brush, style, making(wanted, "a.jpg"))
+
+
+def likeness(painting: Painting, layout: Layout) -> Figures:
+    figures = figures_of(painting, layout)
+    assert figures is not None
+    return figures
+
+
+def bare(painting: Painting) -> Painting:
+    return painting.model_copy(update={"strokes": ()})
 
 
 @pytest.fixture(scope="module")
 def layout(portrait: Picture, round_brush: Brush) -> Layout:
     """The portrait on a square sheet, so that there is bare paper above and below."""
-    return lay_out_for(portrait, (0.103, 0.103), round_brush, height_px=48)
+    return lay_out_for(portrait, Sheet(width=0.103, height=0.103), round_brush, height_px=48)
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +63,10 @@ def file(painting: Painting, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_photograph_becomes_a_painting_like_it(painting: Painting, layout: Layout) -> None:
-    figures = figures_of(painting, layout)
+    figures, blank = likeness(painting, layout), likeness(bare(painting), layout)
     assert figures.psnr > 15
-    blank = painting.model_copy(update={"strokes": ()})
-    assert figures.mse < 0.2 * figures_of(blank, layout).mse
-    assert figures.ssim > 0.3 + figures_of(blank, layout).ssim
+    assert figures.mse < 0.2 * blank.mse
+    assert figures.ssim > 0.3 + blank.ssim
 
 
 def test_figures_are_taken_over_the_picture_and_not_the_paper_around_it(painting: Painting, layout: Layout) -> None:
@@ -60,7 +75,7 @@ def test_figures_are_taken_over_the_picture_and_not_the_paper_around_it(painting
     assert crop.shape == (48, 60, 3)
     assert crop.shape[0] < image.shape[0]
     expected = np.mean((crop.astype(np.float64) - layout.crop(layout.target)) ** 2)
-    assert figures_of(painting, layout).mse == pytest.approx(expected, rel=1e-9)
+    assert likeness(painting, layout).mse == pytest.approx(expected, rel=1e-9)
 
 
 def test_figures_of_the_file_are_those_of_the_painting_in_memory(
@@ -97,7 +112,7 @@ def test_code_and_pose_in_the_file_decode_to_the_trajectory(file: Path) -> None:
 def test_the_style_of_a_file_is_known_again_from_its_canvas(
     size: tuple[float, float], portrait: Picture, round_brush: Brush
 ) -> None:
-    layout = lay_out_for(portrait, size, round_brush, height_px=32)
+    layout = lay_out_for(portrait, Sheet(width=size[0], height=size[1]), round_brush, height_px=32)
     found = painted(layout, round_brush, options(strokes=6, steps=1, exact=True))
     style = load_style("free", Canvas(found.canvas.width, found.canvas.height, 1))
     for stroke in found.strokes:
@@ -127,7 +142,7 @@ def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: La
 
 def test_making_holds_every_option_and_more() -> None:
     digest = hashlib.sha256(b"a picture").hexdigest()
-    made = making(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, size="20x16cm")
+    made = making(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, {"size": "20x16cm"})
     assert isinstance(made, Making)
     assert made.image_sha256 == digest
     assert made.options == {
@@ -136,7 +151,7 @@ def test_making_holds_every_option_and_more() -> None:
         "paints": 4,
         "palette": [[0.5, 0.0, 0.25]],
         "steps": 80,
-        "calls": 150,
+        "ask_every": 10,
         "seed": 0,
         "size": "20x16cm",
     }
@@ -155,10 +170,10 @@ def test_twelve_paints_mean_eleven_changes_at_most_and_each_stands_together(layo
 
 def test_one_ink_makes_the_tones_of_a_photograph(portrait: Picture) -> None:
     pen = nominal("marker")
-    drawn = lay_out_for(portrait, (0.1, 0.08), pen, height_px=64)
+    drawn = lay_out_for(portrait, Sheet(width=0.1, height=0.08), pen, height_px=64)
     found = painted(drawn, pen, options(strokes=60, paints=None, steps=100))
-    assert figures_of(found, drawn).tone_mse_sigma4 < 0.006
-    assert figures_of(found.model_copy(update={"strokes": ()}), drawn).tone_mse_sigma4 > 0.1
+    assert likeness(found, drawn).tone_mse_sigma4 < 0.006
+    assert likeness(bare(found), drawn).tone_mse_sigma4 > 0.1
 
 
 def test_one_ink_is_one_paint(layout: Layout) -> None:
@@ -178,13 +193,14 @@ def test_a_pen_that_can_only_lift_is_commanded_without_press(layout: Layout) -> 
 def test_a_white_picture_makes_a_painting_that_can_be_written(
     paints: int | None, round_brush: Brush, tmp_path: Path
 ) -> None:
-    white = lay_out_for(np.ones((9, 12, 3), dtype=np.float32), (0.08, 0.06), round_brush, height_px=32)
+    picture = np.ones((9, 12, 3), dtype=np.float32)
+    white = lay_out_for(picture, Sheet(width=0.08, height=0.06), round_brush, height_px=32)
     found = painted(white, round_brush, options(paints=paints, steps=20))
     assert len(found.strokes) <= 3
     write_painting(found, tmp_path / "white.json")
     assert read_painting(tmp_path / "white.json") == found
     assert preview(found, white.canvas).min() > 0.98
-    assert figures_of(found, white).mse < 1e-4
+    assert likeness(found, white).mse < 1e-4
 
 
 @pytest.mark.parametrize("paints", [2, None])
@@ -192,53 +208,56 @@ def test_a_white_picture_makes_a_painting_that_can_be_written(
 def test_a_picture_of_a_few_pixels_is_painted(paints: int | None, shape: tuple[int, int]) -> None:
     pen = nominal("marker")
     picture = np.full((*shape, 3), 0.2, dtype=np.float32)
-    small = lay_out_for(picture, (0.08, 0.06), pen, height_px=2 if shape == (1, 40) else 32)
+    small = lay_out_for(picture, Sheet(width=0.08, height=0.06), pen, height_px=2 if shape == (1, 40) else 32)
     found = painted(small, pen, options(strokes=12, paints=paints, steps=100))
     assert len(found.strokes) > 0
-    assert figures_of(found, small).mse < 0.8 * figures_of(found.model_copy(update={"strokes": ()}), small).mse
+    assert likeness(found, small).mse < 0.8 * likeness(bare(found), small).mse
 
 
 @pytest.mark.parametrize("size", [(0.3, 0.005), (0.005, 0.3)])
 def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: Picture) -> None:
     pen = nominal("marker")
-    ribbon = lay_out_for(portrait, size, pen, fit="cover", height_px=6 if size[0] > size[1] else 240)
+    sheet = Sheet(width=size[0], height=size[1])
+    ribbon = lay_out_for(portrait, sheet, pen, fit="cover", height_px=6 if size[0] > size[1] else 240)
     found = painted(ribbon, pen, options(strokes=12, steps=20))
     assert len(found.strokes) > 0
-    assert figures_of(found, ribbon).mse < figures_of(found.model_copy(update={"strokes": ()}), ribbon).mse
+    assert likeness(found, ribbon).mse < likeness(bare(found), ribbon).mse
     xy = found.trajectories()[..., :2]
     assert xy.min() >= -FILE_METRES
     assert (xy - size).max() <= FILE_METRES
 
 
-def test_the_planning_resolution_shows_the_thinnest_mark_with_a_pixel_at_least(portrait: Picture) -> None:
-    for name, size in (("round", (0.2, 0.16)), ("marker", (0.2, 0.16)), ("fineliner", (0.2, 0.16))):
-        brush = load_brush(name)
-        found = lay_out_for(portrait, size, brush).canvas
-        assert brush.thinnest * found.pixels_per_metre >= 1 - 1e-9
-        assert found.height_px >= 256
-        assert found.width_px <= 2048
+def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:
+    wanted = options(paints=None, palette=((0.9, 0.8, 0.7), (0.2, 0.2, 0.4)), steps=20)
+    style = load_style("free", layout.canvas)
+    planned = plan(commission_of(layout, round_brush, style, wanted, NO_NETWORK), wanted)
+    names = {hex_colour((0.2, 0.2, 0.4)): "dusk"}
+    found = as_painting(planned, layout, round_brush, style, making(wanted), names)
+    assert {paint.colour: paint.name for paint in found.paints} == {(0.9, 0.8, 0.7): None, (0.2, 0.2, 0.4): "dusk"}
 
 
-def test_a_resolution_is_bounded_on_a_large_sheet_whatever_the_pen(portrait: Picture) -> None:
-    found = lay_out_for(portrait, (1.0, 0.8), nominal("fineliner")).canvas
-    assert (found.width_px, found.height_px) == (2048, round(2048 * 0.8))
-
-
-@pytest.mark.parametrize(("fit", "shown"), [("contain", (64, 80)), ("cover", (64, 128))])
-def test_a_resolution_on_request_is_of_the_picture_s_height_on_the_sheet(
-    portrait: Picture, round_brush: Brush, fit: str, shown: tuple[int, int]
+def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
+    painting: Painting, layout: Layout, round_brush: Brush
 ) -> None:
-    found = lay_out_for(portrait, (0.2, 0.1), round_brush, fit, height_px=64)
-    assert found.crop(found.target).shape == (*shown, 3)
-    assert found.target.shape == (found.canvas.height_px, found.canvas.width_px, 3)
+    wishes = Wishes(weights={"likeness": 0.0, "edges": 2.0})
+    commission = commission_of(layout, round_brush, load_style("free", layout.canvas), QUICK, wishes)
+    figures = with_figures(painting, layout, commission).made.figures
+    reached = likeness(painting, layout)
+    assert {name: figures[name] for name in asdict(reached)} == asdict(reached)
+    assert set(figures) - set(asdict(reached)) == {"tone", "edges", "loss"}
+    assert figures["loss"] == figures["tone"] + figures["edges"]
+    blank = with_figures(bare(painting), layout, commission).made.figures
+    assert all(0 < figures[name] < blank[name] for name in ("tone", "edges"))
 
 
-def test_what_cannot_be_laid_out_is_refused(portrait: Picture, round_brush: Brush) -> None:
-    with pytest.raises(InputError, match="there is no fit 'stretch'; there are: contain, cover"):
-        lay_out_for(portrait, (0.2, 0.1), round_brush, "stretch", height_px=32)
-    with pytest.raises(InputError, match="the height of the picture is 0 pixels; it must be at least 1"):
-        lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=0)
-    with pytest.raises(InputError, match="so that no side of the sheet has more than 6144"):
-        lay_out_for(portrait, (0.2, 0.1), round_brush, height_px=5000)
-    with pytest.raises(InputError, match="the sheet in pixels is 2048 x 1; it must be at least 2 x 2"):
-        lay_out_for(portrait, (10.0, 0.005), round_brush)
+def test_a_term_counts_in_the_file_as_it_was_weighed(painting: Painting, layout: Layout, round_brush: Brush) -> None:
+    style = load_style("free", layout.canvas)
+    tone, twice = (
+        with_figures(painting, layout, commission_of(layout, round_brush, style, QUICK, Wishes(weights=weights)))
+        for weights in ({"likeness": 0.0}, {"likeness": 0.0, "tone": 2.0})
+    )
+    assert twice.made.figures["loss"] == pytest.approx(2 * tone.made.figures["loss"])
+
+
+def test_a_painting_without_a_picture_has_no_likeness(painting: Painting, layout: Layout) -> None:
+    assert figures_of(painting, replace(layout, target=None)) is None

@@ -68,7 +68,7 @@ def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
 def test_what_judges_said_last_is_remembered(asked: Commission, steps: int, tmp_path: Path) -> None:
     assert asked.target is not None
     judged = replace(asked, judges=(Weighted(Shifted(asked.target), 0.5),))
-    wanted = options(steps=40, calls=7)
+    wanted = options(steps=40, ask_every=6)
     whole = plan(judged, wanted)
     assert same(resumed(judged, wanted, steps, tmp_path / "plan.npz"), whole)
     assert not same(plan(asked, wanted), whole)

@@ -7,7 +7,7 @@ from torch import Generator, Tensor
 
 from maulstick.brush.kernels.cpu import composite
 from maulstick.brush.traj2stroke import Marks
-from maulstick.plan.worth import View, coverage, removal_costs
+from maulstick.plan.worth import View, coverage, recolouring_costs, removal_costs
 
 PROBES = 8  # of one estimate
 ESTIMATES = 60
@@ -199,3 +199,33 @@ def test_a_pooled_view_sees_means_over_squares(shape: tuple[int, int], pool: int
     y, x = torch.meshgrid(torch.arange(shape[0]), torch.arange(shape[1]), indexing="ij")
     checks = ((y + x) % 2).float() - 0.5
     assert error(view, target + checks) < 0.1 * error(view_of(target), target + checks)
+
+
+@pytest.mark.parametrize("pool", [1, 5])
+def test_the_mean_cost_of_another_paint_is_what_painting_with_it_costs(pool: int) -> None:
+    paper, marks, colours, target = scene(0)
+    view, paints = view_of(target, pool=pool, seed=7), torch.tensor([[0.1], [0.6], [0.95]])
+    paints = paints.expand(3, colours.shape[1])
+    before = view.difference(rendered(paper, marks, colours))
+    honest, changes = torch.zeros(len(colours), 3), torch.zeros(len(colours), 3)
+    for i in range(len(colours)):
+        for k in range(3):
+            others = colours.clone()
+            others[i] = paints[k]
+            after = view.difference(rendered(paper, marks, others))
+            honest[i, k] = after.square().sum() - before.square().sum()
+            changes[i, k] = (after - before).square().sum()
+    found = torch.stack(
+        [recolouring_costs(view, paper, marks, colours, paints, seeded(i)) for i in range(ESTIMATES)]
+    ).mean(dim=0)
+    tolerance = SIGMAS * math.sqrt(2 / (ESTIMATES * PROBES)) * changes + 1e-3
+    assert ((found - honest).abs() <= tolerance).all()
+    assert (honest < -tolerance).any()
+    assert (honest > tolerance).any()
+
+
+def test_a_stroke_that_keeps_its_paint_costs_nothing() -> None:
+    paper, marks, colours, target = scene(1)
+    costs = recolouring_costs(view_of(target), paper, marks, colours, colours[:2], seeded(0))
+    assert costs[0, 0] == 0
+    assert costs[1, 1] == 0

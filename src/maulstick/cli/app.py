@@ -6,6 +6,8 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.brush import brush
+from maulstick.cli.compare import compare
+from maulstick.cli.mix import mix
 from maulstick.cli.paint import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
@@ -18,6 +20,8 @@ app = typer.Typer(
 app.command()(paint)
 app.command()(render)
 app.command()(show)
+app.command()(compare)
+app.command()(mix)
 app.add_typer(record, name="record")
 app.add_typer(style, name="style")
 app.add_typer(brush, name="brush")

@@ -18,8 +18,8 @@ _FRAMES = 160
 
 
 @contextmanager
-def progress_bar(console: Console, strokes: int) -> Iterator[Callable[["Step"], None]]:
-    """A bar that shows the step it is called with."""
+def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float], None]]:
+    """A bar that shows how far planning is, in [0, 1], and the loss, which it is called with."""
     columns = (
         TextColumn(f"{strokes} strokes"),
         BarColumn(),
@@ -29,7 +29,7 @@ def progress_bar(console: Console, strokes: int) -> Iterator[Callable[["Step"], 
     )
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("planning", total=1.0, loss="…")
-        yield lambda step: bar.update(task, completed=step.done, loss=f"{step.loss:.5f}")
+        yield lambda done, loss: bar.update(task, completed=done, loss=f"{loss:.5f}")
         bar.update(task, completed=1.0)
 
 
@@ -61,5 +61,5 @@ class Camera:
     def watch(self, step: "Step") -> None:
         """Take a frame of this step, if it is its turn."""
         if self._seen % self._every == 0:
-            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).numpy())
+            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy())
         self._seen += 1

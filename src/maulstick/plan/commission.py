@@ -1,14 +1,16 @@
 """What is asked of the planner."""
 
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
+import torch
 from torch import Tensor
 
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.medium import Brush
 from maulstick.plan.objectives import Judge, Objective
+from maulstick.strokes import POINTS
 from maulstick.style import Style
 
 Colour = tuple[float, float, float]
@@ -21,7 +23,8 @@ class PlanOptions:
 
     strokes: at most so many; exactly so many with `exact`.
     paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1], of which one colour is an ink.
-    steps: of the optimiser.  calls: how often judges are asked.  seed: repeats a plan to the bit.
+    steps: of the optimiser.  ask_every: so many steps lie between two calls of the judges.  seed: repeats a plan to
+    the bit.
     """
 
     strokes: int = 400
@@ -29,7 +32,7 @@ class PlanOptions:
     paints: int | None = 12
     palette: tuple[Colour, ...] = ((0.0, 0.0, 0.0),)
     steps: int = 1500
-    calls: int = 150
+    ask_every: int = 10
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -39,8 +42,8 @@ class PlanOptions:
             raise InputError.of_range("the number of paints", self.paints, f"1 to the {self.strokes} strokes")
         if self.steps < 1:
             raise InputError.of_range("the number of steps", self.steps, "at least 1")
-        if not self.calls >= 1:
-            raise InputError.of_range("the number of calls", self.calls, "at least 1")
+        if self.ask_every < 1:
+            raise InputError.of_range("the number of steps between two calls", self.ask_every, "at least 1")
         if not self.palette:
             raise InputError("the palette is empty; give it at least one colour")
         for colour in self.palette:
@@ -64,6 +67,20 @@ class Weighted(Generic[Term]):
 
 
 @dataclass(frozen=True)
+class Neighbours:
+    """Strokes of other plans, painted among those of this one where their colours put them; they stay as they are.
+
+    trajectories: (M, 32, 3) commanded, as the canvas has them.  colours: (M, 3).
+    """
+
+    trajectories: Tensor
+    colours: Tensor
+
+
+NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
+
+
+@dataclass(frozen=True)
 class Commission:
     """What is to be painted, and with what.
 
@@ -71,6 +88,7 @@ class Commission:
     is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the
     device that is to render.
     objectives, judges: what the canvas should look like.
+    neighbours: what others paint on the same canvas.
     """
 
     target: Tensor | None
@@ -81,3 +99,4 @@ class Commission:
     style: Style
     objectives: tuple[Weighted[Objective], ...]
     judges: tuple[Weighted[Judge], ...] = ()
+    neighbours: Neighbours = NO_NEIGHBOURS

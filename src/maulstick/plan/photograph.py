@@ -1,101 +1,63 @@
-"""From a photograph to a painting: lay the picture out on a sheet, plan it, write down the result."""
+"""From a picture or a text to a painting: plan it, and write down the result."""
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from importlib.metadata import version
+from math import isfinite
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from maulstick.brush.preview import preview
-from maulstick.canvas import Canvas
-from maulstick.errors import InputError
 from maulstick.figures import Figures, compare
 from maulstick.medium import Brush
-from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse
-from maulstick.picture import lay_out
+from maulstick.painting import Making, Paint, Painting, Stroke, StyleUse, hex_colour
 from maulstick.plan.attention import attention
-from maulstick.plan.commission import Commission, PlanOptions, Weighted
-from maulstick.plan.objectives import Tone
-from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.commission import Commission, PlanOptions
+from maulstick.plan.features.efficientnet import EfficientNetLite0
+from maulstick.plan.features.network import Network
+from maulstick.plan.layout import Layout
+from maulstick.plan.planner import Plan
+from maulstick.plan.terms import Sight, Wishes, terms_of
 from maulstick.style import Style
+from maulstick.threads import one_torch_thread
 
 Image = NDArray[np.float32]
 
-_HEIGHT_PX = 256
-_LONGEST_PX, _MOST_PX = 2048, 6144
-_PAPER = (1.0, 1.0, 1.0)
+_NO_WISHES = Wishes()
+_LOOKS = 8  # views through which judges look at what became of a plan
 
 
-@dataclass(frozen=True)
-class Layout:
-    """A picture on a sheet: target (H, W, 3) of the canvas' pixels, and the picture's area (x, y, width, height), m."""
-
-    canvas: Canvas
-    target: Image
-    area: tuple[float, float, float, float]
-
-    def crop(self, image: Image) -> Image:
-        """The part of an image of the canvas, (H, W, 3), that the picture covers."""
-        left, top, width, height = (round(x * self.canvas.pixels_per_metre) for x in self.area)
-        return image[top : top + max(height, 1), left : left + max(width, 1)]
-
-
-def lay_out_for(
-    picture: Image, size: tuple[float, float], brush: Brush, fit: str = "contain", height_px: int | None = None
-) -> Layout:
-    """Lay a picture (h, w, 3) out on a sheet of `size` (width, height), metres, at the resolution to plan it in.
-
-    height_px: of the picture on the canvas; when left out, at least 256 and as many as show the brush's thinnest mark
-    with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
-    Raises InputError for a sheet that is too narrow or too large in pixels.
-    """
-    size = (round(size[0], 6), round(size[1], 6))  # as its file will say, so that the style is known again from there
-    down = size[1] / picture.shape[0]
-    across = size[0] / picture.shape[1]
-    picture_height = picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across))
-    if height_px is None:
-        resolution = max(_HEIGHT_PX / min(picture_height, size[1]), 1 / (brush.thinnest or brush.widest / 4))
-        resolution = min(resolution, _LONGEST_PX / max(size))
-    elif height_px < 1:
-        raise InputError.of_range("the height of the picture", f"{height_px} pixels", "at least 1")
-    else:
-        resolution = height_px / min(picture_height, size[1])
-        if resolution * max(size) > _MOST_PX:
-            allowed = f"less, so that no side of the sheet has more than {_MOST_PX}"
-            raise InputError.of_range("the height of the picture", f"{height_px} pixels", allowed)
-    canvas = Canvas(size[0], size[1], resolution)
-    if min(canvas.width_px, canvas.height_px) < 2:
-        pixels = f"{canvas.width_px} x {canvas.height_px}"
-        raise InputError.of_range("the sheet in pixels", pixels, "at least 2 x 2; choose a less narrow size")
-    return Layout(canvas, *lay_out(picture, canvas, fit))
-
-
-def plan_photograph(
+def commission_of(
     layout: Layout,
     brush: Brush,
     style: Style,
     options: PlanOptions,
-    made: Making,
-    watch: Callable[[Progress], bool] = lambda progress: True,
-) -> Painting:
-    """Plan the painting of a picture that is laid out."""
-    planned = plan(commission_of(layout, brush, style, options), options, watch)
-    return as_painting(planned, layout, brush, style, made)
+    wishes: Wishes = _NO_WISHES,
+    network: Callable[[], Network] = EfficientNetLite0,
+) -> Commission:
+    """What a sheet that is laid out asks of the planner, with those wishes; `network` is called where it is needed.
+
+    Rendered on a GPU where there is one.
+    """
+    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    importance = np.ones(layout.under.shape[:2], dtype=np.float32)
+    if layout.target is not None:
+        layout.crop(importance)[:] = attention(layout.crop(layout.target))
+    paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
+    target = None if layout.target is None else _channels_first(layout.target).to(device)
+    sight = Sight(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
+    return Commission(target, paper, weights, layout.canvas, brush, style, *terms_of(wishes, sight, network))
 
 
-def commission_of(layout: Layout, brush: Brush, style: Style, options: PlanOptions) -> Commission:
-    """What a picture that is laid out asks of the planner: its tones, on white paper."""
-    target = torch.from_numpy(np.ascontiguousarray(layout.target.transpose(2, 0, 1)))
-    paper = torch.tensor(_PAPER)[:, None, None].expand_as(target).contiguous()
-    weights = torch.ones_like(target[0])
-    layout.crop(weights.numpy())[:] = attention(layout.crop(layout.target))
-    tone = Weighted(Tone(target, weights, halftone=options.one_ink), 1.0)
-    return Commission(target, paper, weights, layout.canvas, brush, style, (tone,))
+def _channels_first(image: Image) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1)))
 
 
-def making(options: PlanOptions, image: str | None = None, sha256: str | None = None, **more: object) -> Making:
+def making(
+    options: PlanOptions, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
+) -> Making:
     """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""
     return Making.model_validate(
         {
@@ -103,18 +65,40 @@ def making(options: PlanOptions, image: str | None = None, sha256: str | None = 
             "image": image,
             "image_sha256": sha256,
             "seed": options.seed,
-            "options": {**asdict(options), "palette": [list(colour) for colour in options.palette], **more},
+            "options": {**more, **asdict(options), "palette": [list(colour) for colour in options.palette]},
         }
     )
 
 
-def figures_of(painting: Painting, layout: Layout) -> Figures:
-    """How near the painting, as its file orders it, comes to the picture over the picture's area."""
+def figures_of(painting: Painting, layout: Layout) -> Figures | None:
+    """How near the painting, as its file orders it, comes to the picture over the picture's area, if there is one."""
+    if layout.target is None:
+        return None
     return compare(layout.crop(preview(painting, layout.canvas)), layout.crop(layout.target))
 
 
-def as_painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making) -> Painting:
-    """A plan as a painting, whose file says all that planning it again needs."""
+@one_torch_thread()
+def with_figures(painting: Painting, layout: Layout, commission: Commission) -> Painting:
+    """The painting with what became of it in its file: likeness, the `loss`, and what each term of it comes to."""
+    canvas = _channels_first(preview(painting, layout.canvas)).to(commission.paper)
+    with torch.no_grad():
+        terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in commission.objectives}
+        for judge in commission.judges:
+            losses = judge.term.losses(canvas, range(min(_LOOKS, judge.term.views)))
+            terms[judge.term.name] = judge.weight * losses.mean().item()
+    likeness = figures_of(painting, layout)
+    found = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
+    made = painting.made.model_copy(update={"figures": {**found, **terms, "loss": sum(terms.values())}})
+    return painting.model_copy(update={"made": made})
+
+
+def as_painting(
+    planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making, names: Mapping[str, str] = {}
+) -> Painting:
+    """A plan as a painting, whose file says all that planning it again needs.
+
+    names: of paints, by their colours as ``#rrggbb``.
+    """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
     trajectories = planned.strokes.trajectories(style)
@@ -137,9 +121,10 @@ def as_painting(planned: Plan, layout: Layout, brush: Brush, style: Style, made:
             zip(paint_of.tolist(), trajectories.tolist(), timed, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
-    paints = [Paint(colour=tuple(colour), brush=brush.name) for colour in planned.paints[used].tolist()]
+    colours = [tuple(colour) for colour in planned.paints[used].tolist()]
+    paints = [Paint(colour=colour, brush=brush.name, name=names.get(hex_colour(colour))) for colour in colours]
     return Painting(
-        canvas=Sheet(width=layout.canvas.width, height=layout.canvas.height, paper=_PAPER),
+        canvas=layout.sheet,
         area=layout.area,
         made=made,
         brushes={brush.name: brush},

@@ -22,7 +22,7 @@ from maulstick.plan.judgement import Judgement
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.state import State, chance_state, restore_chance
 from maulstick.plan.work import Work, as_array
-from maulstick.plan.worth import View, coverage, removal_costs
+from maulstick.plan.worth import View, coverage, recolouring_costs, removal_costs
 from maulstick.threads import one_torch_thread
 
 _STYLE_WEIGHT = 1e-5
@@ -38,12 +38,18 @@ class Schedule:
 
     sorts: strokes are put in order from light to dark.  respends: the strokes that would be missed least begin anew.
     snap: free colours become paints; with `grouped`, all strokes of a paint then stand together.
+    repaints: of paints that are given, strokes take others where that is better.
     """
 
     sorts: tuple[float, ...] = tuple(0.025 * i for i in range(24))
     respends: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
     snap: float = 0.6
+    repaints: tuple[float, ...] = ()
     grouped: bool = True
+
+
+GIVEN_PAINTS = Schedule(snap=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
+"""Paints that are given may be far from the colours that strokes would choose, so shapes need longer to adapt."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +81,7 @@ def plan(
     options: PlanOptions,
     watch: Callable[[Progress], bool] = lambda progress: True,
     *,
-    schedule: Schedule = Schedule(),
+    schedule: Schedule | None = None,
     start: StrokeParameters | None = None,
     resume: State | None = None,
 ) -> Plan:
@@ -83,10 +89,12 @@ def plan(
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
+    schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
     """
     if start is not None and len(start) != options.strokes:
         raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
+    schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
     planning = _Planning(commission, options, schedule, start)
     if resume is not None:
         planning.restore(resume)
@@ -123,13 +131,14 @@ class _Planning:
             "colours": not options.one_ink,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
-        self._work = Work(strokes, commission.paper, self._canvas, commission.brush, self._style)
+        self._work = Work(strokes, commission.paper, self._canvas, commission.brush, self._style, commission.neighbours)
         if options.one_ink:
             self._work.paints = torch.tensor(options.palette)
         self._descent = Descent(strokes, self._spacing)
         self._judgement = Judgement(commission.judges, commission.paper) if commission.judges else None
         self._progress, self._stride = 0.0, 1 / options.steps
-        self._sorted = self._respent = 0  # how many of the schedule's are over
+        self._taken = 0  # steps
+        self._sorted = self._respent = self._repainted = 0  # how many of the schedule's are over
 
     @property
     def done(self) -> bool:
@@ -154,13 +163,18 @@ class _Planning:
             self._work.sort()
         if now >= schedule.snap:
             self._snap()
+        if self._repainted < len(schedule.repaints) and now >= schedule.repaints[self._repainted]:
+            self._repainted += 1
+            self._repaint()
         loss, parts, canvas = self._step(now)
         self._progress += self._stride
+        self._taken += 1
         return Progress(now, loss, parts, canvas, self.state)
 
     def state(self) -> State:
         """All that the next step depends on."""
-        numbers = (self._progress, self._stride, self._style_weight, self._sorted, self._respent)
+        counts = (self._taken, self._sorted, self._respent, self._repainted)
+        numbers = (self._progress, self._stride, self._style_weight, *counts)
         judgement = {} if self._judgement is None else self._judgement.state()
         chance = chance_state(self._rng, self._chance)
         state = {"numbers": np.array(numbers), **self._work.state(), **self._descent.state(), **judgement, **chance}
@@ -168,8 +182,8 @@ class _Planning:
 
     def restore(self, state: State) -> None:
         """Go on from there."""
-        self._progress, self._stride, self._style_weight, *over = state["numbers"].tolist()
-        self._sorted, self._respent = (int(count) for count in over)
+        self._progress, self._stride, self._style_weight, *counts = state["numbers"].tolist()
+        self._taken, self._sorted, self._respent, self._repainted = (int(count) for count in counts)
         self._work.restore(state)
         if "paints" in state and self._work.paints is None:
             self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"]))
@@ -186,7 +200,7 @@ class _Planning:
         """
         strokes = self._work.strokes
         canvas = self._work.render()
-        if self._judgement is not None and self._judgement.calls <= now * self._options.calls:
+        if self._judgement is not None and self._taken % self._options.ask_every == 0:
             self._judgement.ask(canvas, self._chance)
         loss, parts = self._loss(canvas, now)
         costs = self._style.cost(strokes.codes, strokes.press_knots)
@@ -250,6 +264,25 @@ class _Planning:
             mixed = mix_paints(free, np.sqrt(shown.clip(min=1)), options.paints, options.seed)
             paints = torch.tensor(mixed, dtype=torch.float32)
         self._work.snap(self._paints_to_use(paints), self._schedule.grouped)
+
+    @torch.no_grad()
+    def _repaint(self) -> None:
+        """Let strokes take other paints of those that there are, as many of them as make the picture better."""
+        work, grouped = self._work, self._schedule.grouped
+        if work.paints is None or len(work.paints) < 2 or self._options.paints is not None:
+            return
+        with torch.enable_grad():
+            marks, colours = work.drawn()
+            costs = recolouring_costs(self._view(), self._asked.paper, marks, colours, work.paints, self._chance)
+        gains, better = (-work.by_row(costs)).max(dim=1)
+        candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
+        before, was = self._loss(work.render(), self._progress)[0], work.paint_of
+        while len(candidates):
+            work.repaint(was.index_copy(0, candidates, better[candidates]), grouped)
+            if self._loss(work.render(), self._progress)[0] < before:
+                return
+            candidates = candidates[: len(candidates) // 2]
+        work.repaint(was, grouped)
 
     def _paints_to_use(self, paints: Tensor) -> Tensor:
         """Those (k, C), which go on adapting if they are still to be mixed."""

@@ -1,7 +1,7 @@
 """What each stroke does for the picture.
 
-The canvas is linear in a stroke's opacity, so that taking the stroke away changes the squared error by an exact
-quadratic, whose terms a few backward passes give for all strokes at once.
+The canvas is linear in a stroke's opacity and in its colour, so that taking it away, or painting it with another paint,
+changes the squared error by an exact quadratic, whose terms a few backward passes give for all strokes at once.
 """
 
 from dataclasses import dataclass
@@ -39,14 +39,40 @@ def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, gene
     paper: (C, H, W).  marks and colours, (N, C), are in painting order.  The slope is exact; the curvature, a sum of
     squares over pixels, is estimated from random signs (Hutchinson).
     """
-    opacity = marks.o.detach().requires_grad_()
-    canvas = composite(
-        paper, marks.points.detach(), marks.thickness.detach(), colours.detach(), marks.c, marks.q.detach(), opacity
-    )
-    difference = view.difference(canvas)
+    marks, colours = _detached(marks), colours.detach()
+    opacity = marks.o.requires_grad_()
+    difference = view.difference(_painted(paper, marks, colours))
+    slope, curvature = _slope_and_curvature(difference, opacity, generator)
+    amount = opacity.detach()
+    return 0.5 * curvature * amount.square() - slope * amount
+
+
+def recolouring_costs(
+    view: View, paper: Tensor, marks: Marks, colours: Tensor, paints: Tensor, generator: Generator
+) -> Tensor:
+    """How much the error would grow, (N, k), if each stroke alone took each of the paints (k, C).
+
+    As exact as `removal_costs`, and for the same reason: the canvas is linear in a stroke's colour too.
+    """
+    colours = colours.detach().requires_grad_()
+    difference = view.difference(_painted(paper, _detached(marks), colours))
+    slope, curvature = _slope_and_curvature(difference, colours, generator)
+    change = paints.detach().to(colours) - colours.detach()[:, None]
+    return (slope[:, None] * change + 0.5 * curvature[:, None] * change.square()).sum(dim=-1)
+
+
+def coverage(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+    """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
+    colours = colours.detach().requires_grad_()
+    (shown,) = torch.autograd.grad((_painted(paper, _detached(marks), colours) * view.weights).sum(), colours)
+    return shown.mean(dim=1)
+
+
+def _slope_and_curvature(difference: Tensor, numbers: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    """Of the sum of the squared differences, in each of the numbers that they are linear in."""
 
     def pull(signal: Tensor) -> Tensor:
-        (gradient,) = torch.autograd.grad(difference, opacity, signal, retain_graph=True)
+        (gradient,) = torch.autograd.grad(difference, numbers, signal, retain_graph=True)
         return gradient
 
     slope = pull(2 * difference.detach())
@@ -54,15 +80,12 @@ def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, gene
     for _ in range(_PROBES):
         signs = torch.randint(0, 2, difference.shape, generator=generator).to(difference) * 2 - 1
         curvature += 2 * pull(signs).square() / _PROBES
-    amount = opacity.detach()
-    return 0.5 * curvature * amount.square() - slope * amount
+    return slope, curvature
 
 
-def coverage(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
-    """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
-    colours = colours.detach().requires_grad_()
-    canvas = composite(
-        paper, marks.points.detach(), marks.thickness.detach(), colours, marks.c, marks.q.detach(), marks.o.detach()
-    )
-    (shown,) = torch.autograd.grad((canvas * view.weights).sum(), colours)
-    return shown.mean(dim=1)
+def _detached(marks: Marks) -> Marks:
+    return Marks(**{name: tensor.detach() for name, tensor in vars(marks).items()})
+
+
+def _painted(paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+    return composite(paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)

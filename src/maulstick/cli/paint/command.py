@@ -1,53 +1,40 @@
-"""``maulstick paint``: from a photograph to a painting in a folder."""
+"""The words of ``maulstick paint``, and what can be said against them before anything is read."""
 
-import io
-import time
 from functools import partial
 from importlib.resources import files
-from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
-from maulstick.canvas import Canvas, parse_size
-from maulstick.cli import STOPPED
-from maulstick.cli.folder import all_or_nothing, check_free, made_folder
-from maulstick.cli.render import png
-from maulstick.cli.watch import Camera, progress_bar, stop_on_interrupt
-from maulstick.errors import InputError
-from maulstick.files import atomic_write
+from maulstick.canvas import parse_size
+from maulstick.cli.folder import check_free
+from maulstick.cli.paint.job import Job, state_files
+from maulstick.errors import InputError, OutputError
 from maulstick.film import Film
-from maulstick.medium import load_brush
-from maulstick.painting import Painting, write_painting
-from maulstick.picture import FITS, picture_hash, read_picture
-from maulstick.svg import painting_svg
+from maulstick.picture import FITS
 
-if TYPE_CHECKING:
-    from maulstick.figures import Figures
-    from maulstick.plan.planner import Progress as Step
-
-_PREVIEW_PX, _WIDEST_PX = 1024, 4096
-_READ_PX = 4096
 _PAINTS = 12
-_MOST_STROKES, _MOST_STEPS, _MOST_SEED = 100_000, 1_000_000, 2**32 - 1
+_MOST_STROKES, _MOST_STEPS, _MOST_SEED, _MOST_TRIES = 100_000, 1_000_000, 2**32 - 1, 64
 _FEWEST_PX, _MOST_PX = 16, 4096
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
+_liking = partial(typer.Option, rich_help_panel="What it should be like")
 _planning = partial(typer.Option, rich_help_panel="How it is planned")
 _writing = partial(typer.Option, rich_help_panel="What is written")
 
 
 def paint(
+    context: typer.Context,
     photo: Annotated[Path | None, typer.Argument(help="The picture to paint: JPEG, PNG, TIFF, WebP …")] = None,
     demo: Annotated[bool, typer.Option("--demo", metavar="", help="Paint the portrait that comes along.")] = False,
     size: Annotated[
         str, _painting(metavar="SIZE", help="Of the sheet: 200x160mm, 8x10in, A4-landscape.")
     ] = "200x160mm",
+    paper: Annotated[str, _painting(metavar="COLOUR", help="Of the sheet: white, or #rrggbb.")] = "white",
+    canvas: Annotated[
+        Path | None, _painting(metavar="PICTURE", help="A photograph of the sheet, with what is painted on it so far.")
+    ] = None,
     fit: Annotated[
         str, _painting(metavar="FIT", help="contain: all of the picture; cover: all of the sheet.")
     ] = "contain",
@@ -55,6 +42,9 @@ def paint(
     exact: Annotated[bool, _painting("--exact", metavar="", help="Exactly so many strokes.")] = False,
     paints: Annotated[
         int | None, _painting(metavar="N", show_default=f"{_PAINTS}", help="How many to mix, of the picture's colours.")
+    ] = None,
+    paints_from: Annotated[
+        Path | None, _painting(metavar="FILE", help="Paint with these, unmixed: CSV lines name,#rrggbb.")
     ] = None,
     ink: Annotated[
         str | None, _painting(metavar="COLOUR", help="One ink instead of paints: black, or #rrggbb.")
@@ -65,7 +55,34 @@ def paint(
     style: Annotated[
         str, _painting(metavar="STYLE", help="Whose strokes: a name out of maulstick style list, or a JSON file.")
     ] = "free",
+    text: Annotated[
+        str | None, _liking(metavar="TEXT", help="What it should show, beside a picture or alone; needs CLIP.")
+    ] = None,
+    look: Annotated[
+        Path | None, _liking(metavar="PICTURE", help="Let it look as this picture does, whatever that shows.")
+    ] = None,
+    weigh: Annotated[
+        list[str] | None,
+        _liking(
+            metavar="TERM=WEIGHT",
+            help="How much a term counts, 0 not at all, 1 as usual: tone, edges, likeness, sketch, words, look.",
+        ),
+    ] = None,
+    clip: Annotated[
+        str | None,
+        _liking(metavar="MODEL", show_default="RN101 with --text", help="Look through CLIP: RN101, ViT-B-32, …"),
+    ] = None,
+    clip_weights: Annotated[
+        Path | None, _liking(metavar="FILE", help="Its weights: .safetensors, or a file that open_clip saved.")
+    ] = None,
+    clip_layers: Annotated[
+        str | None,
+        _liking(metavar="N,N", show_default="four, spread evenly", help="Which of its layers to compare by."),
+    ] = None,
     steps: Annotated[int, _planning(metavar="N", help="More are finer, and take longer.")] = 1500,
+    ask_every: Annotated[
+        int, _planning(metavar="N", help="Ask networks every so many steps; in between, go by what they said last.")
+    ] = 10,
     px: Annotated[
         int | None,
         _planning(
@@ -73,139 +90,152 @@ def paint(
         ),
     ] = None,
     seed: Annotated[int, _planning(metavar="N", help="Another seed, another painting; the same repeats it.")] = 0,
+    tries: Annotated[
+        int, _planning(metavar="N", help="Plan from so many seeds, as many at once as can be, and keep the best.")
+    ] = 1,
     out: Annotated[Path, _writing(metavar="FOLDER", help="Where the painting goes.")] = Path("painting"),
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace what an earlier run wrote.")] = False,
-    film: Annotated[str | None, _writing(metavar="FORMAT", help="Film the planning, too: mp4 or gif.")] = None,
+    frames: Annotated[str | None, _writing(metavar="FORMAT", help="Film the planning, too: mp4 or gif.")] = None,
+    resume: Annotated[
+        Path | None, _writing(metavar="FOLDER", help="Go on with a plan that was cut off, or stopped with Ctrl-C.")
+    ] = None,
 ) -> None:
-    """Plan a painting of a photograph.
+    """Plan a painting of a photograph, or of a text.
 
     Writes painting.json (the plan itself), painting.svg (for plotters: real millimetres, a layer a paint), preview.png
-    and palette.png. Ctrl-C stops early and saves the plan so far; a second one leaves without it.
+    and palette.png. Ctrl-C stops early and saves the plan so far; a second one leaves without it. While it works the
+    plan is saved as plan-SEED.npz now and then, and --resume goes on from there with the same result.
     """
-    path = _picture_path(photo, demo)
-    sheet, chosen_brush = parse_size(size), load_brush(brush)
-    if fit not in FITS:
-        raise InputError.of_choice("fit", fit, FITS)
-    _check("--strokes", strokes, 1, _MOST_STROKES)
-    _check("--steps", steps, 1, _MOST_STEPS)
-    _check("--px", px, _FEWEST_PX, _MOST_PX)
-    _check("--seed", seed, 0, _MOST_SEED)
-    mixed, colour = _paints_or_ink(paints, ink, strokes)
-    camera = Camera(Film(film), steps) if film is not None else None
-    check_free(out, overwrite)
-    picture = read_picture(path, longest_px=_READ_PX)
+    if resume is not None:
+        _refuse_other_words(context)
+        from maulstick.cli.paint.run import go_on  # loads torch
 
-    from maulstick.brush.preview import preview  # loads torch
-    from maulstick.plan.photograph import figures_of, lay_out_for, making, plan_photograph
-    from maulstick.plan.commission import PlanOptions
-    from maulstick.style import load_style
-
-    options = PlanOptions(strokes, exact, mixed, (colour,), steps, seed=seed)
-    layout = lay_out_for(picture, sheet, chosen_brush, fit, px)
-    hand = load_style(style, layout.canvas)
-    made = making(options, path.name, picture_hash(path), size=size, fit=fit, px=px, brush=brush, style=style)
-    console = Console(stderr=True, markup=False, highlight=False)
-    thinnest = chosen_brush.thinnest * layout.canvas.pixels_per_metre
-    if 0 < thinnest < 1:
-        console.print(
-            f"note: the thinnest mark of the brush {chosen_brush.name} is {thinnest:.2f} pixels in half-width at this "
-            "resolution, so fine lines are planned pale",
-            soft_wrap=True,
+        go_on(resume)
+        return
+    job = Job(
+        photo=_picture_path(photo, demo, text),
+        text=_a_text(text),
+        look=_whole(look),
+        weigh=_weights(weigh or []),
+        clip=clip,
+        clip_weights=_whole(clip_weights),
+        clip_layers=_layers(clip_layers),
+        size=size,
+        paper=paper,
+        canvas=_whole(canvas),
+        fit=fit,
+        strokes=strokes,
+        exact=exact,
+        paints=_how_many_paints(paints, ink, paints_from, strokes),
+        ink=ink,
+        paints_from=_whole(paints_from),
+        brush=_name_or_file(brush),
+        style=_name_or_file(style),
+        steps=steps,
+        ask_every=ask_every,
+        px=px,
+        seed=seed,
+        tries=tries,
+    )
+    _check_words(job)
+    film = Film(frames) if frames is not None else None
+    if film is not None and tries > 1:
+        raise InputError("--frames films one plan, and --tries makes several; leave one of them out")
+    if state_files(out) and not overwrite:
+        raise OutputError(
+            f"the folder {out} holds a plan that was cut off; go on with maulstick paint --resume {out}, "
+            "or add --overwrite"
         )
-    started = time.monotonic()
-    with made_folder(out), stop_on_interrupt(console) as wanted:
-        with progress_bar(console, strokes) as show:
+    check_free(out, overwrite)
+    from maulstick.cli.paint.run import begin  # loads torch
 
-            def watch(step: "Step") -> bool:
-                show(step)
-                if camera is not None:
-                    camera.watch(step)
-                return wanted()
-
-            painting = plan_photograph(layout, chosen_brush, hand, options, made, watch)
-        seconds = time.monotonic() - started
-        if camera is not None:
-            camera.film.add(preview(painting, layout.canvas))
-        written = _write_results(painting, out, camera.film if camera is not None else None)
-        stopped = not wanted()
-    _print_summary(painting, figures_of(painting, layout), seconds, out, written)
-    if stopped:
-        raise typer.Exit(STOPPED)
+    begin(job, out, film)
 
 
-def _picture_path(photo: Path | None, demo: bool) -> Path:
-    if demo == (photo is not None):
+def _check_words(job: Job) -> None:
+    """Whatever can be refused without reading a file."""
+    from maulstick.palette import parse_colour  # takes a moment
+
+    parse_size(job.size)
+    parse_colour(job.paper)
+    if job.ink is not None:
+        parse_colour(job.ink)
+    if job.fit not in FITS:
+        raise InputError.of_choice("fit", job.fit, FITS)
+    _check("--strokes", job.strokes, 1, _MOST_STROKES)
+    _check("--steps", job.steps, 1, _MOST_STEPS)
+    _check("--ask-every", job.ask_every, 1, _MOST_STEPS)
+    _check("--px", job.px, _FEWEST_PX, _MOST_PX)
+    _check("--tries", job.tries, 1, _MOST_TRIES)
+    _check("--seed", job.seed, 0, _MOST_SEED + 1 - job.tries)
+    if job.canvas is not None and parse_colour(job.paper) != (1.0, 1.0, 1.0):
+        raise InputError("--canvas shows the sheet as it is, and --paper its colour; leave one of them out")
+
+
+def _refuse_other_words(context: typer.Context) -> None:
+    for word in context.command.params:
+        asked = str(context.get_parameter_source(word.name or "")).endswith("COMMANDLINE")
+        if asked and word.name != "resume":
+            raise InputError(f"--resume goes on with what was asked then; leave out {word.opts[0]}")
+
+
+def _picture_path(photo: Path | None, demo: bool, text: str | None) -> Path | None:
+    if photo is not None and demo:
         raise InputError("name one picture to paint, or --demo for the portrait that comes along")
-    return photo or Path(str(files("skimage.data").joinpath("astronaut.png")))
+    if photo is None and not demo:
+        if text is None:
+            raise InputError("name one picture to paint, --demo for the portrait that comes along, or a --text")
+        return None
+    return _whole(photo or Path(str(files("skimage.data").joinpath("astronaut.png"))))
+
+
+def _a_text(text: str | None) -> str | None:
+    if text is not None and not text.strip():
+        raise InputError("--text is empty; say what the painting should show, as in 'a sailing boat at dusk'")
+    return text
+
+
+def _whole(path: Path | None) -> Path | None:
+    return path.absolute() if path is not None else None
+
+
+def _name_or_file(word: str) -> str:
+    return str(Path(word).absolute()) if Path(word).suffix == ".json" else word
+
+
+def _weights(words: list[str]) -> dict[str, float]:
+    weights: dict[str, float] = {}
+    for word in words:
+        name, _, weight = word.partition("=")
+        if name in weights:
+            raise InputError(f"--weigh names {name} twice; leave one of them out")
+        try:
+            weights[name] = float(weight)
+        except ValueError:
+            raise InputError(f"--weigh is {word!r}; it must be a term and a number, as in edges=0.5") from None
+    return weights
+
+
+def _layers(words: str | None) -> tuple[int, ...] | None:
+    if words is None:
+        return None
+    try:
+        return tuple(int(word) for word in words.split(","))
+    except ValueError:
+        raise InputError(f"--clip-layers is {words!r}; it must be numbers from 0, as in 2,3") from None
+
+
+def _how_many_paints(paints: int | None, ink: str | None, paints_from: Path | None, strokes: int) -> int | None:
+    """How many to mix, or None."""
+    given = {"--paints": paints, "--ink": ink, "--paints-from": paints_from}
+    ways = [name for name, value in given.items() if value is not None]
+    if len(ways) > 1:
+        raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
+    if paints is not None and not 1 <= paints <= strokes:
+        raise InputError.of_range("--paints", paints, f"from 1 to the {strokes} strokes")
+    return None if ways not in ([], ["--paints"]) else paints or min(_PAINTS, strokes)
 
 
 def _check(name: str, number: int | None, least: int, most: int) -> None:
     if number is not None and not least <= number <= most:
         raise InputError.of_range(name, number, f"from {least} to {most}")
-
-
-def _paints_or_ink(paints: int | None, ink: str | None, strokes: int) -> tuple[int | None, tuple[float, float, float]]:
-    """How many paints, or None and the colour of the only ink."""
-    if ink is None:
-        if paints is not None and not 1 <= paints <= strokes:
-            raise InputError.of_range("--paints", paints, f"from 1 to the {strokes} strokes")
-        return paints or min(_PAINTS, strokes), (0.0, 0.0, 0.0)
-    if paints is not None:
-        raise InputError("--ink paints in one colour and --paints in several; leave one of them out")
-    from maulstick.palette import parse_colour  # takes a moment
-
-    return None, parse_colour(ink)
-
-
-def _write_results(painting: Painting, out: Path, film: Film | None) -> list[str]:
-    """Write all files; their names."""
-    with all_or_nothing(out) as folder:
-        write_painting(painting, folder / "painting.json")
-        atomic_write(folder / "painting.svg", painting_svg(painting).encode())
-        atomic_write(folder / "preview.png", _preview(painting))
-        atomic_write(folder / "palette.png", _palette(painting))
-        if film is not None:
-            atomic_write(folder / f"progress.{film.kind}", film.encode())
-        return sorted(path.name for path in folder.iterdir())
-
-
-def _preview(painting: Painting) -> bytes:
-    from maulstick.brush.preview import preview
-
-    width, height = painting.canvas.width, painting.canvas.height
-    return png(preview(painting, Canvas(width, height, min(_PREVIEW_PX / height, _WIDEST_PX / width))))
-
-
-def _palette(painting: Painting) -> bytes:
-    from maulstick.palette import swatches
-
-    metres = _metres_of_paints(painting)
-    labels = [f"{i + 1}   {paint.hex}   {metres[i]:.2f} m" for i, paint in enumerate(painting.paints)]
-    file = io.BytesIO()
-    swatches([paint.colour for paint in painting.paints], labels).save(file, format="PNG")
-    return file.getvalue()
-
-
-def _metres_of_paints(painting: Painting) -> list[float]:
-    steps = np.diff(painting.trajectories()[..., :2], axis=1)
-    lengths = np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1)
-    paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=int)
-    return [float(lengths[paint_of == i].sum()) for i in range(len(painting.paints))]
-
-
-def _print_summary(painting: Painting, figures: "Figures", seconds: float, out: Path, written: list[str]) -> None:
-    structure = "" if isnan(figures.ssim) else f", {figures.ssim:.2f} SSIM"
-    rows = {
-        "strokes": f"{len(painting.strokes)}",
-        "drawn": f"{sum(_metres_of_paints(painting)):.1f} m",
-        "paints": f"{len(painting.paints)} (changes: {painting.paint_changes()})",
-        "likeness": f"{figures.psnr:.1f} dB PSNR{structure}",
-        "planned in": f"{seconds:.0f} s",
-        "files": ", ".join(written),
-    }
-    table = Table(title=Text(str(out)), show_header=False)
-    table.add_column()
-    table.add_column(overflow="fold")
-    for name, value in rows.items():
-        table.add_row(name, value)
-    Console().print(table)

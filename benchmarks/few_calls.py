@@ -1,0 +1,190 @@
+"""How few calls of a network do, for `plan.py --objective network`.
+
+Three plans of 400 strokes at 256 pixels, with the same brush, style and paints, are judged by the same network
+through the same 16 views, which none of them was led by:
+
+plain: the published way: strokes begin anywhere, RMSprop, a rate that rises and falls, 2,000 steps, and at each of them
+    the network is asked through four of 32 views.
+warm: the same with our start, and with tones beside the network.
+few_calls: Maulstick's way, whose 2,000 steps ask the network 200 times, with the same weights of both terms as `warm`.
+
+A second row, `few_calls_time`, says what that takes with a network of ViT-B/32's size, which here is a random one, so
+that the plan is worth nothing: Maulstick's usual 1,500 steps, and what 2,000 calls would take at the same pace.
+"""
+
+import time
+from collections.abc import Callable
+from itertools import count
+
+import numpy as np
+import torch
+from frida import anywhere, plan_plainly
+from photographs import BRUSH, laid_out
+from torch import Generator, Tensor
+
+from maulstick.brush.traj2stroke import Traj2Stroke, paint
+from maulstick.plan.beginnings import Beginnings
+from maulstick.plan.commission import Commission, PlanOptions, Weighted
+from maulstick.plan.features.clip import Clip
+from maulstick.plan.features.efficientnet import EfficientNetLite0
+from maulstick.plan.features.network import Network
+from maulstick.plan.features.views import random_views
+from maulstick.plan.objectives import Judge, Likeness
+from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.photograph import commission_of
+from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.terms import Wishes
+from maulstick.style import load_style
+from maulstick.threads import usual_torch_threads
+
+PX, STEPS, EVERY = 256, 2000, 10
+AT_ONCE, EXAM, EXAMINED_EVERY = 4, 16, 100
+WISHES = Wishes(weights={"likeness": 2.0})  # of what is usual beside the tones: the network is to be served here
+Row = dict[str, object]
+Curve = list[tuple[int, float]]
+Seen = Callable[[Tensor], None]
+
+
+class Stopwatch:
+    """Seconds within its blocks, all together."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    def __enter__(self) -> None:
+        self._started = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.seconds += time.perf_counter() - self._started
+
+
+class Counted(Judge):
+    """Another judge, and how often it was asked."""
+
+    def __init__(self, judge: Judge) -> None:
+        self._judge, self.calls = judge, 0
+
+    @property
+    def name(self) -> str:
+        """What the judge is called."""
+        return self._judge.name
+
+    @property
+    def views(self) -> int:
+        """As many as the judge has."""
+        return self._judge.views
+
+    @usual_torch_threads()
+    def losses(self, canvas: Tensor, which: list[int]) -> Tensor:
+        """What the judge says."""
+        self.calls += 1
+        return self._judge.losses(canvas, which)
+
+
+def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
+    """A row, and of each way the loss after so many calls."""
+    options = PlanOptions(steps=STEPS, ask_every=EVERY)
+    asked = _commission(image, options, EfficientNetLite0())
+    assert asked.target is not None
+    unseen = random_views(EXAM, *asked.weights.shape, Generator().manual_seed(1))
+    exam = Likeness(EfficientNetLite0(), asked.target, unseen, torch.ones(3))
+    row: Row = {"name": "few_calls", "image": image, "network": EfficientNetLite0().name, "strokes": options.strokes}
+    curves: dict[str, Curve] = {}
+    for name, way in {"few_calls": _few, "plain": _plain, "warm": _warm}.items():
+        prefix = "" if name == "few_calls" else f"{name}_"
+        judge, curve, examining = Counted(asked.judges[0].term), [], Stopwatch()
+
+        def seen(canvas: Tensor, judge: Counted = judge, curve: Curve = curve, watch: Stopwatch = examining) -> None:
+            with watch:
+                curve.append((judge.calls, _examined(canvas, exam)))
+
+        planning = Stopwatch()
+        with planning:
+            judges = (Weighted(judge, asked.judges[0].weight),)
+            planned = way(Commission(**{**vars(asked), "judges": judges}), options, seen)
+        row[f"{prefix}calls"] = judge.calls
+        row[f"{prefix}seconds"] = round(planning.seconds - examining.seconds, 1)
+        seen(_rendered(asked, planned))
+        row[f"{prefix}loss"] = round(curve[-1][1], 4)
+        curves[name] = curve
+    return row, curves
+
+
+def few_calls_time(image: str) -> Row:
+    """What a plan takes with a random ViT-B/32."""
+    import open_clip
+
+    options = PlanOptions()
+    model = open_clip.create_model("ViT-B-32", pretrained=None)
+    shown = open_clip.get_model_preprocess_cfg(model)
+    network = Clip("random ViT-B-32", model, open_clip.get_tokenizer("ViT-B-32"), shown, None)
+    asked = _commission(image, options, network)
+    judge = Counted(asked.judges[0].term)
+    started = time.perf_counter()
+    plan(Commission(**{**vars(asked), "judges": (Weighted(judge, 1.0),)}), options)
+    seconds, calls = time.perf_counter() - started, judge.calls
+    canvas = asked.paper.clone().requires_grad_()
+    started = time.perf_counter()
+    judge.losses(canvas, list(range(AT_ONCE))).sum().backward()
+    plain = STEPS * (time.perf_counter() - started)
+    row: Row = {"name": "few_calls_time", "image": image, "network": network.name, "strokes": options.strokes}
+    return row | {"calls": calls, "seconds": round(seconds), "plain_calls": STEPS, "plain_seconds": round(plain)}
+
+
+def _commission(image: str, options: PlanOptions, network: Network) -> Commission:
+    layout = laid_out(image, PX)
+    style = load_style("free", layout.canvas)
+    return commission_of(layout, BRUSH, style, options, WISHES, lambda: network)
+
+
+def _few(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
+    steps = count()
+
+    def watch(progress: Progress) -> bool:
+        if next(steps) % EXAMINED_EVERY == 0:
+            seen(progress.canvas)
+        return True
+
+    return plan(asked, options, watch)
+
+
+def _plain(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
+    chance = Generator().manual_seed(options.seed)
+    start = anywhere(asked, options.strokes, chance)
+    return _plainly(asked, start, lambda canvas: _said(asked, canvas, chance), seen)
+
+
+def _warm(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
+    chance, tone, judge = Generator().manual_seed(options.seed), asked.objectives[0], asked.judges[0]
+    start, _ = Beginnings(asked, options, np.random.default_rng(options.seed), chance).first()
+
+    def loss(canvas: Tensor) -> Tensor:
+        return tone.weight * tone.term.loss(canvas, 1.0) + judge.weight * _said(asked, canvas, chance)
+
+    return _plainly(asked, start, loss, seen)
+
+
+def _plainly(asked: Commission, start: StrokeParameters, loss: Callable[[Tensor], Tensor], seen: Seen) -> Plan:
+    def watch(step: int, _: float, canvas: Tensor) -> None:
+        if step % EXAMINED_EVERY == 0:
+            seen(canvas)
+
+    return plan_plainly(asked, start, loss, steps=STEPS, even_press=False, watch=watch)
+
+
+def _said(asked: Commission, canvas: Tensor, chance: Generator) -> Tensor:
+    """What the judge says through a few of its views."""
+    judge = asked.judges[0].term
+    return judge.losses(canvas, torch.randperm(judge.views, generator=chance)[:AT_ONCE].tolist()).mean()
+
+
+@torch.no_grad()
+def _examined(canvas: Tensor, exam: Judge) -> float:
+    return float(exam.losses(canvas, range(exam.views)).mean())
+
+
+def _rendered(asked: Commission, planned: Plan) -> Tensor:
+    trajectories = planned.strokes.trajectories(asked.style)
+    brushes = Traj2Stroke.of([asked.brush] * len(trajectories))
+    colours = planned.paints[planned.paint_of]
+    return paint(asked.paper, trajectories, colours, brushes, asked.canvas.pixels_per_metre)

@@ -1,0 +1,176 @@
+"""FRIDA's way beside ours, from the words of the papers alone: its stroke, and how it plans.
+
+Source: Spline-FRIDA, Background, and Painting and Drawing Planning, which say how FRIDA works.
+"""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import log
+
+import numpy as np
+import torch
+from torch import Generator, Tensor
+from torch.nn.functional import logsigmoid
+
+from maulstick.palette import mix_paints
+from maulstick.plan.commission import Commission
+from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.planner import Plan
+from maulstick.plan.work import Work, as_array
+from maulstick.strokes import POINTS
+from maulstick.style import Style
+from maulstick.style.hand import by_length
+from maulstick.style.press import KNOTS
+from maulstick.threads import one_torch_thread
+
+RATES = {"codes": 0.02, "centres": 0.004, "angles": 0.08, "press_knots": 0.04, "colours": 0.02}
+"""At the peak, found by search: halves and doubles do worse. centres: in heights of the sheet."""
+MIXED = 0.9
+"""How much of the steps is over when colours become paints."""
+STEEPNESS = 4.0
+"""Of a curve's numbers over its code; so that our planner's steps suit codes."""
+EVEN = 1e4
+"""What an uneven press costs: enough for our planner to press a stroke evenly, as FRIDA can only do."""
+
+
+@dataclass(frozen=True)
+class Bezier(Style):
+    """Quadratic Bézier curves of a length and a bend.
+
+    The length is the chord's, 1 to 5 cm, and the bend is how far the middle control point lies beside the chord's
+    middle, up to 2 cm. A code (2,) says where both lie between their limits, by a sigmoid: 0 is halfway.
+    """
+
+    shortest: float = 0.01
+    longest: float = 0.05
+    most_bent: float = 0.02
+
+    @property
+    def name(self) -> str:
+        """Of its curve."""
+        return "bezier"
+
+    @property
+    def hash(self) -> str:
+        """Of all that decoding depends on."""
+        return hashlib.sha256(f"{self!r} {STEEPNESS} {POINTS}".encode()).hexdigest()[:16]
+
+    def encode(self, paths: Tensor) -> Tensor:
+        """The curve with each path's chord, and as far beside it in the middle as the path is on average."""
+        length = (paths[:, -1, 0] - self.shortest) / (self.longest - self.shortest)
+        weights = 2 * self._along(paths) * (1 - self._along(paths))
+        bend = (paths[..., 1] @ weights) / weights.square().sum()
+        return _codes(torch.stack([length, bend / (2 * self.most_bent) + 0.5], dim=1))
+
+    def decode(self, codes: Tensor) -> Tensor:
+        """Paths (N, 32, 2) of codes (N, 2), at equal steps of the curve's parameter."""
+        shares, along = (STEEPNESS * codes).sigmoid()[..., None], self._along(codes)
+        length = self.shortest + (self.longest - self.shortest) * shares[:, 0]
+        bend = self.most_bent * (2 * shares[:, 1] - 1)
+        return torch.stack([length * along, 2 * bend * along * (1 - along)], dim=-1)
+
+    def _along(self, like: Tensor) -> Tensor:
+        return torch.linspace(0, 1, POINTS).to(like)
+
+    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Of any length, bend and press alike; the press is even."""
+        return _codes(torch.rand(k, 2, generator=generator)), _even(torch.rand(k, 1, generator=generator))
+
+    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """As `sample`, the longest where there is most room."""
+        codes, press_knots = self.sample(len(lengths), generator)
+        chosen = by_length(codes[:, 0], lengths)
+        return codes[chosen], press_knots[chosen]
+
+    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+        """That of uniform lengths and bends, which keeps codes from where gradients vanish; and of an uneven press."""
+        shares = logsigmoid(STEEPNESS * codes) + logsigmoid(-STEEPNESS * codes) + log(4)
+        uneven = press_knots - press_knots.mean(dim=1, keepdim=True)
+        return EVEN * uneven.square().sum(dim=1) - shares.sum(dim=1)
+
+    @property
+    def leeway(self) -> float:
+        """Nobody's strokes need not look like anybody's."""
+        return float("inf")
+
+    def speeds(self, codes: Tensor) -> Tensor | None:
+        """Nobody's."""
+        return None
+
+
+def anywhere(commission: Commission, count: int, generator: Generator) -> StrokeParameters:
+    """Strokes of the style at random: places, directions, press and colours."""
+    codes, press_knots = commission.style.sample(count, generator)
+    size = torch.tensor([commission.canvas.width, commission.canvas.height])
+    return StrokeParameters(
+        codes=codes,
+        centres=torch.rand(count, 2, generator=generator) * size,
+        angles=torch.rand(count, generator=generator) * 2 * torch.pi,
+        press_knots=press_knots,
+        colours=torch.rand(count, 3, generator=generator),
+    )
+
+
+def evenly_pressed(strokes: StrokeParameters) -> StrokeParameters:
+    """Each stroke at its mean press, which is the only one that FRIDA's have."""
+    return replace(strokes, press_knots=_even(strokes.press_knots.mean(dim=1, keepdim=True)))
+
+
+def _codes(shares: Tensor) -> Tensor:
+    return torch.logit(shares, eps=1e-3) / STEEPNESS
+
+
+def _even(press: Tensor) -> Tensor:
+    return press.expand(-1, KNOTS)
+
+
+@one_torch_thread()
+def plan_plainly(
+    commission: Commission,
+    start: StrokeParameters,
+    loss: Callable[[Tensor], Tensor],
+    *,
+    steps: int = 2000,
+    paints: int | None = 12,
+    seed: int = 0,
+    even_press: bool = True,
+    watch: Callable[[int, float, Tensor], None] = lambda step, loss, canvas: None,
+) -> Plan:
+    """Plan by RMSprop over all numbers of all strokes, whose rate rises and falls once.
+
+    loss: of the canvas (C, H, W), asked at every step; the commission's objectives and judges are not.
+    paints: how many to mix of the colours when a tenth of the steps is left; with None strokes keep the colours that
+    they start with, as with one ink.  seed: of the mixing.  watch: gets the step, its loss and the canvas.
+    even_press: the press of a stroke is one number, as FRIDA's is. Source: Spline-FRIDA, Painting and Drawing Planning.
+    """
+    press = start.press_knots.mean(dim=1, keepdim=True) if even_press else start.press_knots
+    leaves = {name: tensor.clone() for name, tensor in (start.each() | {"press_knots": press}).items()}
+    fixed = {"press_knots": not commission.brush.presses, "colours": paints is None}
+    for name, tensor in leaves.items():
+        tensor.requires_grad_(not fixed.get(name, False))
+    strokes = StrokeParameters(**(leaves | {"press_knots": _even(leaves["press_knots"])}))
+    work = Work(strokes, commission.paper, commission.canvas, commission.brush, commission.style)
+    peaks = RATES | {"centres": RATES["centres"] * commission.canvas.height}
+    groups = [{"params": [tensor], "peak": peaks[name]} for name, tensor in leaves.items() if tensor.requires_grad]
+    descent = torch.optim.RMSprop(groups, lr=0.0)
+    for step in range(steps):
+        if paints is not None and work.paints is None and step >= MIXED * steps:
+            mixed = mix_paints(as_array(leaves["colours"]), np.ones(len(start)), paints, seed)
+            work.snap(torch.from_numpy(mixed).to(leaves["colours"]), grouped=False)
+        for group in descent.param_groups:
+            group["lr"] = group["peak"] * (1 - abs(2 * (step + 0.5) / steps - 1))
+        canvas = work.render()
+        now = loss(canvas)
+        descent.zero_grad()
+        now.backward()
+        descent.step()
+        with torch.no_grad():
+            leaves["press_knots"].clamp_(0, 1)
+            leaves["colours"].clamp_(0, 1)
+        strokes.keep_inside(commission.style, commission.canvas.width, commission.canvas.height)
+        watch(step, now.item(), canvas.detach())
+    drawn = strokes[torch.arange(len(strokes))]
+    if work.paints is not None:
+        return Plan(drawn, work.paints, work.paint_of)
+    return Plan(drawn, *torch.unique(drawn.colours, dim=0, return_inverse=True))

@@ -1,0 +1,143 @@
+"""Bézier curves against a learned hand, with the same photographs, marker, strokes, paints and steps, as JSON lines.
+
+    .venv/bin/python experiments/frida_baseline.py [--quick] [--picture FILE.png]
+
+A row is a plan:
+    frida     Bézier curves, planned as FRIDA does, from a random start down the squared error: what ours began from.
+    bezier    Bézier curves, planned by Maulstick: what the planner alone brings.
+    loops, scribble    a learned hand, planned by Maulstick: what its look costs in likeness to the picture.
+metres: drawn in all. Hands keep their own lengths, so that 400 strokes are more ink in one than in another.
+psnr, ssim: of the painting as its file orders it against the photograph.
+energy, told_apart: for each hand, of the plan's strokes against the hand's own: energy distance between descriptions
+    (`style.compare.describe`, standardised over all strokes of the built-in hands), 0 where they are alike; and how
+    often a nearest neighbour tells them apart, 0.5 being chance. Learned styles have seen these strokes, Bézier curves
+    have not. The rows named `hand` compare one half of a hand with the other: what is best to be hoped for.
+"""
+
+import argparse
+import json
+import time
+from dataclasses import replace
+
+import numpy as np
+import torch
+from frida import Bezier, anywhere, evenly_pressed, plan_plainly
+from grid import PICTURES, load, side_by_side
+from numpy.typing import NDArray
+
+from maulstick.brush.preview import preview
+from maulstick.canvas import Canvas
+from maulstick.medium import load_brush
+from maulstick.painting import Painting, Sheet
+from maulstick.plan.commission import PlanOptions
+from maulstick.plan.layout import Layout, lay_out_for
+from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
+from maulstick.plan.planner import plan
+from maulstick.plan.terms import Wishes
+from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
+from maulstick.style.store import read_style, style_path
+
+Floats = NDArray[np.float64]
+
+BUILT_IN = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
+HANDS = ("loops", "scribble")
+WAYS = ("frida", "bezier", *HANDS)
+BRUSH = "marker"
+SPLITS = 50
+HEIGHT, PX, SHOWN_PX = 0.16, 256, 512
+TONES_ALONE = Wishes(weights={"likeness": 0})
+FULL = PlanOptions(strokes=400, steps=2000)
+QUICK = PlanOptions(strokes=200, steps=150)
+
+
+class Hands:
+    """The strokes of the hands, described, and how other strokes compare with them."""
+
+    def __init__(self) -> None:
+        described = {name: describe(read_style(style_path(name)).hand.paths) for name in BUILT_IN}
+        together = np.concatenate(list(described.values()))
+        self._mean, self._spread = together.mean(axis=0), together.std(axis=0)
+        self._hands = {name: (described[name] - self._mean) / self._spread for name in HANDS}
+
+    def compare(self, paths: Floats, chance: np.random.Generator) -> dict[str, dict[str, float]]:
+        """Paths (N, n, 2), metres, with each hand."""
+        drawn = (describe(paths) - self._mean) / self._spread
+        return _by_figure({name: _apart(drawn, hand, chance) for name, hand in self._hands.items()})
+
+    def halves(self, chance: np.random.Generator) -> dict[str, dict[str, float]]:
+        """One half of each hand with the other, on average."""
+        apart = {}
+        for name, hand in self._hands.items():
+            mixed = [hand[chance.permutation(len(hand))] for _ in range(SPLITS)]
+            apart[name] = np.mean([_apart(each[::2], each[1::2], chance) for each in mixed], axis=0)
+        return _by_figure(apart)
+
+
+def _apart(drawn: Floats, hand: Floats, chance: np.random.Generator) -> tuple[float, float]:
+    return energy_distance(drawn, hand), nearest_neighbour_accuracy(drawn, hand, chance)
+
+
+def _by_figure(apart: dict[str, tuple[float, float]]) -> dict[str, dict[str, float]]:
+    figures = zip(("energy", "told_apart"), zip(*apart.values(), strict=True), strict=True)
+    return {figure: dict(zip(apart, np.round(each, 3).tolist(), strict=True)) for figure, each in figures}
+
+
+def paint(way: str, layout: Layout, options: PlanOptions) -> Painting:
+    """Plan a picture that is laid out."""
+    brush = load_brush(BRUSH)
+    style = read_style(style_path(way)) if way in HANDS else Bezier()
+    commission = commission_of(layout, brush, style, options, TONES_ALONE)
+    if way == "frida":
+        start = anywhere(commission, options.strokes, torch.Generator().manual_seed(options.seed))
+        planned = plan_plainly(
+            commission,
+            start,
+            lambda canvas: (canvas - commission.target).square().mean(),
+            steps=options.steps,
+            paints=options.paints,
+            seed=options.seed,
+        )
+    else:
+        planned = plan(commission, options)
+    if way == "bezier":
+        planned = replace(planned, strokes=evenly_pressed(planned.strokes))
+    return as_painting(planned, layout, brush, style, making(options))
+
+
+def main() -> None:
+    """Plan all and print a row each."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="one photograph, fewer strokes, few steps")
+    parser.add_argument("--picture", metavar="FILE.png", help="write all paintings side by side")
+    asked = parser.parse_args()
+    options, images = (QUICK, PICTURES[:1]) if asked.quick else (FULL, PICTURES)
+    hands, chance = Hands(), np.random.default_rng(options.seed)
+    print(json.dumps({"name": "hand", **hands.halves(chance)}), flush=True)
+    rows = []
+    for image in images:
+        picture = load(image)
+        size = (HEIGHT * picture.shape[1] / picture.shape[0], HEIGHT)
+        layout = lay_out_for(picture, Sheet(width=size[0], height=size[1]), load_brush(BRUSH), "contain", PX)
+        rows.append([picture])
+        for way in WAYS:
+            started = time.perf_counter()
+            painting = paint(way, layout, options)
+            row = {
+                "name": way,
+                "image": image,
+                "strokes": len(painting.strokes),
+                "metres": round(float(painting.lengths().sum()), 1),
+                "paints": len(painting.paints),
+                "paint_changes": painting.paint_changes(),
+                "seconds": round(time.perf_counter() - started, 1),
+            }
+            likeness = figures_of(painting, layout)
+            row |= {"psnr": round(likeness.psnr, 2), "ssim": round(likeness.ssim, 3)}
+            print(json.dumps(row | hands.compare(painting.trajectories()[..., :2], chance)), flush=True)
+            rows[-1].append(preview(painting, Canvas.of_height(size, SHOWN_PX)))
+    if asked.picture:
+        side_by_side(["photograph", *WAYS], rows, SHOWN_PX).save(asked.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""From what was asked to what the planner is asked: files are read, and nothing is planned yet."""
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from maulstick.canvas import Canvas, parse_size
+from maulstick.cli.paint.job import Job, sum_of
+from maulstick.errors import InputError
+from maulstick.medium import Brush, load_brush
+from maulstick.painting import Making, Sheet, hex_colour
+from maulstick.paints import NamedPaint, read_paints
+from maulstick.palette import parse_colour
+from maulstick.picture import canvas_photograph, encode_png, read_picture
+from maulstick.plan.commission import Commission, PlanOptions
+from maulstick.plan.features.efficientnet import EfficientNetLite0
+from maulstick.plan.features.network import Network
+from maulstick.plan.layout import Layout, lay_out_for
+from maulstick.plan.photograph import commission_of, making
+from maulstick.plan.terms import Wishes
+from maulstick.style import Style, load_style
+
+_READ_PX = 4096
+_SHEET_PX, _WIDEST_SHEET_PX = 1024, 2048
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """All that planning and its file need; names: of the paints, by their colours as ``#rrggbb``."""
+
+    job: Job
+    layout: Layout
+    brush: Brush
+    style: Style
+    options: PlanOptions
+    commission: Commission
+    made: Making
+    names: dict[str, str]
+
+
+def prepare(job: Job) -> Prepared:
+    """Read all files of the job. Raises InputError for the first that cannot be used."""
+    brush, sheet = load_brush(job.brush), _sheet(job)
+    tubes = read_paints(job.paints_from) if job.paints_from is not None else ()
+    options = _options(job, tubes)
+    picture = read_picture(job.photo, longest_px=_READ_PX) if job.photo is not None else None
+    layout = lay_out_for(picture, sheet, brush, job.fit, job.px)
+    style = load_style(job.style, layout.canvas)
+    look = read_picture(job.look, longest_px=_SHEET_PX) if job.look is not None else None
+    wishes = Wishes(job.text, look, job.weigh)
+    known = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
+    job = job.with_sums({**known, "the style": style.hash})
+    commission = commission_of(layout, brush, style, options, wishes, lambda: _network(job))
+    if job.names_clip and not commission.judges:
+        raise InputError("--clip says which network to ask, and no term asks one; leave it out, or weigh likeness")
+    weights = wishes.usual_weights(has_picture=picture is not None)
+    words = {name: value for name, value in vars(job).items() if name not in ("photo", "weigh", "sums")}
+    asked = {name: value.name if isinstance(value, Path) else value for name, value in words.items()}
+    name, sha256 = (job.photo.name, job.sums[str(job.photo)]) if job.photo is not None else (None, None)
+    used = {"brush": brush.name, "style": style.name, "weights": dict(weights)}
+    made = making(options, name, sha256, {**asked, **used})
+    names = {hex_colour(tube.colour): tube.name for tube in tubes}
+    return Prepared(job, layout, brush, style, options, commission, made, names)
+
+
+def _options(job: Job, tubes: tuple[NamedPaint, ...]) -> PlanOptions:
+    palette = tuple(tube.colour for tube in tubes) or (parse_colour(job.ink or "black"),)
+    paints = None if job.ink is not None or tubes else job.paints
+    return PlanOptions(job.strokes, job.exact, paints, palette, job.steps, job.ask_every, job.seed)
+
+
+def _sheet(job: Job) -> Sheet:
+    width, height = parse_size(job.size)
+    if job.canvas is None:
+        return Sheet(width=width, height=height, paper=parse_colour(job.paper))
+    canvas = Canvas(width, height, min(_SHEET_PX / height, _WIDEST_SHEET_PX / width))
+    photograph = canvas_photograph(job.canvas, canvas)
+    edge = np.concatenate([photograph[0], photograph[-1], photograph[:, 0], photograph[:, -1]])
+    paper = tuple(np.median(edge, axis=0).tolist())
+    return Sheet(width=width, height=height, paper=paper, picture=encode_png(photograph))
+
+
+def _network(job: Job) -> Network:
+    if not job.names_clip and job.text is None:
+        return EfficientNetLite0()
+    from maulstick.plan.features.clip import Clip  # takes seconds to load
+
+    return Clip.load(job.clip or "RN101", job.clip_weights, layers=job.clip_layers)

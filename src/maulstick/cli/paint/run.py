@@ -1,0 +1,90 @@
+"""Planning under the eyes of a person: progress, Ctrl-C, a film, and a file to go on from."""
+
+import time
+from pathlib import Path
+
+from rich.console import Console
+from typer import Exit
+
+from maulstick.brush.preview import preview
+from maulstick.cli import STOPPED
+from maulstick.cli.folder import made_folder
+from maulstick.cli.paint.job import Job, state_files
+from maulstick.cli.paint.prepare import Prepared, prepare
+from maulstick.cli.paint.results import print_summary, write_results
+from maulstick.cli.paint.tries import plan_in_processes, plan_with
+from maulstick.cli.watch import Camera, progress_bar, stop_on_interrupt
+from maulstick.errors import InputError
+from maulstick.film import Film
+from maulstick.plan.planner import Progress
+from maulstick.plan.state import read_state
+
+
+def begin(job: Job, out: Path, film: Film | None) -> None:
+    """Plan what is asked, and write it into the folder `out`."""
+    console, prepared = _console(), prepare(job)
+    _note_pale_lines(prepared, console)
+    with made_folder(out):
+        for file in state_files(out):  # of an earlier run, which is to be replaced
+            file.unlink()
+        _run(prepared, out, film, console)
+
+
+def go_on(out: Path) -> None:
+    """Go on with the plan that was cut off in the folder `out`.
+
+    Raises InputError where there is none, or what it was made with has changed.
+    """
+    files = state_files(out) if out.is_dir() else []
+    if not files:
+        raise InputError(f"there is no unfinished plan in {out}; name the folder that --out named when it began")
+    job = Job.from_json(read_state(files[0])[1], files[0])
+    prepared = prepare(job)
+    job.check_unchanged(prepared.job.sums)
+    _run(prepared, out, None, _console())
+
+
+def _run(prepared: Prepared, out: Path, film: Film | None, console: Console) -> None:
+    started = time.monotonic()
+    with stop_on_interrupt(console) as wanted:
+        with progress_bar(console, prepared.job.strokes) as show:
+            if prepared.job.tries > 1:
+                painting = plan_in_processes(prepared.job, out, show, wanted)
+            else:
+                camera = Camera(film, prepared.job.steps) if film is not None else None
+
+                def watch(step: Progress) -> bool:
+                    show(step.done, step.loss)
+                    if camera is not None:
+                        camera.watch(step)
+                    return wanted()
+
+                painting = plan_with(prepared, out, prepared.job, watch)
+        seconds = time.monotonic() - started
+        if film is not None:
+            film.add(preview(painting, prepared.layout.canvas))
+        written = write_results(painting, out, film)
+        stopped = not wanted()
+    print_summary(painting, seconds, out, written)
+    if not stopped:
+        for file in state_files(out):
+            file.unlink()
+        return
+    if state_files(out):  # it was not stopped when nothing was left to do
+        console.print(f"maulstick paint --resume {out} goes on from where it was stopped", soft_wrap=True)
+    raise Exit(STOPPED)
+
+
+def _console() -> Console:
+    return Console(stderr=True, markup=False, highlight=False)
+
+
+def _note_pale_lines(prepared: Prepared, console: Console) -> None:
+    brush = prepared.brush
+    thinnest = brush.thinnest * prepared.layout.canvas.pixels_per_metre
+    if 0 < thinnest < 1:
+        console.print(
+            f"note: the thinnest mark of the brush {brush.name} is {thinnest:.2f} pixels in half-width at this "
+            "resolution, so fine lines are planned pale",
+            soft_wrap=True,
+        )

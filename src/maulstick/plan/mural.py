@@ -1,0 +1,216 @@
+"""Pictures too large to be planned in one piece: window by window, in memory that the window and the strokes bound.
+
+All strokes are first planned together on a small image of the whole: how many go where, and their paints, are settled
+there. Then each window in turn is planned at full resolution with a margin around it. Strokes whose centres end up in
+its core are finished; those in the margin are planned again, and better, with the window whose core they lie in. What
+a window does not plan is painted in its place among what it does, but stays as it is. So every stroke is planned with
+all that it touches, and the order, paint by paint, is the same in all windows.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import ceil
+
+import numpy as np
+import torch
+from torch import Generator, Tensor
+
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.medium import Brush
+from maulstick.palette import lightness
+from maulstick.plan.attention import attention
+from maulstick.plan.commission import Commission, Neighbours, PlanOptions
+from maulstick.plan.features.efficientnet import EfficientNetLite0
+from maulstick.plan.features.network import Network
+from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.start import Places, start_strokes
+from maulstick.plan.state import State
+from maulstick.plan.terms import Sight, Wishes, terms_of
+from maulstick.plan.windows import Image, Mural, Windows, enlarged
+from maulstick.plan.work import as_array
+from maulstick.style import Style
+
+_NO_WISHES = Wishes()
+_TRIED, _NEARLY_ALL = 256, 0.95
+_SLACK = 1e-6  # metres, to which strokes are known to end within a sheet
+_ALL, _BEGUN = "all.", "begun."
+
+Watch = Callable[[Progress], bool]
+
+
+def plan_mural(
+    mural: Mural,
+    brush: Brush,
+    style: Style,
+    options: PlanOptions,
+    watch: Watch = lambda progress: True,
+    *,
+    wishes: Wishes = _NO_WISHES,
+    network: Callable[[], Network] = EfficientNetLite0,
+    window_px: int = 1024,
+    resume: State | None = None,
+) -> Plan:
+    """Plan a mural in windows whose cores have at most `window_px` a side; so has the small image of the whole.
+
+    The steps are those of each window, and of the whole.
+    watch: called after every step, and shown the window that is being planned; once it returns False, that is finished
+    in a few more steps, and later windows stay as they were planned in the whole.
+    resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
+    Raises InputError for a text: every window would be made to show it.
+    """
+    if "words" in wishes.usual_weights(has_picture=True):
+        raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
+    if window_px < 1:
+        raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
+    planning = _Planning(mural, brush, style, options, wishes, cache(network), window_px)
+    begun = None if resume is None else planning.restore(resume)
+    while not planning.done and planning.advance(watch, begun):
+        begun = None
+    return planning.finish()
+
+
+class _Planning:
+    """A mural in the making: all its strokes on the sheet, which of them are finished, and how many windows are."""
+
+    def __init__(
+        self,
+        mural: Mural,
+        brush: Brush,
+        style: Style,
+        options: PlanOptions,
+        wishes: Wishes,
+        network: Callable[[], Network],
+        window_px: int,
+    ) -> None:
+        self._mural, self._brush, self._style, self._options = mural, brush, style, options
+        self._wishes, self._network = wishes, network
+        self._whole = mural.overview(window_px)
+        assert self._whole.target is not None
+        self._weights = np.ones(self._whole.under.shape[:2], dtype=np.float32)
+        self._whole.crop(self._weights)[:] = attention(self._whole.crop(self._whole.target))
+        self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
+        self._all: Plan | None = None
+        self._finished, self._over = torch.zeros(0, dtype=torch.bool), 0
+
+    @property
+    def done(self) -> bool:
+        """Whether no window is left."""
+        return self._over == len(self._windows)
+
+    def advance(self, watch: Watch, begun: State | None) -> bool:
+        """Plan the whole, or else the next window, from the state where that was begun; whether to go on."""
+        stage = 0 if self._all is None else self._over + 1
+        wanted = True
+
+        def watch_stage(progress: Progress) -> bool:
+            nonlocal wanted
+            done = (stage + progress.done) / (len(self._windows) + 1)
+            wanted = watch(replace(progress, done=done, state=lambda: self._state(progress.state())))
+            return wanted
+
+        if self._all is None:
+            self._plan_whole(watch_stage, begun)
+        else:
+            self._plan_window(self._all, watch_stage, begun)
+        return wanted
+
+    def restore(self, state: State) -> State:
+        """Go on from there; the state of what was begun."""
+        tensors = {name: torch.from_numpy(array) for name, array in _below(_ALL, state).items()}
+        if tensors:
+            self._finished, self._over = tensors.pop("finished").bool(), int(state["over"])
+            paints, paint_of = tensors.pop("paints"), tensors.pop("paint_of")
+            self._all = Plan(StrokeParameters(**tensors), paints, paint_of)
+        return _below(_BEGUN, state)
+
+    def finish(self) -> Plan:
+        """All strokes, paint by paint."""
+        assert self._all is not None
+        order = torch.argsort(self._all.paint_of, stable=True)
+        return Plan(self._all.strokes[order], self._all.paints, self._all.paint_of[order])
+
+    def _state(self, begun: State) -> State:
+        """All that the next step depends on."""
+        state = {_BEGUN + name: array for name, array in begun.items()}
+        if self._all is None:
+            return state
+        numbers = {"paints": self._all.paints, "paint_of": self._all.paint_of, "finished": self._finished.byte()}
+        tensors = {**self._all.strokes.each(), **numbers}
+        return {**state, "over": np.array(self._over), **{_ALL + name: each.numpy() for name, each in tensors.items()}}
+
+    def _plan_whole(self, watch: Watch, begun: State | None) -> None:
+        assert self._whole.target is not None
+        asked = self._commission(self._whole.target, self._whole.under, self._weights, self._whole.canvas)
+        planned = plan(asked, self._options, watch, resume=begun)
+        light_first = np.argsort(-lightness(as_array(planned.paints)), kind="stable")  # as the planner sorts a palette
+        paint_of = torch.from_numpy(np.argsort(light_first))[planned.paint_of]
+        paints = planned.paints[torch.from_numpy(light_first)]
+        self._all = Plan(replace(planned.strokes, colours=paints[paint_of]), paints, paint_of)
+        self._finished = torch.zeros(len(paint_of), dtype=torch.bool)
+
+    def _plan_window(self, before: Plan, watch: Watch, begun: State | None) -> None:
+        """Plan the strokes anew that lie in the next window whole, but for those that earlier windows finished."""
+        box, paints = self._windows.box(self._over), before.paints
+        canvas, corner = self._mural.part(box), torch.tensor(box[:2]) / self._mural.canvas.pixels_per_metre
+        trajectories = before.strokes.trajectories(self._style)
+        trajectories[..., :2] -= corner
+        first, last = trajectories[..., :2].amin(dim=1), trajectories[..., :2].amax(dim=1)
+        size, reach = torch.tensor([canvas.width, canvas.height]), self._brush.widest
+        mine = ((first > -_SLACK) & (last < size + _SLACK)).all(dim=1) & ~self._finished
+        near = ((last > -reach) & (first < size + reach)).all(dim=1) & ~mine
+        if mine.any():
+            asked = self._commission(
+                self._mural.target(box),
+                self._mural.under(box),
+                enlarged(self._weights, self._mural.canvas, box),
+                canvas,
+            )
+            asked = replace(asked, neighbours=Neighbours(trajectories[near], paints[before.paint_of[near]]))
+            start = before.strokes[mine]
+            start = replace(start, centres=start.centres - corner)
+            planned = plan(asked, self._options_for(len(start), paints), watch, start=start, resume=begun)
+            self._put(before, ~mine, planned, planned.strokes.centres + corner)
+        self._over += 1
+
+    def _options_for(self, strokes: int, paints: Tensor) -> PlanOptions:
+        """Those of the next window."""
+        seed = int(np.random.SeedSequence((self._options.seed, self._over)).generate_state(1)[0])
+        palette = tuple((red, green, blue) for red, green, blue in paints.tolist())
+        return replace(self._options, strokes=strokes, paints=None, palette=palette, seed=seed)
+
+    def _put(self, before: Plan, others: Tensor, planned: Plan, centres: Tensor) -> None:
+        """Take what was planned, with its centres (N, 2) on the sheet, beside the other strokes that there were."""
+        x, y = as_array(centres).T * self._mural.canvas.pixels_per_metre
+        finished = torch.from_numpy(self._windows.owner(x, y) <= self._over)
+        now = replace(planned.strokes, centres=centres, colours=before.paints[planned.paint_of])
+        both = {name: torch.cat([x, getattr(now, name)]) for name, x in before.strokes[others].each().items()}
+        paint_of = torch.cat([before.paint_of[others], planned.paint_of])
+        self._all = Plan(StrokeParameters(**both), before.paints, paint_of)
+        self._finished = torch.cat([self._finished[others], finished])
+
+    def _commission(self, target: Image, under: Image, weights: Image, canvas: Canvas) -> Commission:
+        """Of all or a part of the sheet; rendered on a GPU where there is one."""
+        device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        wanted, paper = (torch.from_numpy(x).permute(2, 0, 1).contiguous().to(device) for x in (target, under))
+        there = torch.from_numpy(weights).to(device)
+        sight = Sight(wanted, there, torch.tensor(self._mural.sheet.paper, device=device), self._options.one_ink)
+        terms = terms_of(self._wishes, sight, self._network)
+        return Commission(wanted, paper, there, canvas, self._brush, self._style, *terms)
+
+
+def _margin(mural: Mural, brush: Brush, style: Style, options: PlanOptions) -> int:
+    """How far from a stroke's centre the centre of the farthest may be that it touches, pixels."""
+    spacing = (mural.canvas.width_px * mural.canvas.height_px / options.strokes) ** 0.5
+    nowhere = np.zeros((_TRIED, 2))
+    places = Places(nowhere, nowhere[:, 0], np.full(_TRIED, spacing), np.zeros((_TRIED, 3)))
+    chance, resolution = Generator().manual_seed(options.seed), mural.canvas.pixels_per_metre
+    usual = start_strokes(places, style, brush, resolution, chance)
+    reaches = usual.trajectories(style)[..., :2].norm(dim=-1).amax(dim=1) + brush.widest
+    return ceil(2 * torch.quantile(reaches, _NEARLY_ALL).item() * resolution)
+
+
+def _below(prefix: str, state: State) -> State:
+    return {name.removeprefix(prefix): array for name, array in state.items() if name.startswith(prefix)}

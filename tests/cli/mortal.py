@@ -1,0 +1,29 @@
+"""``maulstick`` that saves its plan in the making after every step, and is killed once it did so N times (0: never).
+
+python -m tests.cli.mortal N paint …
+"""
+
+import os
+import signal
+import sys
+
+from maulstick.cli import main
+from maulstick.cli.paint import tries
+
+_write_state = tries.write_state
+_left = int(sys.argv.pop(1)) if __name__ == "__main__" else 0  # processes that it makes itself are not killed
+
+
+def _write_and_die(*what: object) -> None:
+    global _left
+    _write_state(*what)  # type: ignore[arg-type]
+    _left -= 1
+    if _left == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+tries._EVERY = 0.0
+tries.write_state = _write_and_die
+
+if __name__ == "__main__":
+    main()
