@@ -127,7 +127,7 @@ def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
 def spread(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
     """The whole picture (H, W, 3) over the whole canvas, (canvas.height_px, canvas.width_px, 3), whatever its shape."""
     height, width = picture.shape[:2]
-    return _scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
+    return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
 
 
 def lay_out(
@@ -147,16 +147,27 @@ def lay_out(
         kept = (canvas.width_px / max(across, down), canvas.height_px / max(across, down))
         left, top = (width - kept[0]) / 2, (height - kept[1]) / 2
         box = (max(left, 0.0), max(top, 0.0), min(left + kept[0], width), min(top + kept[1], height))
-        return _scaled(picture, (canvas.width_px, canvas.height_px), box), (0.0, 0.0, canvas.width, canvas.height)
-    columns = max(1, round(width * min(across, down)))
-    rows = max(1, round(height * min(across, down)))
-    left_px, top_px = (canvas.width_px - columns) // 2, (canvas.height_px - rows) // 2
+        return scaled(picture, (canvas.width_px, canvas.height_px), box), (0.0, 0.0, canvas.width, canvas.height)
+    left_px, top_px, right_px, bottom_px = (int(edge) for edge in place_of(picture.shape[:2], canvas, fit))
     target = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32) if under is None else under.copy()
-    whole = _scaled(picture, (columns, rows), (0, 0, width, height))
-    target[top_px : top_px + rows, left_px : left_px + columns] = whole
-    x, y = left_px / canvas.pixels_per_metre, top_px / canvas.pixels_per_metre
-    right, bottom = (left_px + columns) / canvas.pixels_per_metre, (top_px + rows) / canvas.pixels_per_metre
+    target[top_px:bottom_px, left_px:right_px] = scaled(
+        picture, (right_px - left_px, bottom_px - top_px), (0, 0, width, height)
+    )
+    x, y, right, bottom = (edge / canvas.pixels_per_metre for edge in (left_px, top_px, right_px, bottom_px))
     return target, (x, y, min(right, canvas.width) - x, min(bottom, canvas.height) - y)
+
+
+def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, float, float, float]:
+    """Where on the canvas the edges of a picture of this shape (h, w) lie, pixels; whole ones for ``contain``."""
+    height, width = shape
+    across, down = canvas.width_px / width, canvas.height_px / height
+    if fit == "cover":
+        columns, rows = width * max(across, down), height * max(across, down)
+        left, top = (canvas.width_px - columns) / 2, (canvas.height_px - rows) / 2
+    else:
+        columns, rows = max(1, round(width * min(across, down))), max(1, round(height * min(across, down)))
+        left, top = (canvas.width_px - columns) // 2, (canvas.height_px - rows) // 2
+    return left, top, left + columns, top + rows
 
 
 def _decode(image: Image.Image, longest_px: int) -> NDArray[np.float32]:
@@ -238,7 +249,7 @@ def _srgb(image: Image.Image) -> Image.Image:
     return image.convert("RGB")
 
 
-def _scaled(
+def scaled(
     picture: NDArray[np.float32], size: tuple[int, int], box: tuple[float, float, float, float]
 ) -> NDArray[np.float32]:
     """The `box` (left, upper, right, lower) of the picture (H, W, 3) at `size` (width, height), all pixels."""

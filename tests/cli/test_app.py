@@ -37,7 +37,7 @@ def test_a_mistake_is_found_before_torch_is_loaded(tmp_path: Path) -> None:
     (tmp_path / "torch.py").write_text("raise SystemExit('torch was loaded')")
     there = str(tmp_path)
     for words, text in {
-        ("paint", "--demo", "--px", "0"): "--px is 0; it must be from 16 to 4096",
+        ("paint", "--demo", "--px", "0"): "--px is 0; it must be from 16 to 32768",
         ("paint", "--demo", "--ink", "octarine"): "'octarine' is not a colour; write a name such as black, or #rrggbb",
         ("render", "none.json"): "there is no painting none.json; check its name and folder",
     }.items():

@@ -192,8 +192,8 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
         (["--demo", "--paints", "0"], "--paints is 0; it must be from 1 to the 400 strokes"),
         (["--demo", "--strokes", "5", "--paints", "6"], "--paints is 6; it must be from 1 to the 5 strokes"),
         (["--demo", "--steps", "0"], "--steps is 0; it must be from 1 to 1000000"),
-        (["--demo", "--px", "-1"], "--px is -1; it must be from 16 to 4096"),
-        (["--demo", "--px", "5000"], "--px is 5000; it must be from 16 to 4096"),
+        (["--demo", "--px", "-1"], "--px is -1; it must be from 16 to 32768"),
+        (["--demo", "--px", "50000"], "--px is 50000; it must be from 16 to 32768"),
         (["--demo", "--seed", "-1"], "--seed is -1; it must be from 0 to 4294967295"),
     ],
 )

@@ -3,6 +3,7 @@
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import open_clip
@@ -15,6 +16,8 @@ from maulstick.brush.preview import preview
 from maulstick.canvas import Canvas
 from maulstick.painting import Painting, read_painting
 from maulstick.picture import decode_png
+from maulstick.plan.mural import plan_mural
+from maulstick.plan.planner import Plan
 from tests.cli.conftest import PORTRAIT, RESULTS, Ran, paint, run
 from tests.plan.features.test_clip import TEXT, TRANSFORMER
 
@@ -82,7 +85,7 @@ def test_a_text_beside_a_picture_counts_beside_it(tmp_path: Path, clip: tuple[st
     painting, ran = planned(tmp_path, PORTRAIT, "--text", "a sailing boat", *clip)
     assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0, "words": 1.0}
     assert {"psnr", "tone", "likeness", "words"} <= set(painting.made.figures)
-    assert ran.stdout.count("likeness") == 2
+    assert ran.stdout.count("likeness") == 1
     other, _ = planned(tmp_path / "other", PORTRAIT, "--text", "a cat", *clip)
     assert other.strokes != painting.strokes
 
@@ -218,3 +221,27 @@ def test_a_photograph_of_another_sheet_is_refused(tmp_path: Path) -> None:
 def test_a_photograph_of_the_sheet_shows_the_paper_s_colour_by_itself(tmp_path: Path) -> None:
     said = refused(tmp_path, PORTRAIT, "--canvas", PORTRAIT, "--paper", "#000000")
     assert said == "--canvas shows the sheet as it is, and --paper its colour; leave one of them out"
+
+
+def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("maulstick.cli.paint.prepare.LONGEST_PX", 40)
+    windows: list[int] = []
+
+    def small(*words: Any, **more: Any) -> Plan:
+        windows.append(24)
+        return plan_mural(*words, **more, window_px=24)
+
+    monkeypatch.setattr("maulstick.cli.paint.prepare.plan_mural", small)
+    ran = paint(tmp_path / "out", "--px", "48")
+    assert ran.code == 0
+    assert windows
+    painting = read_painting(tmp_path / "out" / "painting.json")
+    assert 10 < len(painting.strokes) <= 20
+    assert painting.paint_changes() == len(painting.paints) - 1
+    frames = paint(tmp_path / "film", "--px", "48", "--frames", "gif")
+    assert frames.code == 2
+    assert frames.mistake.startswith("--frames films one canvas, and this one is planned in windows")
+    text = paint(tmp_path / "text", "--px", "48", "--text", "a boat")
+    assert text.mistake == "a text is planned in one piece, of at most 40 pixels; choose a smaller --px"

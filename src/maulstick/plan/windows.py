@@ -12,7 +12,7 @@ from PIL import Image as Pillow
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.painting import Sheet
-from maulstick.picture import FITS, _scaled, decode_png, lay_out
+from maulstick.picture import FITS, decode_png, lay_out, place_of, scaled
 from maulstick.plan.layout import Layout
 
 Image = NDArray[np.float32]
@@ -75,16 +75,7 @@ class Mural:
 
     @property
     def _place(self) -> tuple[float, float, float, float]:
-        """Where the edges of the picture lie, pixels of the canvas."""
-        height, width = self.picture.shape[:2]
-        across, down = self.canvas.width_px / width, self.canvas.height_px / height
-        if self.fit == "cover":
-            columns, rows = width * max(across, down), height * max(across, down)
-            left, top = (self.canvas.width_px - columns) / 2, (self.canvas.height_px - rows) / 2
-        else:
-            columns, rows = max(1, round(width * min(across, down))), max(1, round(height * min(across, down)))
-            left, top = (self.canvas.width_px - columns) // 2, (self.canvas.height_px - rows) // 2
-        return left, top, left + columns, top + rows
+        return place_of(self.picture.shape[:2], self.canvas, self.fit)
 
 
 @dataclass(frozen=True)
@@ -136,7 +127,7 @@ def _drawn(picture: Image, place: tuple[float, float, float, float], box: Box) -
     """What a picture (h, w, 3) whose edges lie at `place` shows at the pixels of the box, (H, W, 3)."""
     columns, left, right = _reached((box[0], box[2]), (place[0], place[2]), picture.shape[1])
     rows, top, bottom = _reached((box[1], box[3]), (place[1], place[3]), picture.shape[0])
-    return _scaled(picture[rows, columns], (box[2] - box[0], box[3] - box[1]), (left, top, right, bottom))
+    return scaled(picture[rows, columns], (box[2] - box[0], box[3] - box[1]), (left, top, right, bottom))
 
 
 def _reached(box: tuple[int, int], place: tuple[float, float], length: int) -> tuple[slice, float, float]:

@@ -16,7 +16,7 @@ from maulstick.picture import FITS
 
 _PAINTS = 12
 _MOST_STROKES, _MOST_STEPS, _MOST_SEED, _MOST_TRIES = 100_000, 1_000_000, 2**32 - 1, 64
-_FEWEST_PX, _MOST_PX = 16, 4096
+_FEWEST_PX, _MOST_PX = 16, 32_768
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
 _liking = partial(typer.Option, rich_help_panel="What it should be like")
@@ -86,7 +86,9 @@ def paint(
     px: Annotated[
         int | None,
         _planning(
-            metavar="N", show_default="as the brush needs", help="Pixels over the picture's height while planning."
+            metavar="N",
+            show_default="as the brush needs",
+            help="Pixels over the picture's height while planning; a canvas of more than 2048 is planned in windows.",
         ),
     ] = None,
     seed: Annotated[int, _planning(metavar="N", help="Another seed, another painting; the same repeats it.")] = 0,

@@ -1,5 +1,6 @@
 """From what was asked to what the planner is asked: files are read, and nothing is planned yet."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -17,9 +18,13 @@ from maulstick.picture import canvas_photograph, encode_png, read_picture
 from maulstick.plan.commission import Commission, PlanOptions
 from maulstick.plan.features.efficientnet import EfficientNetLite0
 from maulstick.plan.features.network import Network
-from maulstick.plan.layout import Layout, lay_out_for
+from maulstick.plan.layout import LONGEST_PX, Image, Layout, canvas_for, lay_out_for
+from maulstick.plan.mural import plan_mural
 from maulstick.plan.photograph import commission_of, making
+from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.state import State
 from maulstick.plan.terms import Wishes
+from maulstick.plan.windows import Mural
 from maulstick.style import Style, load_style
 
 _READ_PX = 4096
@@ -38,6 +43,23 @@ class Prepared:
     commission: Commission
     made: Making
     names: dict[str, str]
+    mural: Mural | None
+    wishes: Wishes
+
+    def plan(self, watch: Callable[[Progress], bool], resume: State | None) -> Plan:
+        """Plan it, in windows where it is large."""
+        if self.mural is None:
+            return plan(self.commission, self.options, watch, resume=resume)
+        return plan_mural(
+            self.mural,
+            self.brush,
+            self.style,
+            self.options,
+            watch,
+            wishes=self.wishes,
+            network=lambda: _network(self.job),
+            resume=resume,
+        )
 
 
 def prepare(job: Job) -> Prepared:
@@ -46,7 +68,8 @@ def prepare(job: Job) -> Prepared:
     tubes = read_paints(job.paints_from) if job.paints_from is not None else ()
     options = _options(job, tubes)
     picture = read_picture(job.photo, longest_px=_READ_PX) if job.photo is not None else None
-    layout = lay_out_for(picture, sheet, brush, job.fit, job.px)
+    mural = _mural(job, picture, sheet, brush)
+    layout = lay_out_for(picture, sheet, brush, job.fit, job.px) if mural is None else mural.overview(LONGEST_PX)
     style = load_style(job.style, layout.canvas)
     look = read_picture(job.look, longest_px=_SHEET_PX) if job.look is not None else None
     wishes = Wishes(job.text, look, job.weigh)
@@ -62,7 +85,17 @@ def prepare(job: Job) -> Prepared:
     used = {"brush": brush.name, "style": style.name, "weights": dict(weights)}
     made = making(options, name, sha256, {**asked, **used})
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
-    return Prepared(job, layout, brush, style, options, commission, made, names)
+    return Prepared(job, layout, brush, style, options, commission, made, names, mural, wishes)
+
+
+def _mural(job: Job, picture: Image | None, sheet: Sheet, brush: Brush) -> Mural | None:
+    """Where the canvas is too large to be planned in one piece."""
+    canvas = canvas_for(picture, sheet, brush, job.fit, job.px)
+    if max(canvas.width_px, canvas.height_px) <= LONGEST_PX:
+        return None
+    if picture is None or job.text is not None:
+        raise InputError(f"a text is planned in one piece, of at most {LONGEST_PX} pixels; choose a smaller --px")
+    return Mural(picture, sheet, canvas, job.fit)
 
 
 def _options(job: Job, tubes: tuple[NamedPaint, ...]) -> PlanOptions:

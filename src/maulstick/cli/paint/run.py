@@ -23,6 +23,8 @@ from maulstick.plan.state import read_state
 def begin(job: Job, out: Path, film: Film | None) -> None:
     """Plan what is asked, and write it into the folder `out`."""
     console, prepared = _console(), prepare(job)
+    if film is not None and prepared.mural is not None:
+        raise InputError("--frames films one canvas, and this one is planned in windows; leave it out, or --px smaller")
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced

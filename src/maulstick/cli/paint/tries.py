@@ -19,7 +19,7 @@ from maulstick.cli.paint.prepare import Prepared, prepare
 from maulstick.errors import OutputError
 from maulstick.painting import Painting
 from maulstick.plan.photograph import as_painting, with_figures
-from maulstick.plan.planner import Progress, plan
+from maulstick.plan.planner import Progress
 from maulstick.plan.state import read_state, write_state
 
 _EVERY = 15.0  # seconds between two states on the disk
@@ -46,7 +46,7 @@ def plan_with(prepared: Prepared, out: Path, asked: Job, watch: Watch) -> Painti
         going = going and wanted
         return wanted
 
-    planned = plan(prepared.commission, prepared.options, keep, resume=state)
+    planned = prepared.plan(keep, state)
     painting = as_painting(planned, prepared.layout, prepared.brush, prepared.style, prepared.made, prepared.names)
     return with_figures(painting, prepared.layout, prepared.commission)
 
