@@ -38,7 +38,8 @@ from maulstick.plan.layout import Layout
 from maulstick.plan.objectives import Tone
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
-from maulstick.plan.planner import Progress, Schedule, plan
+from maulstick.plan.planner import Progress, plan
+from maulstick.plan.schedule import Schedule
 from maulstick.plan.terms import Wishes
 from maulstick.style import load_style
 

@@ -46,8 +46,8 @@ BRUSH = "marker"
 SPLITS = 50
 HEIGHT, PX, SHOWN_PX = 0.16, 256, 512
 TONES_ALONE = Wishes(weights={"likeness": 0})
-FULL = PlanOptions(strokes=400, steps=2000)
-QUICK = PlanOptions(strokes=200, steps=150)
+FULL = PlanOptions(strokes=400, exact=True, steps=2000)
+QUICK = PlanOptions(strokes=200, exact=True, steps=150)
 
 
 class Hands:

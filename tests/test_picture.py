@@ -1,11 +1,8 @@
-import hashlib
-import os
 import re
 import struct
 import subprocess
 import sys
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +21,6 @@ from maulstick.picture import (
     decode_png,
     encode_png,
     lay_out,
-    picture_hash,
     read_picture,
     spread,
 )
@@ -300,26 +296,19 @@ def test_a_file_that_is_no_photograph_is_refused_with_those_that_are(tmp_path: P
     )
 
 
-@pytest.mark.parametrize("read", [read_picture, picture_hash])
-def test_a_picture_that_is_missing_empty_or_a_folder_is_refused(tmp_path: Path, read: Callable[[Path], object]) -> None:
+def test_a_picture_that_is_missing_empty_or_a_folder_is_refused(tmp_path: Path) -> None:
     (tmp_path / "empty.png").touch()
     with pytest.raises(InputError, match=r"there is no picture .*none\.png; check its name and folder"):
-        read(tmp_path / "none.png")
+        read_picture(tmp_path / "none.png")
     with pytest.raises(InputError, match=r"the picture .*empty\.png is empty; make or copy it again"):
-        read(tmp_path / "empty.png")
+        read_picture(tmp_path / "empty.png")
     with pytest.raises(InputError, match="is a folder; name the picture itself"):
-        read(tmp_path)
+        read_picture(tmp_path)
 
 
 def test_a_picture_of_no_pixels_cannot_be_asked_for(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the longest side in pixels is 0; it must be at least 1"):
         read_picture(tmp_path / "any.png", 0)
-
-
-def test_the_hash_is_of_the_file(tmp_path: Path) -> None:
-    content = os.urandom(300_000)
-    (tmp_path / "any").write_bytes(content)
-    assert picture_hash(tmp_path / "any") == hashlib.sha256(content).hexdigest()
 
 
 SHEET = Canvas.of_height((0.2, 0.16), 160)  # a pixel is a millimetre

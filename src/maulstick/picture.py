@@ -1,6 +1,5 @@
 """The picture to be painted: any photograph as sRGB, and its place on the canvas."""
 
-import hashlib
 import io
 import warnings
 from contextlib import suppress
@@ -63,15 +62,6 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.
     except Exception as error:  # decoders raise anything on a damaged file
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
-
-
-def picture_hash(path: str | Path) -> str:
-    """SHA-256 of the file at `path`, hexadecimal. Raises InputError where it cannot be read."""
-    try:
-        with file_to_read(path, "picture").open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"cannot read the picture {path}: {error.strerror}") from error
 
 
 def decode_png(content: bytes) -> NDArray[np.float32]:

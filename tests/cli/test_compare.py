@@ -17,7 +17,7 @@ from tests.nominal import nominal
 MADE = Making(
     version="1",
     seed=7,
-    options={"steps": 90, "objectives": {"tone": 1.0, "edges": 0.25}},
+    options={"steps": 90, "weights": {"tone": 1.0, "edges": 0.25}},
     figures={"psnr": 21.26, "ssim": 0.5},
 )
 
@@ -76,7 +76,7 @@ def test_plans_are_told_in_figures_a_column_each(plans: list[Path]) -> None:
         "picture": ["-", "a.jpg"],
         "steps": ["90", "-"],
         "seed": ["7", "0"],
-        "objectives": ["tone 1, edges 0.25", "-"],
+        "weights": ["tone 1, edges 0.25", "-"],
         "psnr when planned": ["21.3", "-"],
         "ssim when planned": ["0.5", "-"],
     }

@@ -167,6 +167,7 @@ def test_a_brush_that_has_changed_since_is_refused(tmp_path: Path, monkeypatch: 
     write_brush(brush, mine)
     with monkeypatch.context() as patch:
         patch.setattr(tries, "_EVERY", 0.0)
+        patch.setattr(tries, "_SHARE", 0)
         patch.setattr("maulstick.cli.paint.tries.with_figures", cut)
         with pytest.raises(PowerCutError):
             paint(tmp_path / "out", "--brush", mine)

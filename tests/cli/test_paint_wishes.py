@@ -100,6 +100,21 @@ def test_another_picture_lends_its_look(tmp_path: Path, clip: tuple[str, ...]) -
     assert "look 0." in told_of_the_loss(ran)
 
 
+def test_clip_can_be_compared_by_layers_that_are_asked_for(tmp_path: Path, clip: tuple[str, ...]) -> None:
+    likeness = ("--weigh", "likeness=1")
+    painting, _ = planned(tmp_path / "out", PORTRAIT, *clip, "--clip-layers", "0,1", *likeness)
+    assert painting.made.options["clip_layers"] == [0, 1]
+    words = [*clip, "--clip-layers", "0,9", *likeness]
+    assert refused(tmp_path / "no", PORTRAIT, *words).startswith("the layer of CLIP is 9; it must be in 0 to")
+    words = [*clip, "--clip-layers", "deep", *likeness]
+    assert refused(tmp_path / "no", PORTRAIT, *words) == "--clip-layers is 'deep'; it must be numbers from 0, as in 2,3"
+
+
+def test_a_network_that_nobody_asks_is_refused(tmp_path: Path, clip: tuple[str, ...]) -> None:
+    said = refused(tmp_path, PORTRAIT, *clip, "--weigh", "likeness=0")
+    assert said == "--clip says which network to ask, and no term asks one; leave it out, or weigh likeness"
+
+
 def test_weights_are_as_they_were_asked_for(tmp_path: Path) -> None:
     words = ("--weigh", "likeness=0", "--weigh", "edges=2", "--weigh", "tone=0.5")
     painting, ran = planned(tmp_path, PORTRAIT, *words)

@@ -14,7 +14,8 @@ from maulstick.plan.commission import Commission, PlanOptions, Weighted
 from maulstick.plan.objectives import Objective
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import Image as Picture
-from maulstick.plan.planner import Plan, Progress, Schedule, plan
+from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.schedule import Schedule
 from maulstick.plan.start import Places, start_strokes
 from maulstick.style import FreeStyle, Style
 from tests.nominal import nominal

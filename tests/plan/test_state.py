@@ -98,3 +98,22 @@ def test_a_file_that_is_no_plan_in_the_making_is_refused(tmp_path: Path) -> None
     write_arrays(file, "ink", {})
     with pytest.raises(InputError, match="holds ink"):
         read_state(file)
+
+
+def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: Commission) -> None:
+    states: list[State] = []
+
+    def note(progress: Progress) -> bool:
+        states.append(progress.state())
+        return True
+
+    wanted = options(steps=20)
+    whole = plan(asked, wanted, note)
+    before = {name: array.copy() for name, array in states[15].items()}
+    assert same(plan(asked, wanted, resume=states[15]), whole)
+    for name, array in before.items():
+        assert np.array_equal(array, states[15][name]), name
+    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+        plan(asked, options(steps=20, strokes=29), resume=states[15])
+    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+        plan(asked, wanted, resume={"numbers": states[15]["numbers"]})

@@ -39,7 +39,7 @@ def refused(text: str) -> pytest.RaisesExc[InputError]:
 
 
 def test_a_picture_alone_is_compared_in_tone_and_by_a_network() -> None:
-    assert Wishes().usual_weights(has_picture=True) == {"tone": 1, "likeness": 1}
+    assert Wishes().weights_of_terms(has_picture=True) == {"tone": 1, "likeness": 1}
     assert names(Wishes()) == (["tone"], ["likeness"])
 
 
@@ -53,7 +53,7 @@ def test_a_text_and_a_look_without_a_picture_are_all_there_is() -> None:
 
 
 def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> None:
-    wishes = Wishes("a boat", weights={"words": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
+    wishes = Wishes(weights={"words": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
     objectives, judges = terms_of(wishes, WITH_PICTURE, TinyNetwork)
     told = {each.term.name: each.weight for each in (*objectives, *judges)}
     assert told == {
@@ -116,11 +116,13 @@ def test_a_weight_of_nothing_needs_nothing() -> None:
 def test_a_painting_of_which_nothing_is_asked_is_refused() -> None:
     text = "nothing is weighed, so any painting would do; give one of the terms a weight above 0"
     with refused(text):
-        Wishes(weights={"tone": 0, "likeness": 0}).usual_weights(has_picture=True)
+        Wishes(weights={"tone": 0, "likeness": 0}).weights_of_terms(has_picture=True)
     with refused(text):
-        Wishes().usual_weights(has_picture=False)
-    with refused(text):
-        terms_of(Wishes("a boat", weights={"words": 0}), WITHOUT_PICTURE, TinyNetwork)
+        Wishes().weights_of_terms(has_picture=False)
+    with refused("words=0 leaves a text out, and there is one; leave one of the two out"):
+        Wishes("a boat", weights={"words": 0})
+    with refused("look=0 leaves the look of a picture out, and there is one; leave one of the two out"):
+        Wishes(look=PICTURE, weights={"look": 0})
 
 
 @pytest.mark.parametrize("name", ["tone", "edges", "likeness", "sketch"])

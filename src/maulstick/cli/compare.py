@@ -155,7 +155,7 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Figures | None"]) -> di
         "picture": [plan.made.image or _NOTHING for plan in plans],
         "steps": [_option(plan, "steps") for plan in plans],
         "seed": [f"{plan.made.seed}" for plan in plans],
-        "objectives": [_option(plan, "objectives") for plan in plans],
+        "weights": [_option(plan, "weights") for plan in plans],
         **{
             f"{name} when planned": [
                 f"{plan.made.figures[name]:.3g}" if name in plan.made.figures else _NOTHING for plan in plans

@@ -1,7 +1,7 @@
 """What watches a plan as it is made: the progress bar, Ctrl-C and the camera."""
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import ceil
 from typing import TYPE_CHECKING
@@ -18,18 +18,23 @@ _FRAMES = 160
 
 
 @contextmanager
-def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float], None]]:
-    """A bar that shows how far planning is, in [0, 1], and the loss, which it is called with."""
+def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
+    """A bar that shows how far planning is, in [0, 1], the loss, and its parts by name, which it is called with."""
     columns = (
         TextColumn(f"{strokes} strokes"),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("loss {task.fields[loss]}"),
+        TextColumn("loss {task.fields[loss]}{task.fields[parts]}"),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console) as bar:
-        task = bar.add_task("planning", total=1.0, loss="…")
-        yield lambda done, loss: bar.update(task, completed=done, loss=f"{loss:.5f}")
+        task = bar.add_task("planning", total=1.0, loss="…", parts="")
+
+        def show(done: float, loss: float, parts: Mapping[str, float]) -> None:
+            shares = ", ".join(f"{name} {part / (loss or 1.0):.0%}" for name, part in parts.items())
+            bar.update(task, completed=done, loss=f"{loss:.5f}", parts=f" ({shares})" if len(parts) > 1 else "")
+
+        yield show
         bar.update(task, completed=1.0)
 
 

@@ -16,19 +16,19 @@ import numpy as np
 import torch
 from torch import Generator, Tensor
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.medium import Brush
 from maulstick.palette import lightness
-from maulstick.plan.attention import attention
 from maulstick.plan.commission import Commission, Neighbours, PlanOptions
 from maulstick.plan.features.efficientnet import EfficientNetLite0
 from maulstick.plan.features.network import Network
+from maulstick.plan.layout import Layout
 from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.photograph import commission_of, importance_of
 from maulstick.plan.planner import Plan, Progress, plan
 from maulstick.plan.start import Places, start_strokes
 from maulstick.plan.state import State
-from maulstick.plan.terms import Sight, Wishes, terms_of
+from maulstick.plan.terms import Wishes
 from maulstick.plan.windows import Image, Mural, Windows, enlarged
 from maulstick.plan.work import as_array
 from maulstick.style import Style
@@ -61,7 +61,7 @@ def plan_mural(
     resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
     Raises InputError for a text: every window would be made to show it.
     """
-    if "words" in wishes.usual_weights(has_picture=True):
+    if "words" in wishes.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
@@ -88,9 +88,7 @@ class _Planning:
         self._mural, self._brush, self._style, self._options = mural, brush, style, options
         self._wishes, self._network = wishes, network
         self._whole = mural.overview(window_px)
-        assert self._whole.target is not None
-        self._weights = np.ones(self._whole.under.shape[:2], dtype=np.float32)
-        self._whole.crop(self._weights)[:] = attention(self._whole.crop(self._whole.target))
+        self._importance = importance_of(self._whole)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
         self._all: Plan | None = None
         self._finished, self._over = torch.zeros(0, dtype=torch.bool), 0
@@ -142,8 +140,7 @@ class _Planning:
         return {**state, "over": np.array(self._over), **{_ALL + name: each.numpy() for name, each in tensors.items()}}
 
     def _plan_whole(self, watch: Watch, begun: State | None) -> None:
-        assert self._whole.target is not None
-        asked = self._commission(self._whole.target, self._whole.under, self._weights, self._whole.canvas)
+        asked = self._commission(self._whole, self._importance, self._options)
         planned = plan(asked, self._options, watch, resume=begun)
         light_first = np.argsort(-lightness(as_array(planned.paints)), kind="stable")  # as the planner sorts a palette
         paint_of = torch.from_numpy(np.argsort(light_first))[planned.paint_of]
@@ -162,16 +159,13 @@ class _Planning:
         mine = ((first > -_SLACK) & (last < size + _SLACK)).all(dim=1) & ~self._finished
         near = ((last > -reach) & (first < size + reach)).all(dim=1) & ~mine
         if mine.any():
-            asked = self._commission(
-                self._mural.target(box),
-                self._mural.under(box),
-                enlarged(self._weights, self._mural.canvas, box),
-                canvas,
-            )
+            options = self._options_for(int(mine.sum()), paints)
+            importance = enlarged(self._importance, self._mural.canvas, box)
+            asked = self._commission(self._mural.window(box), importance, options)
             asked = replace(asked, neighbours=Neighbours(trajectories[near], paints[before.paint_of[near]]))
             start = before.strokes[mine]
             start = replace(start, centres=start.centres - corner)
-            planned = plan(asked, self._options_for(len(start), paints), watch, start=start, resume=begun)
+            planned = plan(asked, options, watch, start=start, resume=begun)
             self._put(before, ~mine, planned, planned.strokes.centres + corner)
         self._over += 1
 
@@ -191,14 +185,9 @@ class _Planning:
         self._all = Plan(StrokeParameters(**both), before.paints, paint_of)
         self._finished = torch.cat([self._finished[others], finished])
 
-    def _commission(self, target: Image, under: Image, weights: Image, canvas: Canvas) -> Commission:
-        """Of all or a part of the sheet; rendered on a GPU where there is one."""
-        device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-        wanted, paper = (torch.from_numpy(x).permute(2, 0, 1).contiguous().to(device) for x in (target, under))
-        there = torch.from_numpy(weights).to(device)
-        sight = Sight(wanted, there, torch.tensor(self._mural.sheet.paper, device=device), self._options.one_ink)
-        terms = terms_of(self._wishes, sight, self._network)
-        return Commission(wanted, paper, there, canvas, self._brush, self._style, *terms)
+    def _commission(self, layout: Layout, importance: Image, options: PlanOptions) -> Commission:
+        """Of all or a part of the sheet."""
+        return commission_of(layout, self._brush, self._style, options, self._wishes, self._network, importance)
 
 
 def _margin(mural: Mural, brush: Brush, style: Style, options: PlanOptions) -> int:

@@ -36,19 +36,27 @@ def commission_of(
     options: PlanOptions,
     wishes: Wishes = _NO_WISHES,
     network: Callable[[], Network] = EfficientNetLite0,
+    importance: Image | None = None,
 ) -> Commission:
     """What a sheet that is laid out asks of the planner, with those wishes; `network` is called where it is needed.
 
-    Rendered on a GPU where there is one.
+    importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
+    Rendered on a GPU where there is one. Raises InputError for wishes that cannot be fulfilled.
     """
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    importance = np.ones(layout.under.shape[:2], dtype=np.float32)
-    if layout.target is not None:
-        layout.crop(importance)[:] = attention(layout.crop(layout.target))
-    paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
+    counts = importance_of(layout) if importance is None else importance
+    paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(counts).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
     sight = Sight(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
     return Commission(target, paper, weights, layout.canvas, brush, style, *terms_of(wishes, sight, network))
+
+
+def importance_of(layout: Layout) -> Image:
+    """How much each pixel of the canvas counts, (H, W): faces more than the rest of the picture."""
+    importance = np.ones(layout.under.shape[:2], dtype=np.float32)
+    if layout.target is not None:
+        layout.crop(importance)[:] = attention(layout.crop(layout.target))
+    return importance
 
 
 def _channels_first(image: Image) -> torch.Tensor:

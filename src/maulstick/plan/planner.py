@@ -20,6 +20,7 @@ from maulstick.plan.commission import Commission, PlanOptions
 from maulstick.plan.descent import Descent
 from maulstick.plan.judgement import Judgement
 from maulstick.plan.parameters import StrokeParameters
+from maulstick.plan.schedule import GIVEN_PAINTS, Schedule
 from maulstick.plan.state import State, chance_state, restore_chance
 from maulstick.plan.work import Work, as_array
 from maulstick.plan.worth import View, coverage, recolouring_costs, removal_costs
@@ -30,26 +31,6 @@ _HOLD = 30.0
 _JUDGED_BY = 256
 _RESPENT = 0.1
 _HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
-
-
-@dataclass(frozen=True)
-class Schedule:
-    """When what happens, each as a share of all steps.
-
-    sorts: strokes are put in order from light to dark.  respends: the strokes that would be missed least begin anew.
-    snap: free colours become paints; with `grouped`, all strokes of a paint then stand together.
-    repaints: of paints that are given, strokes take others where that is better.
-    """
-
-    sorts: tuple[float, ...] = tuple(0.025 * i for i in range(24))
-    respends: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
-    snap: float = 0.6
-    repaints: tuple[float, ...] = ()
-    grouped: bool = True
-
-
-GIVEN_PAINTS = Schedule(snap=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
-"""Paints that are given may be far from the colours that strokes would choose, so shapes need longer to adapt."""
 
 
 @dataclass(frozen=True)
@@ -91,13 +72,17 @@ def plan(
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
     schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
+    Raises InputError for another number of strokes to start with, and a state of another plan.
     """
     if start is not None and len(start) != options.strokes:
         raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
     schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
     planning = _Planning(commission, options, schedule, start)
     if resume is not None:
-        planning.restore(resume)
+        try:
+            planning.restore(resume)
+        except (KeyError, ValueError, RuntimeError) as error:
+            raise InputError("what there is to go on from is no plan of this commission; plan anew") from error
     while not planning.done:
         if not watch(planning.advance()):
             planning.hurry()
@@ -151,6 +136,7 @@ class _Planning:
             self._progress = _HURRIED_FROM
         self._stride = max(self._stride, (1 - self._progress) / _HURRIED_STEPS)
         self._respent = len(self._schedule.respends)
+        self._repainted = sum(share < self._progress for share in self._schedule.repaints)
 
     def advance(self) -> Progress:
         """Whatever the schedule has for now, and a step."""
@@ -186,7 +172,7 @@ class _Planning:
         self._taken, self._sorted, self._respent, self._repainted = (int(count) for count in counts)
         self._work.restore(state)
         if "paints" in state and self._work.paints is None:
-            self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"]))
+            self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
         if self._judgement is not None:
             self._judgement.restore(state)

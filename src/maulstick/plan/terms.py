@@ -31,7 +31,7 @@ class Wishes:
     """What the painting should be like, beside the picture that it is of.
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
-    weights: of the terms by name, 1 for the usual; those left out are weighed as `usual_weights` says.
+    weights: of the terms by name, 1 for the usual; those left out are weighed as `weights_of_terms` says.
     """
 
     text: str | None = None
@@ -39,15 +39,18 @@ class Wishes:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        given = {"words": self.text, "look": self.look}
         for name, weight in self.weights.items():
             if name not in STRENGTHS:
                 raise InputError.of_choice("term to weigh", name, STRENGTHS)
             if not 0 <= weight <= _HEAVIEST:
                 raise InputError.of_range(f"the weight of {name}", weight, f"from 0 to {_HEAVIEST}")
-            if weight and getattr(self, {"words": "text"}.get(name, name), True) is None:
+            if name in given and weight and given[name] is None:
                 raise InputError(f"{name} weighs {_NEEDS[name]}, and there is none; give it, or leave the weight out")
+            if name in given and not weight and given[name] is not None:
+                raise InputError(f"{name}=0 leaves {_NEEDS[name]} out, and there is one; leave one of the two out")
 
-    def usual_weights(self, *, has_picture: bool) -> dict[str, float]:
+    def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
         """All terms that count. Raises InputError where none does, or one needs a picture and there is none."""
         asked = {"words": self.text is not None, "look": self.look is not None}
         weights = {"tone": has_picture, "likeness": has_picture, **asked, **self.weights}
@@ -77,7 +80,7 @@ def terms_of(
     network = cache(network)  # which takes seconds and a lot of memory to load
     objectives: list[Weighted[Objective]] = []
     judges: list[Weighted[Judge]] = []
-    for name, weight in wishes.usual_weights(has_picture=sight.target is not None).items():
+    for name, weight in wishes.weights_of_terms(has_picture=sight.target is not None).items():
         strength = weight * STRENGTHS[name]
         if name in ("tone", "edges"):
             objectives.append(Weighted(_objective(name, sight), strength))
@@ -87,7 +90,7 @@ def terms_of(
 
 
 def _objective(name: str, sight: Sight) -> Objective:
-    assert sight.target is not None  # `Wishes.usual_weights` has seen to it
+    assert sight.target is not None  # `Wishes.weights_of_terms` has seen to it
     if name == "edges":
         return Edges(sight.target, sight.weights)
     return Tone(sight.target, sight.weights, halftone=sight.one_ink)

@@ -69,6 +69,12 @@ class Mural:
             target[rows, columns] = _drawn(self.picture, self._place, shown)
         return target
 
+    def window(self, box: Box) -> Layout:
+        """The box alone, all of which is picture."""
+        canvas = self.part(box)
+        area = (0.0, 0.0, canvas.width, canvas.height)
+        return Layout(canvas, self.sheet, self.under(box), self.target(box), area)
+
     @cached_property
     def _photograph(self) -> Image | None:
         return None if self.sheet.picture is None else decode_png(self.sheet.picture)

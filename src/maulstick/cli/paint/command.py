@@ -73,7 +73,7 @@ def paint(
         _liking(metavar="MODEL", show_default="RN101 with --text", help="Look through CLIP: RN101, ViT-B-32, …"),
     ] = None,
     clip_weights: Annotated[
-        Path | None, _liking(metavar="FILE", help="Its weights: .safetensors, or a file that open_clip saved.")
+        Path | None, _liking(metavar="FILE", help="Its weights; OpenAI's, unless --clip names another set: MODEL:SET.")
     ] = None,
     clip_layers: Annotated[
         str | None,
@@ -114,6 +114,7 @@ def paint(
 
         go_on(resume)
         return
+    _check("--strokes", strokes, 1, _MOST_STROKES)
     job = Job(
         photo=_picture_path(photo, demo, text),
         text=_a_text(text),
@@ -138,11 +139,9 @@ def paint(
         px=px,
         seed=seed,
         tries=tries,
+        frames=frames,
     )
     _check_words(job)
-    film = Film(frames) if frames is not None else None
-    if film is not None and tries > 1:
-        raise InputError("--frames films one plan, and --tries makes several; leave one of them out")
     if state_files(out) and not overwrite:
         raise OutputError(
             f"the folder {out} holds a plan that was cut off; go on with maulstick paint --resume {out}, "
@@ -151,7 +150,7 @@ def paint(
     check_free(out, overwrite)
     from maulstick.cli.paint.run import begin  # loads torch
 
-    begin(job, out, film)
+    begin(job, out)
 
 
 def _check_words(job: Job) -> None:
@@ -164,12 +163,15 @@ def _check_words(job: Job) -> None:
         parse_colour(job.ink)
     if job.fit not in FITS:
         raise InputError.of_choice("fit", job.fit, FITS)
-    _check("--strokes", job.strokes, 1, _MOST_STROKES)
     _check("--steps", job.steps, 1, _MOST_STEPS)
     _check("--ask-every", job.ask_every, 1, _MOST_STEPS)
     _check("--px", job.px, _FEWEST_PX, _MOST_PX)
     _check("--tries", job.tries, 1, _MOST_TRIES)
     _check("--seed", job.seed, 0, _MOST_SEED + 1 - job.tries)
+    if job.frames is not None:
+        Film(job.frames)
+        if job.tries > 1:
+            raise InputError("--frames films one plan, and --tries makes several; leave one of them out")
     if job.canvas is not None and parse_colour(job.paper) != (1.0, 1.0, 1.0):
         raise InputError("--canvas shows the sheet as it is, and --paper its colour; leave one of them out")
 

@@ -41,11 +41,12 @@ class Job:
     px: int | None
     seed: int
     tries: int
+    frames: str | None
     sums: dict[str, str] = field(default_factory=dict)
 
     @property
     def names_clip(self) -> bool:
-        """Whether networks are to be CLIP, though nothing needs it."""
+        """Whether networks are asked to be CLIP, by any of its words."""
         return any(word is not None for word in (self.clip, self.clip_weights, self.clip_layers))
 
     def with_sums(self, more: dict[str, str]) -> "Job":
@@ -84,7 +85,7 @@ def state_file(out: Path, seed: int) -> Path:
 
 def state_files(out: Path) -> list[Path]:
     """All plans in the making in the folder `out`."""
-    return sorted(out.glob("plan-*.npz"))
+    return sorted(file for file in out.glob("plan-*.npz") if file.stem.removeprefix("plan-").isdigit())
 
 
 def file_sum(path: Path) -> str:

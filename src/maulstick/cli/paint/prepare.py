@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -45,6 +46,7 @@ class Prepared:
     names: dict[str, str]
     mural: Mural | None
     wishes: Wishes
+    network: Callable[[], Network]
 
     def plan(self, watch: Callable[[Progress], bool], resume: State | None) -> Plan:
         """Plan it, in windows where it is large."""
@@ -57,15 +59,17 @@ class Prepared:
             self.options,
             watch,
             wishes=self.wishes,
-            network=lambda: _network(self.job),
+            network=self.network,
             resume=resume,
         )
 
 
 def prepare(job: Job) -> Prepared:
-    """Read all files of the job. Raises InputError for the first that cannot be used."""
+    """Read all files of the job. Raises InputError for the first that cannot be used, and where words contradict."""
     brush, sheet = load_brush(job.brush), _sheet(job)
     tubes = read_paints(job.paints_from) if job.paints_from is not None else ()
+    if len(tubes) > job.strokes:
+        raise InputError.of_range("the number of paints", len(tubes), f"at most the {job.strokes} strokes")
     options = _options(job, tubes)
     picture = read_picture(job.photo, longest_px=_READ_PX) if job.photo is not None else None
     mural = _mural(job, picture, sheet, brush)
@@ -75,17 +79,19 @@ def prepare(job: Job) -> Prepared:
     wishes = Wishes(job.text, look, job.weigh)
     known = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     job = job.with_sums({**known, "the style": style.hash})
-    commission = commission_of(layout, brush, style, options, wishes, lambda: _network(job))
+    network = cache(partial(_network, job))
+    commission = commission_of(layout, brush, style, options, wishes, network)
     if job.names_clip and not commission.judges:
         raise InputError("--clip says which network to ask, and no term asks one; leave it out, or weigh likeness")
-    weights = wishes.usual_weights(has_picture=picture is not None)
-    words = {name: value for name, value in vars(job).items() if name not in ("photo", "weigh", "sums")}
-    asked = {name: value.name if isinstance(value, Path) else value for name, value in words.items()}
+    weights = wishes.weights_of_terms(has_picture=picture is not None)
+    untold = ("photo", "weigh", "sums", "frames")
+    words = {name: value for name, value in job.as_json().items() if name not in untold}
+    asked = {name: vars(job)[name].name if isinstance(vars(job)[name], Path) else words[name] for name in words}
     name, sha256 = (job.photo.name, job.sums[str(job.photo)]) if job.photo is not None else (None, None)
     used = {"brush": brush.name, "style": style.name, "weights": dict(weights)}
     made = making(options, name, sha256, {**asked, **used})
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
-    return Prepared(job, layout, brush, style, options, commission, made, names, mural, wishes)
+    return Prepared(job, layout, brush, style, options, commission, made, names, mural, wishes, network)
 
 
 def _mural(job: Job, picture: Image | None, sheet: Sheet, brush: Brush) -> Mural | None:

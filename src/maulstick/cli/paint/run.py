@@ -20,20 +20,20 @@ from maulstick.plan.planner import Progress
 from maulstick.plan.state import read_state
 
 
-def begin(job: Job, out: Path, film: Film | None) -> None:
+def begin(job: Job, out: Path) -> None:
     """Plan what is asked, and write it into the folder `out`."""
     console, prepared = _console(), prepare(job)
-    if film is not None and prepared.mural is not None:
+    if job.frames is not None and prepared.mural is not None:
         raise InputError("--frames films one canvas, and this one is planned in windows; leave it out, or --px smaller")
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
             file.unlink()
-        _run(prepared, out, film, console)
+        _run(prepared, out, console)
 
 
 def go_on(out: Path) -> None:
-    """Go on with the plan that was cut off in the folder `out`.
+    """Go on with the plan that was cut off in the folder `out`; a film of it begins here.
 
     Raises InputError where there is none, or what it was made with has changed.
     """
@@ -43,10 +43,11 @@ def go_on(out: Path) -> None:
     job = Job.from_json(read_state(files[0])[1], files[0])
     prepared = prepare(job)
     job.check_unchanged(prepared.job.sums)
-    _run(prepared, out, None, _console())
+    _run(prepared, out, _console())
 
 
-def _run(prepared: Prepared, out: Path, film: Film | None, console: Console) -> None:
+def _run(prepared: Prepared, out: Path, console: Console) -> None:
+    film = Film(prepared.job.frames) if prepared.job.frames is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted:
         with progress_bar(console, prepared.job.strokes) as show:
@@ -56,7 +57,7 @@ def _run(prepared: Prepared, out: Path, film: Film | None, console: Console) -> 
                 camera = Camera(film, prepared.job.steps) if film is not None else None
 
                 def watch(step: Progress) -> bool:
-                    show(step.done, step.loss)
+                    show(step.done, step.loss, step.parts)
                     if camera is not None:
                         camera.watch(step)
                     return wanted()

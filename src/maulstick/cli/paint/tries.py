@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
@@ -22,7 +22,8 @@ from maulstick.plan.photograph import as_painting, with_figures
 from maulstick.plan.planner import Progress
 from maulstick.plan.state import read_state, write_state
 
-_EVERY = 15.0  # seconds between two states on the disk
+_EVERY = 15.0  # seconds between two states on the disk, at least
+_SHARE = 20  # times as long as writing one takes
 _TOLD_EVERY = 0.2  # seconds between two words of a process
 
 Watch = Callable[[Progress], bool]
@@ -35,14 +36,16 @@ def plan_with(prepared: Prepared, out: Path, asked: Job, watch: Watch) -> Painti
     """
     file, task = state_file(out, prepared.options.seed), asked.as_json()
     state = read_state(file)[0] if file.is_file() else None
-    kept, going = time.monotonic(), True
+    due, going = time.monotonic() + _EVERY, True
 
     def keep(progress: Progress) -> bool:
-        nonlocal kept, going
+        nonlocal due, going
         wanted = watch(progress)
-        if going and (not wanted or time.monotonic() - kept > _EVERY):
+        if going and (not wanted or time.monotonic() > due):
+            started = time.monotonic()
             write_state(file, progress.state(), task)
-            kept = time.monotonic()
+            taken = time.monotonic() - started
+            due = time.monotonic() + max(_EVERY, _SHARE * taken)
         going = going and wanted
         return wanted
 
@@ -52,7 +55,7 @@ def plan_with(prepared: Prepared, out: Path, asked: Job, watch: Watch) -> Painti
 
 
 def plan_in_processes(
-    job: Job, out: Path, show: Callable[[float, float], None], wanted: Callable[[], bool]
+    job: Job, out: Path, show: Callable[[float, float, Mapping[str, float]], None], wanted: Callable[[], bool]
 ) -> Painting:
     """The best of as many plans as are to be tried, each from a seed of its own and in a process of its own."""
     seeds = range(job.seed, job.seed + job.tries)
@@ -67,7 +70,7 @@ def plan_in_processes(
                 with suppress(Empty):
                     seed, done, loss = words.get(timeout=_TOLD_EVERY)
                     said[seed] = (done, loss)
-                    show(sum(done for done, _ in said.values()) / len(said), min(loss for _, loss in said.values()))
+                    show(sum(done for done, _ in said.values()) / len(said), min(loss for _, loss in said.values()), {})
                 if not wanted():
                     stop.set()
             paintings = [each.result() for each in tries]

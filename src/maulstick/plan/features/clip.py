@@ -5,8 +5,11 @@ from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from pickle import UnpicklingError
+from socket import getaddrinfo
 from textwrap import shorten
 from typing import Any, Final
+from urllib.parse import urlsplit
+from urllib.request import getproxies
 
 import torch
 from torch import Tensor
@@ -135,6 +138,10 @@ def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
 
     if not made:
         raise InputError(f"nobody publishes weights of {name}; give a file of them with --clip-weights")
+    from huggingface_hub import constants
+
+    before = constants.HF_HUB_OFFLINE
+    constants.HF_HUB_OFFLINE = before or not _reachable(constants.ENDPOINT)  # or it tries again for a minute
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about accounts and speed
@@ -144,6 +151,16 @@ def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
             f"the {tag} weights of {name} are not on this machine and cannot be fetched; "
             "give a file of them with --clip-weights, or try again with a network"
         ) from error
+    finally:
+        constants.HF_HUB_OFFLINE = before
+
+
+def _reachable(address: str) -> bool:
+    """Whether anybody knows where that is, or a proxy is to be asked."""
+    try:
+        return bool(getproxies() or getaddrinfo(urlsplit(address).hostname, None))
+    except OSError:
+        return False
 
 
 def _spread(count: int) -> tuple[int, ...]:

@@ -66,9 +66,8 @@ class Likeness(Judge):
 
     @torch.no_grad()
     def _look_at_target(self, which: Sequence[int]) -> None:
-        if which:
-            for view, *parts in zip(which, *self._features(self._target, which), strict=True):
-                self._wanted[view] = parts
+        for view in which:  # one by one: what a network says of several at once differs in the last bits
+            self._wanted[view] = [part[0] for part in self._features(self._target, [view])]
 
     def _features(self, image: Tensor, which: Sequence[int]) -> list[Tensor]:
         """Maps (B, C, h, w) and last the embedding (B, D), all of unit vectors."""

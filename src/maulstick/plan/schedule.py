@@ -1,0 +1,23 @@
+"""What happens when while a plan is made."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When what happens, each as a share of all steps.
+
+    sorts: strokes are put in order from light to dark.  respends: the strokes that would be missed least begin anew.
+    snap: free colours become paints; with `grouped`, all strokes of a paint then stand together.
+    repaints: of paints that are given, strokes take others where that is better.
+    """
+
+    sorts: tuple[float, ...] = tuple(0.025 * i for i in range(24))
+    respends: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+    snap: float = 0.6
+    repaints: tuple[float, ...] = ()
+    grouped: bool = True
+
+
+GIVEN_PAINTS = Schedule(snap=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
+"""Paints that are given may be far from the colours that strokes would choose, so shapes need longer to adapt."""
