@@ -32,12 +32,14 @@ from maulstick.plan.objectives import Judge, Likeness
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import commission_of
 from maulstick.plan.planner import Plan, Progress, plan
+from maulstick.plan.terms import Wishes
 from maulstick.plan.work import Work
 from maulstick.style import load_style
 from maulstick.threads import usual_torch_threads
 
 PX, STEPS, EVERY = 256, 2000, 10
 AT_ONCE, EXAM, EXAMINED_EVERY = 2, 16, 100
+LIKENESS = Wishes(weights={"likeness": 1.0})
 Row = dict[str, object]
 Curve = list[tuple[int, float]]
 Seen = Callable[[Tensor], None]
@@ -132,7 +134,7 @@ def few_calls_time(image: str) -> Row:
 def _commission(image: str, options: PlanOptions, network: Network) -> Commission:
     layout = laid_out(image, PX)
     style = load_style("free", layout.canvas)
-    return commission_of(layout, BRUSH, style, options, network=lambda: network)
+    return commission_of(layout, BRUSH, style, options, LIKENESS, lambda: network)
 
 
 def _few(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:

@@ -48,7 +48,7 @@ from few_calls import few_calls, few_calls_time
 from frida import anywhere
 
 PUBLISHED = Schedule(sorts=(), respends=(), snap=0.9, grouped=False)
-TONES = Wishes(weights={"likeness": 0.0})
+TONES, LIKENESS = Wishes(), Wishes(weights={"likeness": 1.0})
 SEEN = 2 / 255
 SIZES = ((400, 256), (400, 512), (400, 1024), (1600, 512), (1600, 1024), (6400, 1024), (10_000, 1536))
 Row = dict[str, object]
@@ -57,7 +57,7 @@ Row = dict[str, object]
 def paint(name: str, layout: Layout, options: PlanOptions) -> Painting:
     """As the rows are called."""
     style = load_style("free", layout.canvas)
-    commission = commission_of(layout, BRUSH, style, options, Wishes() if name == "likeness" else TONES)
+    commission = commission_of(layout, BRUSH, style, options, LIKENESS if name == "likeness" else TONES)
     if name == "paper":
         assert commission.target is not None
         even = torch.ones_like(commission.weights)

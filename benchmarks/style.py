@@ -32,7 +32,6 @@ from recordings import mocap_hands, mouse_hands, wacom_drawings
 from maulstick.plan.commission import PlanOptions
 from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
 from maulstick.plan.planner import plan
-from maulstick.plan.terms import Wishes
 from maulstick.strokes import Strokes
 from maulstick.style import shape
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
@@ -48,7 +47,6 @@ FEW, DRAWN, SEEDS = 20, 300, 5
 SHEET, SHEETS, SPLITS = 20, 100, 10
 HELD = (1.0, 1.5, 4.0, float("inf"))
 ENOUGH = 40
-TONES = Wishes(weights={"likeness": 0.0})
 
 
 def paths_of(strokes: Strokes) -> Floats:
@@ -251,7 +249,7 @@ def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list
     if held is not None:
         style = replace(style, held=held)
     layout, options = laid_out("astronaut", 256), PlanOptions(seed=seed)
-    planned = plan(commission_of(layout, BRUSH, style, options, TONES), options)
+    planned = plan(commission_of(layout, BRUSH, style, options), options)
     painting = as_painting(planned, layout, BRUSH, style, making(options))
     if likeness is not None:
         figures = figures_of(painting, layout)

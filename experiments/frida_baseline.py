@@ -33,7 +33,6 @@ from maulstick.plan.commission import PlanOptions
 from maulstick.plan.layout import Layout, lay_out_for
 from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
 from maulstick.plan.planner import plan
-from maulstick.plan.terms import Wishes
 from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
 from maulstick.style.store import read_style, style_path
 
@@ -45,7 +44,6 @@ WAYS = ("frida", "bezier", *HANDS)
 BRUSH = "marker"
 SPLITS = 50
 HEIGHT, PX, SHOWN_PX = 0.16, 256, 512
-TONES_ALONE = Wishes(weights={"likeness": 0})
 FULL = PlanOptions(strokes=400, exact=True, steps=2000)
 QUICK = PlanOptions(strokes=200, exact=True, steps=150)
 
@@ -86,7 +84,7 @@ def paint(way: str, layout: Layout, options: PlanOptions) -> Painting:
     """Plan a picture that is laid out."""
     brush = load_brush(BRUSH)
     style = read_style(style_path(way)) if way in HANDS else Bezier()
-    commission = commission_of(layout, brush, style, options, TONES_ALONE)
+    commission = commission_of(layout, brush, style, options)
     if way == "frida":
         start = anywhere(commission, options.strokes, torch.Generator().manual_seed(options.seed))
         planned = plan_plainly(

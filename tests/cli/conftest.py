@@ -19,7 +19,7 @@ from maulstick.cli import main
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 PORTRAIT = str(Path(data_dir) / "astronaut.png")
-QUICK = ("--steps", "30", "--strokes", "20", "--px", "48", "--weigh", "likeness=0")
+QUICK = ("--steps", "30", "--strokes", "20", "--px", "48")
 RESULTS = ["painting.json", "painting.svg", "palette.png", "preview.png"]
 
 

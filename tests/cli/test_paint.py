@@ -44,7 +44,7 @@ def test_the_summary_goes_to_standard_output_and_the_bar_to_standard_error(paint
     words = " ".join(ran.stdout.split())
     assert f"│ strokes │ {len(painting.strokes)} │" in words
     assert f"│ paints │ {len(painting.paints)} (changes: {painting.paint_changes()}) │" in words
-    assert re.search(r"│ likeness │ \d+\.\d dB PSNR, 0\.\d\d SSIM │", words)
+    assert re.search(r"│ beside the picture │ \d+\.\d dB PSNR, 0\.\d\d SSIM │", words)
     assert f"│ files │ {', '.join(RESULTS)} │" in words
     assert re.search(r"^20 strokes .* 100 % loss 0\.\d{5} 0:00:00$", ran.stderr, re.MULTILINE)
     assert "\x1b" not in ran.stdout + ran.stderr

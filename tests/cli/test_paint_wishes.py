@@ -59,8 +59,14 @@ def refused(folder: Path, *words: str | Path) -> str:
     return ran.mistake
 
 
-def test_a_picture_is_usually_painted_in_its_tones_and_for_its_likeness(tmp_path: Path) -> None:
+def test_a_picture_is_usually_painted_in_its_tones_alone(tmp_path: Path) -> None:
     painting, ran = planned(tmp_path, PORTRAIT)
+    assert painting.made.options["weights"] == {"tone": 1.0}
+    assert told_of_the_loss(ran) == f"tone {painting.made.figures['tone']:.5f} (100%)"
+
+
+def test_the_table_tells_the_share_of_each_term(tmp_path: Path) -> None:
+    painting, ran = planned(tmp_path, PORTRAIT, "--weigh", "likeness=1")
     assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0}
     figures = painting.made.figures
     assert figures["loss"] == pytest.approx(figures["tone"] + figures["likeness"])
@@ -116,7 +122,7 @@ def test_a_network_that_nobody_asks_is_refused(tmp_path: Path, clip: tuple[str, 
 
 
 def test_weights_are_as_they_were_asked_for(tmp_path: Path) -> None:
-    words = ("--weigh", "likeness=0", "--weigh", "edges=2", "--weigh", "tone=0.5")
+    words = ("--weigh", "edges=2", "--weigh", "tone=0.5")
     painting, ran = planned(tmp_path, PORTRAIT, *words)
     assert painting.made.options["weights"] == {"tone": 0.5, "edges": 2.0}
     assert [part.split()[0] for part in told_of_the_loss(ran).split(", ")] == ["tone", "edges"]

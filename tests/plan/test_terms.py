@@ -38,13 +38,13 @@ def refused(text: str) -> pytest.RaisesExc[InputError]:
     return pytest.raises(InputError, match=f"^{re.escape(text)}$")
 
 
-def test_a_picture_alone_is_compared_in_tone_and_by_a_network() -> None:
-    assert Wishes().weights_of_terms(has_picture=True) == {"tone": 1, "likeness": 1}
-    assert names(Wishes()) == (["tone"], ["likeness"])
+def test_a_picture_alone_is_compared_in_tone_alone() -> None:
+    assert Wishes().weights_of_terms(has_picture=True) == {"tone": 1}
+    assert names(Wishes()) == (["tone"], [])
 
 
 def test_a_text_or_a_look_beside_a_picture_adds_to_it() -> None:
-    assert names(Wishes("a boat", PICTURE)) == (["tone"], ["likeness", "words", "look"])
+    assert names(Wishes("a boat", PICTURE)) == (["tone"], ["words", "look"])
 
 
 def test_a_text_and_a_look_without_a_picture_are_all_there_is() -> None:
@@ -86,7 +86,7 @@ def test_with_one_ink_colours_are_not_compared() -> None:
     shades = grey + torch.tensor([0.2, 0.0, -0.2 * 0.2126 / 0.0722])[:, None, None]  # of the same luma
     for one_ink in (True, False):
         _, (judge,) = terms_of(
-            Wishes(weights={"tone": 0}), Sight(grey, torch.ones(30, 40), PAPER, one_ink), TinyNetwork
+            Wishes(weights={"tone": 0, "likeness": 1}), Sight(grey, torch.ones(30, 40), PAPER, one_ink), TinyNetwork
         )
         assert (judge.term.losses(shades, [0]).item() < 1e-6) is one_ink
 
@@ -110,7 +110,7 @@ def test_weights_that_cannot_be_used_are_refused(weights: Mapping[str, float], t
 
 
 def test_a_weight_of_nothing_needs_nothing() -> None:
-    assert names(Wishes(weights={"words": 0, "look": 0})) == (["tone"], ["likeness"])
+    assert names(Wishes(weights={"words": 0, "look": 0})) == (["tone"], [])
 
 
 def test_a_painting_of_which_nothing_is_asked_is_refused() -> None:

@@ -53,7 +53,7 @@ class Wishes:
     def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
         """All terms that count. Raises InputError where none does, or one needs a picture and there is none."""
         asked = {"words": self.text is not None, "look": self.look is not None}
-        weights = {"tone": has_picture, "likeness": has_picture, **asked, **self.weights}
+        weights = {"tone": has_picture, **asked, **self.weights}
         counting = {name: float(weight) for name, weight in weights.items() if weight}
         if not counting:
             raise InputError("nothing is weighed, so any painting would do; give one of the terms a weight above 0")

@@ -76,7 +76,8 @@ def prepare(job: Job) -> Prepared:
     layout = lay_out_for(picture, sheet, brush, job.fit, job.px) if mural is None else mural.overview(LONGEST_PX)
     style = load_style(job.style, layout.canvas)
     look = read_picture(job.look, longest_px=_SHEET_PX) if job.look is not None else None
-    wishes = Wishes(job.text, look, job.weigh)
+    asks_clip = {"likeness": 1.0} if job.names_clip and job.photo is not None else {}
+    wishes = Wishes(job.text, look, {**asks_clip, **job.weigh})
     known = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     job = job.with_sums({**known, "the style": style.hash})
     network = cache(partial(_network, job))
