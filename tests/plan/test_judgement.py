@@ -80,9 +80,9 @@ def test_several_judges_add_up_and_each_is_told_apart(painted: Tensor) -> None:
 def test_a_call_goes_through_different_views_of_those_that_there_are() -> None:
     judge = Shifted(TARGET)
     judgement, views = Judgement([Weighted(judge, 1.0)], PAPER), chance()
-    for _ in range(5):
+    for _ in range(20):
         judgement.ask(CANVAS, views)
-    assert judgement.calls == len(judge.asked) == 5
+    assert judgement.calls == len(judge.asked) == 20
     assert all(len(set(call)) == len(call) for call in judge.asked)
     assert {view for call in judge.asked for view in call} == set(range(judge.views))
 
