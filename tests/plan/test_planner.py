@@ -15,7 +15,7 @@ from maulstick.plan.objectives import Objective
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.planner import Plan, Progress, plan
-from maulstick.plan.schedule import Schedule
+from maulstick.plan.schedule import GIVEN_PAINTS, Schedule
 from maulstick.plan.start import Places, start_strokes
 from maulstick.style import FreeStyle, Style
 from tests.nominal import nominal
@@ -163,6 +163,24 @@ def test_a_white_picture_is_left_nearly_bare(name: str, paints: int | None) -> N
     found = plan(asked, options(paints=paints, steps=30))
     assert len(found.strokes) <= 3
     assert rendered(asked, found).min() > 0.98
+
+
+TUBES = ((0.1, 0.1, 0.1), (0.95, 0.95, 0.9), (0.75, 0.3, 0.15), (0.2, 0.3, 0.5))
+
+
+def test_given_paints_are_used_as_they_are_the_lightest_first(asked: Commission) -> None:
+    found = plan(asked, options(paints=None, palette=TUBES))
+    assert found.paints.tolist() == [pytest.approx(TUBES[i]) for i in (1, 2, 3, 0)]
+    assert 2 <= changes(found) <= 3
+    assert mse(rendered(asked, found), asked.target) < 0.3 * mse(asked.paper, asked.target)
+
+
+def test_strokes_take_other_paints_of_those_given_where_that_is_better(asked: Commission) -> None:
+    given = options(paints=None, palette=TUBES, exact=True)
+    kept = [plan(asked, replace(given, seed=seed), schedule=replace(GIVEN_PAINTS, repaints=())) for seed in range(3)]
+    taken = [plan(asked, replace(given, seed=seed)) for seed in range(3)]
+    errors = [np.mean([mse(rendered(asked, found), asked.target) for found in plans]) for plans in (kept, taken)]
+    assert errors[1] < errors[0]
 
 
 def test_one_ink_paints_every_stroke(portrait: Picture) -> None:

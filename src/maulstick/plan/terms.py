@@ -18,7 +18,7 @@ from maulstick.plan.objectives import Edges, Judge, Likeness, Look, Objective, T
 
 Image = NDArray[np.float32]
 
-STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "words": 0.1, "look": 0.02}
+STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "words": 0.1, "look": 0.01}
 """The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""
 
 _NEEDS = {"words": "a text", "look": "the look of a picture"}
