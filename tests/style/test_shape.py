@@ -50,6 +50,13 @@ def test_any_path_is_found_again_exactly(shape: np.ndarray, size: float) -> None
     assert wrong[long_enough].max() < FLOAT64_ROUND_TRIP
 
 
+def test_a_path_that_takes_one_step_of_a_micrometre_and_then_stays_is_found_again_exactly() -> None:
+    path = torch.ones(1, 32, 2, dtype=torch.float64) * 1e-6
+    path[0, 0] = 0
+    path[..., 0] = 0
+    assert (size_of(decode(encode(path)) - path) / size_of(path)).item() < FLOAT64_ROUND_TRIP
+
+
 @given(shapes, sizes)
 def test_a_path_without_length_is_found_again_to_a_micrometre(shape: np.ndarray, size: float) -> None:
     paths = starting_at_0(shape * min(size, 1e-6))

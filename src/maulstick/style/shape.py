@@ -62,7 +62,8 @@ def _length(spline_x: Tensor, spline_y: Tensor) -> Tensor:
     """Length of the splines with these control points, (N, 1), metres."""
     x, y = (part @ _tensor(_basis(axis)[:, : _splines(axis)].T, part) for axis, part in enumerate((spline_x, spline_y)))
     steps = torch.nn.functional.pad(torch.stack([x, y], dim=-1), (0, 0, 1, 0)).diff(dim=1)
-    return steps.square().sum(-1).clamp(min=1e-30).sqrt().sum(1, keepdim=True).clamp(min=_SHORTEST)
+    squares = steps.square().sum(-1)
+    return squares.clamp(min=torch.finfo(squares.dtype).tiny).sqrt().sum(1, keepdim=True).clamp(min=_SHORTEST)
 
 
 def _splines(axis: int) -> int:
