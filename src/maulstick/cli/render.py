@@ -1,19 +1,16 @@
 """``maulstick render``: draw a painting again."""
 
-import io
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
-from PIL import Image
 
 from maulstick.canvas import Canvas
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.painting import read_painting
+from maulstick.picture import encode_png
 
 _LARGEST_PX = 8192
 
@@ -36,12 +33,5 @@ def render(
     from maulstick.brush.preview import preview  # loads torch
 
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
-    atomic_write(path, png(preview(plan, canvas)))
+    atomic_write(path, encode_png(preview(plan, canvas)))
     print(path, flush=True)
-
-
-def png(image: NDArray[np.float32]) -> bytes:
-    """An image (H, W, 3) in [0, 1] as a PNG."""
-    file = io.BytesIO()
-    Image.fromarray(np.round(image * 255).astype(np.uint8)).save(file, format="PNG")
-    return file.getvalue()

@@ -95,8 +95,8 @@ def _brush(file: Path, px: int) -> bytes:
 
 def _painting(file: Path, px: int) -> bytes:
     from maulstick.canvas import Canvas
-    from maulstick.cli.render import png
     from maulstick.painting import read_painting
+    from maulstick.picture import encode_png
 
     plan = read_painting(file)
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
@@ -104,7 +104,7 @@ def _painting(file: Path, px: int) -> bytes:
         raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
     from maulstick.brush.preview import preview  # loads torch
 
-    return png(preview(plan, canvas))
+    return encode_png(preview(plan, canvas))
 
 
 _PICTURES: dict[str, Callable[[Path, int], bytes]] = {

@@ -80,24 +80,27 @@ def making(
 
 def figures_of(painting: Painting, layout: Layout) -> Figures | None:
     """How near the painting, as its file orders it, comes to the picture over the picture's area, if there is one."""
-    if layout.target is None:
-        return None
-    return compare(layout.crop(preview(painting, layout.canvas)), layout.crop(layout.target))
+    return _beside_the_picture(preview(painting, layout.canvas), layout)
 
 
 @one_torch_thread()
 def with_figures(painting: Painting, layout: Layout, commission: Commission) -> Painting:
     """The painting with what became of it in its file: likeness, the `loss`, and what each term of it comes to."""
-    canvas = _channels_first(preview(painting, layout.canvas)).to(commission.paper)
+    painted = preview(painting, layout.canvas)
+    canvas = _channels_first(painted).to(commission.paper)
     with torch.no_grad():
         terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in commission.objectives}
         for judge in commission.judges:
             losses = judge.term.losses(canvas, range(min(_LOOKS, judge.term.views)))
             terms[judge.term.name] = judge.weight * losses.mean().item()
-    likeness = figures_of(painting, layout)
+    likeness = _beside_the_picture(painted, layout)
     found = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
     made = painting.made.model_copy(update={"figures": {**found, **terms, "loss": sum(terms.values())}})
     return painting.model_copy(update={"made": made})
+
+
+def _beside_the_picture(painted: Image, layout: Layout) -> Figures | None:
+    return None if layout.target is None else compare(layout.crop(painted), layout.crop(layout.target))
 
 
 def as_painting(

@@ -69,12 +69,14 @@ class Work:
         """The canvas (C, H, W) with all strokes, or of the N with those `wanted`, (N,), alone."""
         marks, colours = self.drawn()
         own = torch.from_numpy(self._own)
-        shown = torch.ones_like(own)
         if wanted is not None:
+            shown = torch.ones_like(own)
             shown[own] = torch.from_numpy(wanted[self.order])
-        points, thickness, colours = marks.points[shown], marks.thickness[shown], colours[shown]
-        numbers = marks.c[shown], marks.q[shown], marks.o[shown]
-        return composite(self.paper, points, thickness, colours, *numbers, trainable=own[shown].to(points.device))
+            marks = Marks(**{name: tensor[shown] for name, tensor in vars(marks).items()})
+            colours, own = colours[shown], own[shown]
+        numbers = marks.c, marks.q, marks.o
+        trainable = own.to(self.paper.device)
+        return composite(self.paper, marks.points, marks.thickness, colours, *numbers, trainable=trainable)
 
     def by_row(self, ordered: Tensor) -> Tensor:
         """What is given in painting order, (N + M, …), by row, (N, …)."""

@@ -10,11 +10,11 @@ from rich.text import Text
 from maulstick.brush.preview import preview
 from maulstick.canvas import Canvas
 from maulstick.cli.folder import all_or_nothing
-from maulstick.cli.render import png
 from maulstick.files import atomic_write
 from maulstick.film import FORMATS, Film
 from maulstick.painting import Painting, write_painting
 from maulstick.palette import swatches
+from maulstick.picture import encode_png
 from maulstick.plan.terms import STRENGTHS
 from maulstick.svg import painting_svg
 
@@ -39,7 +39,7 @@ def write_results(painting: Painting, out: Path, film: Film | None) -> list[str]
 
 def _preview(painting: Painting) -> bytes:
     width, height = painting.canvas.width, painting.canvas.height
-    return png(preview(painting, Canvas(width, height, min(_PREVIEW_PX / height, _WIDEST_PX / width))))
+    return encode_png(preview(painting, Canvas(width, height, min(_PREVIEW_PX / height, _WIDEST_PX / width))))
 
 
 def _palette(painting: Painting) -> bytes:
