@@ -47,7 +47,7 @@ $(VENV)/installed: $(SOURCES)
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[clip,dev,film,mocap,wacom]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,film,franka,mocap,ur,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

@@ -76,3 +76,50 @@ OPACITY = 0.06
 
 # Colours of paints, sRGB.
 MIXED = 1e-7  # of a mix that must be what it was made of: the two pieces of sRGB's curve miss each other by 3e-8
+
+# What is written to plotters: half of the last decimal, step or unit, and rounding.
+GCODE_METRES = 0.5001e-6
+STEP_METRES = 6.2501e-6  # along each axis, on the motors' grid
+HPGL_METRES = 12.501e-6
+FEED = 1e-4  # of a feed of at least 1000 mm/min with one decimal
+CLOCK = 0.03  # an estimate of how long a machine takes: what is asked for
+
+# Arms. A stroke follows its path, and what touch finds of a sheet is known at any place on it; metres.
+ARM_PATH = 0.5e-3
+ARM_SETTLED = 0.1e-3  # where an arm says that it stands: the simulated Franka's own control leaves that much
+ARM_TURNED = 2e-3  # of a rotation matrix, likewise
+SET_POINT = 1e-9  # rounding, on a wire of millimetres
+TOUCH = 1e-9
+TOUCH_NOISY = 0.6e-3  # with 0.1 mm of noise at each of the four corners of A4
+
+# Tours. Metres of pen-up travel, added up in another order.
+TOUR_METRES = 1e-8
+
+# The simulated webcam of 1600 x 1200 pixels over A4; metres on the sheet. What is asked for, and what is kept to.
+RECTIFIED_ASKED = 0.3e-3
+RECTIFIED, RECTIFIED_WORST = 0.06e-3, 0.15e-3
+RECTIFIED_SMALL = 0.2e-3  # with 800 x 600 pixels, worst
+ROUND_TRIP = 1e-9
+TONES = 0.02  # of a picture that was photographed and put right, away from its edges, mean
+WHITE = 0.004  # of bare paper, after the lamp and the exposure are taken out, mean
+CHART_ERROR, OTHER_COLOURS = 1.2, 1.5  # mean CIEDE2000, of the chart and of colours that were not on it
+MOVED, TURNED = 0.06e-3, 0.4e-3  # metres and radians, of a sheet by its edges or its strokes
+
+# A painting in another order, and a stroke drawn backwards: metres of its mark, and steps of colour in float32.
+MARK_METRES = 1e-6
+SAME_PICTURE = 1e-5
+
+# Machines. Places of a sheet before a machine, of metres; and profiles of motion against sums over small steps of time.
+FLOAT64_METRES_NEAR = 1e-12
+PROFILE_SECONDS = 1e-9  # as a share: the same motion, added up otherwise
+PROFILE_STEPPED = 2e-3  # as a share: the same motion in steps of length
+PROFILE_ACCELERATION = 1e-3  # as a share, from differences of places
+PAINTED_CORRELATION = 0.9  # of the simulated sheet with the brush's own picture of the painting: another tool drew it
+SAME_SHEET = 1e-3  # of colour, on average: the same strokes on the simulated sheet, their places rounded otherwise
+
+# The eye over a sheet, with the simulated webcam of 800 x 600 pixels: away from edges, and of a whole picture, mean.
+GREYS = 0.03
+PICTURE = 0.02
+FOUND_OFFSET = 0.15e-3  # metres that strokes land beside their places, from one photograph of 12: what is asked for
+FOUND_WIDTH = 0.2e-3  # metres of half-width, likewise
+CHART_SEEN = 0.03  # of a chart that was photographed, made flat and corrected by itself, mean

@@ -23,3 +23,7 @@ class InputError(MaulstickError, ValueError):
 
 class OutputError(MaulstickError, OSError):
     """A result that could not be written."""
+
+
+class MachineError(MaulstickError):
+    """A machine or a camera that does not do what it should; whatever moved stands still, with the pen lifted."""

@@ -1,6 +1,7 @@
 """Files at the edge: one that can be read, and one that is written whole or not at all."""
 
 import errno
+import hashlib
 import os
 import secrets
 import stat
@@ -58,6 +59,15 @@ def read_whole(path: str | Path, what: str, most: int) -> bytes:
         raise InputError(f"cannot read the {what} {path}: {error.strerror}") from error
 
 
+def file_sum(path: Path) -> str:
+    """SHA-256 of the file at `path`. Raises InputError where it cannot be read."""
+    try:
+        with file_to_read(path, "file").open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}") from error
+
+
 def atomic_write(path: str | Path, content: bytes) -> None:
     """Put `content` at `path`, which is at every moment either what it was before or complete.
 
@@ -76,7 +86,7 @@ def atomic_write(path: str | Path, content: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         temporary.replace(target)
-        _sync(target.parent)
+        sync_folder(target.parent)
     except OSError as error:
         remedy = _REMEDY.get(error.errno or 0, error.strerror or str(error))
         raise OutputError(f"cannot write {path}: {remedy}") from error
@@ -85,7 +95,7 @@ def atomic_write(path: str | Path, content: bytes) -> None:
             temporary.unlink()
 
 
-def _sync(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
     """Let a new name reach the disk, where a folder can be asked to; else a power cut could still undo it."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)

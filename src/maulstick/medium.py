@@ -98,6 +98,20 @@ class Brush(BaseModel):
         share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 
+    def held_at(self, press: float) -> "Brush":
+        """The same, held at one press in [0, 1], as by a machine that only lifts it."""
+        touch, deepest = self.depth
+        paled = min(self.faint + (1 - self.faint) * press / self.solid, 1.0)
+        held = {
+            "source": f"{self.source}; held at press {press:g}",
+            "alpha": 0.0,
+            "beta": float(self.half_width(np.array(press))),
+            "opacity": self.opacity * paled,
+            "faint": 1.0,
+            "depth": (touch + press * (deepest - touch),) * 2,
+        }
+        return Brush.model_validate({**self.model_dump(), **held})
+
     def press_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
         """The press in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
         presses = np.array((0, *CURVE_PRESSES, 1))

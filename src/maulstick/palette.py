@@ -7,8 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 from skimage.color import lab2rgb, rgb2lab
-from sklearn.cluster import KMeans
-from sklearn.exceptions import ConvergenceWarning
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
@@ -21,6 +19,9 @@ def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
 
     k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
     """
+    from sklearn.cluster import KMeans  # takes a second to load
+    from sklearn.exceptions import ConvergenceWarning
+
     with threadpool_limits(1), warnings.catch_warnings():  # several threads add up in any order
         warnings.simplefilter("ignore", ConvergenceWarning)  # fewer different colours than k
         lab = rgb2lab(colours)

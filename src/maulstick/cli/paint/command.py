@@ -52,6 +52,10 @@ def paint(
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="round, marker, fineliner, one of your own, or a JSON file.")
     ] = "round",
+    press: Annotated[
+        float | None,
+        _painting(metavar="P", show_default="varied", help="Hold the brush at one press, 0 to 1, for a pen plotter."),
+    ] = None,
     style: Annotated[
         str, _painting(metavar="STYLE", help="Whose strokes: a name out of maulstick style list, or a JSON file.")
     ] = "free",
@@ -133,6 +137,7 @@ def paint(
         ink=ink,
         paints_from=_whole(paints_from),
         brush=_name_or_file(brush),
+        press=press,
         style=_name_or_file(style),
         steps=steps,
         ask_every=ask_every,
@@ -161,6 +166,8 @@ def _check_words(job: Job) -> None:
     parse_colour(job.paper)
     if job.ink is not None:
         parse_colour(job.ink)
+    if job.press is not None and not 0 <= job.press <= 1:
+        raise InputError.of_range("--press", job.press, "from 0, just touching, to 1, as deep as the brush goes")
     if job.fit not in FITS:
         raise InputError.of_choice("fit", job.fit, FITS)
     _check("--steps", job.steps, 1, _MOST_STEPS)

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from maulstick.errors import InputError
-from maulstick.files import file_to_read
+from maulstick.files import file_sum
 from maulstick.medium import first_fault
 
 
@@ -35,6 +35,7 @@ class Job:
     ink: str | None
     paints_from: Path | None
     brush: str
+    press: float | None
     style: str
     steps: int
     ask_every: int
@@ -86,15 +87,6 @@ def state_file(out: Path, seed: int) -> Path:
 def state_files(out: Path) -> list[Path]:
     """All plans in the making in the folder `out`."""
     return sorted(file for file in out.glob("plan-*.npz") if file.stem.removeprefix("plan-").isdigit())
-
-
-def file_sum(path: Path) -> str:
-    """SHA-256 of the file at `path`. Raises InputError where it cannot be read."""
-    try:
-        with file_to_read(path, "file").open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror}") from error
 
 
 def sum_of(plain: Any) -> str:

@@ -67,6 +67,8 @@ class Prepared:
 def prepare(job: Job) -> Prepared:
     """Read all files of the job. Raises InputError for the first that cannot be used, and where words contradict."""
     brush, sheet = load_brush(job.brush), _sheet(job)
+    if job.press is not None:
+        brush = brush.held_at(job.press)
     tubes = read_paints(job.paints_from) if job.paints_from is not None else ()
     if len(tubes) > job.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {job.strokes} strokes")

@@ -1,0 +1,3 @@
+from typing import Any
+
+def shortest(points: Any, reversible: Any, near: Any, gaps: Any, disturbances: int, out: Any) -> None: ...
