@@ -8,7 +8,7 @@ import pytest
 import vpype
 
 from maulstick.painting import Making, Paint, Painting, Point, Sheet, Stroke
-from maulstick.svg import painting_svg
+from maulstick.svg import axidraw_svg, painting_svg
 from tests.nominal import nominal
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -127,3 +127,34 @@ def test_a_layer_is_called_by_the_name_of_its_paint() -> None:
         "2 #000000 pen",
         "3 #0080ff pen",
     ]
+
+
+def axidraw_labels(*strokes: Stroke) -> list[str | None]:
+    painting = PAINTING.model_copy(update={"strokes": strokes})
+    found = ElementTree.fromstring(axidraw_svg(painting).encode()).findall(f"{SVG}g")
+    return [layer.get(f"{INKSCAPE}label") for layer in found]
+
+
+def test_the_axidraws_software_pauses_before_each_paint_but_the_first() -> None:
+    assert axidraw_labels(*PAINTING.strokes) == ["1 #ff0000 round <bent>", "!2 #000000 pen", "!3 #0080ff pen"]
+
+
+def test_a_layer_has_a_code_for_what_all_its_strokes_agree_on() -> None:
+    light, deep = (tuple((x, y, press) for x, y, _ in LINE) for press in (0.25, 1.0))
+    slow = Stroke(id=1, paint=1, trajectory=light, speed=(0.02, 0.02))
+    assert axidraw_labels(slow) == ["1+S10+H30 #ff0000 round <bent>"]
+    assert axidraw_labels(slow, Stroke(id=2, paint=1, trajectory=deep, speed=(0.02, 0.02))) == [
+        "1+S10 #ff0000 round <bent>"
+    ]
+    assert axidraw_labels(slow, Stroke(id=2, paint=1, trajectory=light, speed=(0.02, 0.03))) == [
+        "1+H30 #ff0000 round <bent>"
+    ]
+    assert axidraw_labels(slow, Stroke(id=2, paint=1, trajectory=light)) == ["1+H30 #ff0000 round <bent>"]
+    assert axidraw_labels(slow, Stroke(id=2, paint=2, trajectory=deep, speed=(5.0, 5.0))) == [
+        "1+S10+H30 #ff0000 round <bent>",
+        "!2+S100 #0080ff pen",  # its mark is the same at any press
+    ]
+
+
+def test_but_for_its_labels_the_drawing_is_the_same_for_an_axidraw() -> None:
+    assert axidraw_svg(PAINTING).replace('label="!', 'label="') == painting_svg(PAINTING)

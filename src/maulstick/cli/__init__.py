@@ -4,7 +4,7 @@ import os
 import sys
 from io import TextIOWrapper
 
-from maulstick.errors import MaulstickError, OutputError
+from maulstick.errors import MachineError, MaulstickError, OutputError
 
 STOPPED = 130
 
@@ -21,7 +21,7 @@ def main() -> None:
         sys.exit(STOPPED)
     except MaulstickError as error:
         print(f"maulstick: {error}", file=sys.stderr)
-        sys.exit(1 if isinstance(error, OutputError) else 2)
+        sys.exit(1 if isinstance(error, OutputError) else 3 if isinstance(error, MachineError) else 2)
     except OSError as error:  # a file would be a MaulstickError
         print(f"maulstick: cannot write to the standard output: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python, leaving, writes what it still holds, and fails again

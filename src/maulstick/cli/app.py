@@ -6,11 +6,14 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.brush import brush
+from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
+from maulstick.cli.export import export
 from maulstick.cli.mix import mix
 from maulstick.cli.paint import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
+from maulstick.cli.run import run
 from maulstick.cli.show import show
 from maulstick.cli.style import style
 
@@ -22,9 +25,12 @@ app.command()(render)
 app.command()(show)
 app.command()(compare)
 app.command()(mix)
+app.command()(run)
+app.command()(export)
 app.add_typer(record, name="record")
 app.add_typer(style, name="style")
 app.add_typer(brush, name="brush")
+app.add_typer(calibrate, name="calibrate")
 
 
 def _print_version(wanted: bool) -> None:
@@ -35,7 +41,7 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback(
     epilog="Exit codes: 0 done; 1 a result could not be written; 2 a file or an option cannot be used; "
-    "130 stopped with Ctrl-C (paint saves the plan so far)."
+    "3 a machine or a camera failed; 130 stopped with Ctrl-C (paint saves the plan so far)."
 )
 def maulstick(
     version: Annotated[

@@ -121,7 +121,7 @@ class _Planning:
             self._work.paints = torch.tensor(options.palette)
         self._descent = Descent(strokes, self._spacing)
         self._judgement = Judgement(commission.judges, commission.paper) if commission.judges else None
-        self._progress, self._stride = 0.0, 1 / options.steps
+        self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._taken = 0  # steps
         self._sorted = self._respent = self._repainted = 0  # how many of the schedule's are over
 

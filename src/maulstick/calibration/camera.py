@@ -1,0 +1,250 @@
+"""Where the camera sees the sheet: from tags or clicked corners to a photograph as a flat canvas image."""
+
+from math import ceil
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from scipy.optimize import least_squares
+
+from maulstick.calibration.tags import found_tags
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.files import atomic_write, read_whole
+from maulstick.medium import first_fault
+from maulstick.robot.light import Image
+from maulstick.robot.opencv import opencv
+from maulstick.robot.tag_frame import TAGS, TagFrame
+
+Floats = NDArray[np.float64]
+
+SCHEMA_VERSION: Final = 1
+_FEWEST = 3  # tags
+_USUAL = (0.02, 0.02, 0.3, 0.1)
+"""How far off the middle a lens is, and how much it bends, one sigma."""
+
+_DOUBT_PX = 0.1  # of a tag's corner, beside what is usual of lenses
+_LEAST = 0.1  # of that squared: four tags may fit better by luck
+_LOOSE = 0.08  # of a tag's side
+_GRID = 15  # places across the sheet
+_FINEST = 8  # samples across a pixel of the canvas
+_NEWTON = 8  # steps, from a distortion of a few per cent to rounding
+_LARGEST_FILE = 2**20  # bytes
+_NAMES = ("upper left", "upper right", "lower right", "lower left")
+_Side = Annotated[int, Field(gt=0)]
+_Row = tuple[float, float, float]
+_Small = Annotated[float, Field(gt=-1, lt=1)]
+
+
+class View(BaseModel):
+    """How the sheet lies in a photograph.
+
+    size: width and height of the photograph, pixels.
+    homography: from metres on the sheet to a photograph by a perfect lens, where the middle is (0, 0) and a corner is
+    at distance 1.  centre: of the lens, there.  bend: it takes what belongs at a distance r to r (1 + b0 r² + b1 r⁴).
+    tags: those it was found by, none for clicked corners.
+    error: the standard error of a place on the sheet, metres, root mean square and worst; unknown for clicked corners.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    size: tuple[_Side, _Side]
+    homography: tuple[_Row, _Row, _Row]
+    centre: tuple[_Small, _Small] = (0.0, 0.0)
+    bend: tuple[_Small, _Small] = (0.0, 0.0)
+    tags: tuple[int, ...] = ()
+    error: tuple[float, float] | None = None
+
+    @property
+    def hidden(self) -> tuple[int, ...]:
+        """The tags that were not seen, where there are tags."""
+        return tuple(tag for tag in TAGS if tag not in self.tags) if self.tags else ()
+
+    def to_photo(self, points: Floats) -> Floats:
+        """Pixels (..., 2) of points (..., 2) on the sheet, metres; a pixel's centre is a whole number."""
+        numbers = np.array([*np.ravel(self.homography), *self.centre, *self.bend])
+        return _to_photo(numbers, points) * _scale(self.size) + _middle(self.size)
+
+    def to_canvas(self, pixels: Floats) -> Floats:
+        """Metres (..., 2) on the sheet of pixels (..., 2) of the photograph."""
+        bent = (pixels - _middle(self.size)) / _scale(self.size) - self.centre
+        distance = np.linalg.norm(bent, axis=-1, keepdims=True)
+        straight, (b0, b1) = distance, self.bend
+        for _ in range(_NEWTON):
+            excess = straight * (1 + b0 * straight**2 + b1 * straight**4) - distance
+            straight = straight - excess / (1 + 3 * b0 * straight**2 + 5 * b1 * straight**4)
+        ideal = bent * straight / np.maximum(distance, 1e-12) + self.centre
+        return _mapped(np.linalg.inv(np.array(self.homography)), ideal)
+
+    def rectify(self, photo: Image, canvas: Canvas, margin: float = 0.0) -> Image:
+        """The sheet in the photograph (H, W, 3), flat, with the canvas' pixels: (height_px, width_px, 3).
+
+        margin: metres around the sheet that are kept too; then there are `margin_px` pixels more on each side.
+        What the camera does not see repeats the photograph's edge.  Raises InputError for a photograph of another size.
+        """
+        if photo.shape[:2] != self.size[::-1]:
+            came, wanted = f"{photo.shape[1]} x {photo.shape[0]}", f"{self.size[0]} x {self.size[1]}"
+            raise InputError(
+                f"the photograph has {came} pixels, and the camera was calibrated with {wanted}; do it again"
+            )
+        cv2 = opencv()
+        around = margin_px(canvas, margin)
+        wide, high = canvas.width_px + 2 * around, canvas.height_px + 2 * around
+        finer = self._samples(canvas)
+        x = (np.arange(wide * finer) + 0.5) / finer - around
+        y = (np.arange(high * finer) + 0.5) / finer - around
+        places = np.stack(np.meshgrid(x, y), axis=-1) / canvas.pixels_per_metre
+        at = self.to_photo(places).astype(np.float32)
+        fine = cv2.remap(photo, at, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        flat = cv2.resize(fine, (wide, high), interpolation=cv2.INTER_AREA)
+        return np.asarray(flat).clip(0, 1)
+
+    def _samples(self, canvas: Canvas) -> int:
+        """How many samples across a pixel of the canvas leave out no pixel of the photograph."""
+        corners = np.array([[0, 0], [canvas.width, 0], [canvas.width, canvas.height], [0, canvas.height]])
+        step = 1 / canvas.pixels_per_metre
+        steps = [self.to_photo(corners + np.array(d) * step) - self.to_photo(corners) for d in ((1, 0), (0, 1))]
+        return min(max(ceil(float(np.linalg.norm(steps, axis=-1).max())), 1), _FINEST)
+
+
+def margin_px(canvas: Canvas, margin: float) -> int:
+    """Whole pixels of a margin in metres around the canvas."""
+    if not margin >= 0:
+        raise InputError.of_range("the margin around the sheet", f"{margin:g} m", "at least 0")
+    return round(margin * canvas.pixels_per_metre)
+
+
+def locate(photo: Image, frame: TagFrame) -> View:
+    """The view in a photograph (H, W, 3), sRGB in [0, 1], of a sheet with its tags.
+
+    Three tags do (`View.hidden` says which is missing).  Raises InputError, which names them, where fewer are seen, and
+    where they lie otherwise than the frame says.
+    """
+    found = found_tags(photo)
+    if len(found) < _FEWEST:
+        seen = f"only {len(found)} of the 4 tags {'is' if len(found) == 1 else 'are'} seen ({_listed(found)})"
+        places = ", ".join(f"{tag} ({_NAMES[tag]})" for tag in TAGS if tag not in found)
+        raise InputError(f"{seen if found else 'none of the 4 tags is seen'}; uncover and light {places}")
+    points = np.concatenate([frame.corners(tag) for tag in found])
+    size = (photo.shape[1], photo.shape[0])
+    pixels = np.concatenate(list(found.values()))
+    numbers, covariance = _fitted(points, pixels, size)
+    missed = np.linalg.norm(_to_photo(numbers, points) * _scale(size) + _middle(size) - pixels, axis=1).max()
+    if missed > _LOOSE * np.linalg.norm(pixels[1] - pixels[0]):
+        far = 1e3 * frame.side * missed / np.linalg.norm(pixels[1] - pixels[0])
+        wanted = f"a sheet of {1e3 * frame.width:g} x {1e3 * frame.height:g} mm and tags of {1e3 * frame.side:g} mm"
+        raise InputError(
+            f"a tag is {far:.0f} mm off its place beside {wanted}; put the cards right or mend those sizes"
+        )
+    view = _view(size, numbers)
+    error = _standard_error(view, numbers, covariance, frame)
+    return view.model_copy(update={"tags": tuple(found), "error": error})
+
+
+def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int, int]) -> View:
+    """The view by a straight lens in which the sheet's corners were clicked.
+
+    corners: (4, 2) pixels, upper left, upper right, lower right, lower left.  sheet: width and height, metres.
+    size: of the photograph, pixels.  Raises InputError where they are no such corners.
+    """
+    corners = np.asarray(corners, dtype=np.float64)
+    if corners.shape != (4, 2) or not np.isfinite(corners).all():
+        raise InputError("the sheet's corners must be four points in pixels, each as x,y")
+    sides = np.roll(corners, -1, axis=0) - corners
+    onwards = np.roll(sides, -1, axis=0)
+    if not (sides[:, 0] * onwards[:, 1] - sides[:, 1] * onwards[:, 0] > 1).all():
+        raise InputError(f"the corners must go round the sheet as a clock does: {', '.join(_NAMES)}; give them so")
+    width, height = sheet
+    places = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=np.float64)
+    homography, _ = opencv().findHomography(places, (corners - _middle(size)) / _scale(size))
+    return _view(size, np.append(homography.ravel(), np.zeros(4)))
+
+
+def write_view(view: View, path: str | Path) -> None:
+    """Write the JSON of a view; raises OutputError where that fails, and what was at `path` is then still there."""
+    atomic_write(path, f"{view.model_dump_json(indent=2)}\n".encode())
+
+
+def read_view(path: str | Path) -> View:
+    """The view in a file; raises InputError where there is none, or it is not one."""
+    try:
+        return View.model_validate_json(read_whole(path, "camera's view", _LARGEST_FILE))
+    except ValidationError as error:
+        raise InputError(f"{path} is not a camera's view: {first_fault(error)}; calibrate the camera again") from error
+
+
+def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floats, Floats]:
+    """The numbers (13,) of a view that take points (N, 2) to pixels (N, 2), and the covariance (12, 12) of all but one.
+
+    A homography of its own rather than a pose and a focal length: those two cannot be told apart from straight above.
+    The lens' four numbers are near those of usual lenses wherever the points do not tell.
+    """
+    seen = (pixels - _middle(size)) / _scale(size)
+    start, _ = opencv().findHomography(points, seen)
+    span = np.abs(points).max()
+    units = np.array([1 / span, 1 / span, 1, 1 / span, 1 / span, 1, 1 / span, 1 / span, *_USUAL])
+    doubt = _DOUBT_PX / _scale(size)
+
+    def misses(scaled: Floats) -> Floats:
+        apart = (_to_photo(_with_last(scaled * units), points) - seen) / doubt
+        return np.append(apart.ravel(), scaled[8:])
+
+    flat = np.append((start / start[2, 2]).ravel()[:8] / units[:8], np.zeros(4))
+    found = least_squares(misses, flat, method="lm")
+    apart = misses(found.x)[: 2 * len(points)]
+    together = 4 * np.sum(apart**2) / (apart.size - 8)  # the corners of a tag are wrong together
+    slopes = np.asarray(found.jac)
+    inverse = np.linalg.inv(slopes.T @ slopes) * max(together, _LEAST)
+    return _with_last(found.x * units), inverse * np.outer(units, units)
+
+
+def _standard_error(view: View, numbers: Floats, covariance: Floats, frame: TagFrame) -> tuple[float, float]:
+    """Of places all over the sheet, metres: root mean square and worst."""
+    x, y = np.linspace(0, frame.width, _GRID), np.linspace(0, frame.height, _GRID)
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    pixels = view.to_photo(places)
+    steps = np.sqrt(np.diag(covariance)) * 1e-2
+    free = np.delete(numbers, 8)
+    slopes = [
+        (_view(view.size, _with_last(free + step)).to_canvas(pixels) - places) / step.sum() for step in np.diag(steps)
+    ]
+    slope = np.stack(slopes, axis=-1)
+    squared = np.einsum("nci,ij,ncj->n", slope, covariance, slope)
+    return float(np.sqrt(squared.mean())), float(np.sqrt(squared.max()))
+
+
+def _with_last(free: Floats) -> Floats:
+    """The numbers of a view with the homography's last, which is 1."""
+    return np.insert(free, 8, 1.0)
+
+
+def _view(size: tuple[int, int], numbers: Floats) -> View:
+    rows = numbers[:9].reshape(3, 3).tolist()
+    lens = {"centre": tuple(numbers[9:11].tolist()), "bend": tuple(numbers[11:].tolist())}
+    return View.model_validate({"size": size, "homography": rows, **lens})
+
+
+def _to_photo(numbers: Floats, points: Floats) -> Floats:
+    off = _mapped(numbers[:9].reshape(3, 3), points) - numbers[9:11]
+    squared = (off**2).sum(axis=-1, keepdims=True)
+    return np.asarray(numbers[9:11] + off * (1 + numbers[11] * squared + numbers[12] * squared**2))
+
+
+def _mapped(homography: Floats, points: Floats) -> Floats:
+    mapped = points @ homography[:, :2].T + homography[:, 2]
+    return np.asarray(mapped[..., :2] / mapped[..., 2:])
+
+
+def _middle(size: tuple[int, int]) -> Floats:
+    return (np.array(size) - 1) / 2
+
+
+def _scale(size: tuple[int, int]) -> float:
+    return float(np.hypot(*size)) / 2
+
+
+def _listed(tags: dict[int, Floats]) -> str:
+    return ", ".join(map(str, tags))

@@ -1,0 +1,118 @@
+"""True colours from a chart of 24 patches, or true greys from a grey card, laid on the sheet."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.color import deltaE_ciede2000, rgb2lab
+
+from maulstick.calibration.colour import Colours, Whites
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.robot.light import Image, colours_of, light_of
+from maulstick.robot.opencv import opencv
+
+Floats = NDArray[np.float64]
+
+# The usual sRGB of the 24 patches, rows from dark skin to bluish green and on to black (the maker's data sheet).
+_CHART = "735244c29682627a9d576c438580b167bdaad67e2c505ba6c15a635e3c6c9dbc40e0a32e383d96469449af363ce7c71fbb56950885a1"
+_GREYS = "f3f3f2c8c8c8a0a0a07a7a79555555343434"
+CHART = np.frombuffer(bytes.fromhex(_CHART + _GREYS), dtype=np.uint8).reshape(24, 3) / 255.0
+"""(24, 3) sRGB in [0, 1], row by row."""
+
+GREY_CARD = 0.4614
+"""sRGB of a card that reflects 18 % of the light."""
+
+_ACROSS, _DOWN = 6, 4
+_INNER = 0.4  # of the distance between patches, which is looked at
+_MISREAD = 12.0  # of CIEDE2000, mean: these are not the chart's patches
+_FEWEST = 4  # pixels in a patch
+_DARKEST = 1e-3  # light
+
+
+@dataclass(frozen=True)
+class ColourErrors:
+    """Mean and worst CIEDE2000 over the chart, as photographed and as corrected."""
+
+    before: tuple[float, float]
+    after: tuple[float, float]
+
+    def __str__(self) -> str:
+        (before, worst_before), (after, worst_after) = self.before, self.after
+        return f"CIEDE2000 {before:.1f} (worst {worst_before:.1f}) before, {after:.1f} (worst {worst_after:.1f}) after"
+
+
+def with_chart(
+    colours: Colours, flat: Image, whites: Whites, canvas: Canvas, corners: Floats
+) -> tuple[Colours, ColourErrors]:
+    """The colours with the matrix that makes the chart's patches right, and how right.
+
+    flat: a flat photograph of the canvas (H, W, 3) with the chart on it.  whites: of the same photograph.
+    corners: (4, 2) metres: the middles of the patches dark skin, bluish green, black and white.  (OpenCV's detector
+    finds a chart one time and not the next in the same picture.)
+    Raises InputError where the patches there are not what they should be.
+    """
+    patches = _patches_between(np.asarray(corners, dtype=np.float64) * canvas.pixels_per_metre - 0.5)
+    light = _medians(colours.evened(flat, whites), patches)
+    matrix = np.linalg.lstsq(light, light_of(CHART.astype(np.float32)).astype(np.float64), rcond=None)[0].T
+    errors = ColourErrors(_error(_medians(light_of(flat), patches)), _error(light @ matrix.T))
+    if errors.after[0] > _MISREAD:
+        raise InputError(
+            "what lies there is not the chart; give the middles of its patches dark skin, bluish green, black, white"
+        )
+    return colours.with_matrix(np.asarray(matrix, dtype=np.float64)), errors
+
+
+def with_grey_card(
+    colours: Colours,
+    flat: Image,
+    whites: Whites,
+    canvas: Canvas,
+    area: tuple[float, float, float, float],
+    grey: float = GREY_CARD,
+) -> Colours:
+    """The colours with a matrix that makes a card grey and as bright as it is.
+
+    flat: a flat photograph of the canvas (H, W, 3) with the card on it.  whites: of the same photograph.
+    area: x, y, width and height of a part of the card, metres.  grey: its sRGB in [0, 1].
+    Raises InputError where the area is not on the sheet.
+    """
+    x, y, width, height = area
+    left, top, right, bottom = (round(edge * canvas.pixels_per_metre) for edge in (x, y, x + width, y + height))
+    if not (0 <= left < right <= flat.shape[1] and 0 <= top < bottom <= flat.shape[0]):
+        raise InputError("the grey card must lie on the sheet; give x, y, width and height of a part of it")
+    light = np.median(colours.evened(flat, whites)[top:bottom, left:right].reshape(-1, 3), axis=0)
+    wanted = light_of(np.full(3, grey, dtype=np.float32))
+    return colours.with_matrix(np.diag(wanted.astype(np.float64) / np.maximum(light, _DARKEST)))
+
+
+def _patches_between(corners: Floats) -> Floats:
+    """(24, 4, 2) pixels: the inner part of each patch, between the corners' middles (4, 2)."""
+    if corners.shape != (4, 2) or not np.isfinite(corners).all():
+        raise InputError("the chart's corners must be four points: dark skin, bluish green, black and white")
+    grid = np.array([[0, 0], [_ACROSS - 1, 0], [_ACROSS - 1, _DOWN - 1], [0, _DOWN - 1]], dtype=np.float32)
+    to_picture = opencv().getPerspectiveTransform(grid, corners.astype(np.float32))
+    middles = np.stack(np.meshgrid(np.arange(_ACROSS), np.arange(_DOWN)), axis=-1).reshape(-1, 1, 2)
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
+    mapped = np.append(middles + square * _INNER, np.ones((24, 4, 1)), axis=-1) @ np.asarray(to_picture).T
+    return np.asarray(mapped[..., :2] / mapped[..., 2:])
+
+
+def _medians(light: Image, patches: Floats) -> Floats:
+    """(24, 3): over each patch (4, 2)."""
+    cv2 = opencv()
+    medians = []
+    for patch in patches:
+        mask = np.zeros(light.shape[:2], dtype=np.uint8)
+        cv2.fillConvexPoly(mask, np.round(patch).astype(np.int32), 1)
+        if mask.sum() < _FEWEST:
+            raise InputError("the chart is too small or reaches beyond the sheet; lay all of it on the sheet")
+        medians.append(np.median(light[mask > 0], axis=0))
+    return np.array(medians, dtype=np.float64)
+
+
+def _error(light: Floats) -> tuple[float, float]:
+    """Mean and worst CIEDE2000 between the light of patches (24, 3) and the chart."""
+    seen = colours_of(light.astype(np.float32)).astype(np.float64)
+    apart = deltaE_ciede2000(rgb2lab(seen[None]), rgb2lab(CHART[None]))
+    return float(apart.mean()), float(apart.max())

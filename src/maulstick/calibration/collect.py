@@ -1,0 +1,114 @@
+"""From strokes drawn apart to trials (paper: Traj2Stroke Model): where to draw them, and what to cut out."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.arrays import Floats
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
+from maulstick.painting import Painting
+from maulstick.picture import encode_png, read_picture
+from maulstick.robot.workplace import Workplace
+from maulstick.trials import Trials
+
+Image = NDArray[np.float32]
+
+_SHEET, _DIGITS = "sheet-", 4
+_SMALLEST = 0.25
+_SIZES = np.geomspace(1.0, _SMALLEST, 12)
+
+
+def spread_apart(paths: Floats, sheet: tuple[float, float], room: float) -> Floats:
+    """Paths (N, n, 3), moved so that each keeps a distance to all others and to the edges of the sheet.
+
+    sheet: width and height, metres.  room: metres that each needs on every side.
+    Where they do not fit, all of them are made smaller alike, by at most four times.
+    Raises InputError where that is not enough, saying how many would fit.
+    """
+    for size in _SIZES:
+        scaled = paths * (size, size, 1.0)
+        corners = _shelves(np.ptp(scaled[..., :2], axis=1) + 2 * room, sheet)
+        if len(corners) == len(paths):
+            low = scaled[..., :2].min(axis=1)
+            scaled[..., :2] += (corners + room - low)[:, None]
+            return scaled
+    raise InputError(
+        f"{len(corners)} of {len(paths)} strokes fit on a sheet of {1e3 * sheet[0]:g} x {1e3 * sheet[1]:g} mm with "
+        f"{2e3 * room:.0f} mm between them; draw fewer, or take a larger sheet"
+    )
+
+
+def _shelves(sizes: Floats, sheet: tuple[float, float]) -> Floats:
+    """Upper left corners (k, 2) of boxes (N, 2) in rows, the highest first; fewer than N where no more fit."""
+    corners = np.zeros((len(sizes), 2))
+    x = y = high = 0.0
+    for placed, box in enumerate(np.argsort(-sizes[:, 1], kind="stable")):
+        if x + sizes[box, 0] > sheet[0]:
+            x, y, high = 0.0, y + high, 0.0
+        if x + sizes[box, 0] > sheet[0] or y + sizes[box, 1] > sheet[1]:
+            return corners[:placed]
+        corners[box] = x, y
+        x, high = x + sizes[box, 0], max(high, sizes[box, 1])
+    return corners
+
+
+def collect(
+    painting: Painting, workplace: Workplace, look: Callable[[], Image], folder: Path, *, each: bool
+) -> dict[int, Image]:
+    """Draw the strokes of a painting that are left; photographs of the sheet by the number of strokes on it.
+
+    look: takes a photograph of the flat sheet, (h, w, 3).  each: look after each stroke, not only before and after all.
+    Photographs are kept in the folder, and none is taken twice. Raises as `execute` and `look` do.
+    """
+    kept = folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
+    photographs = {int(path.stem.removeprefix(_SHEET)): read_picture(path) for path in kept}
+    home = workplace.robot.place
+    while True:
+        actions = workplace.left_of(painting)
+        number = len(workplace.journal.painted)
+        if number not in photographs and (each or number in (0, len(painting.strokes))):
+            workplace.step_aside(home)
+            photographs[number] = look()
+            atomic_write(folder / f"{_SHEET}{number:0{_DIGITS}}.png", encode_png(photographs[number]))
+        if not actions:
+            return photographs
+        workplace.do(actions, strokes=1 if each else None)
+
+
+def trials_of(
+    painting: Painting,
+    photographs: Mapping[int, Image],
+    folder: Path,
+    *,
+    medium: str,
+    depth: tuple[float, float],
+    room: float,
+) -> Trials:
+    """The strokes of a painting, drawn apart in its order, as trials in a new folder.
+
+    photographs: of the flat sheet (h, w, 3), by the number of strokes that were on it, 0 and all of them at least.
+    depth: metres below first touch at press 0 and at press 1.  room: metres around each stroke that are its own.
+    Raises InputError where a photograph is missing, OutputError where the folder cannot be written.
+    """
+    strokes = painting.strokes
+    for number in (0, len(strokes)):
+        if number not in photographs:
+            raise InputError(f"there is no photograph of the sheet with {number} strokes on it; take one")
+    taken = np.array(sorted(photographs))
+    height, width = photographs[0].shape[:2]
+    canvas = Canvas.of_height((painting.canvas.width, painting.canvas.height), height)
+    trials = Trials.make(folder, medium=medium, pixels_per_metre=canvas.pixels_per_metre, depth=depth)
+    for number, stroke in enumerate(strokes):
+        path = np.array(stroke.trajectory)
+        before = photographs[int(taken[taken <= number][-1])]
+        after = photographs[int(taken[taken > number][0])]
+        low = np.floor((path[:, :2].min(axis=0) - room) * canvas.pixels_per_metre).astype(int).clip(min=0)
+        high = np.ceil((path[:, :2].max(axis=0) + room) * canvas.pixels_per_metre).astype(int).clip(max=(width, height))
+        cut = slice(low[1], high[1]), slice(low[0], high[0])
+        trials.begin(before[cut])
+        trials.append(path - [*(low / canvas.pixels_per_metre), 0.0], after[cut])
+    return trials

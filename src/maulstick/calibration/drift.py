@@ -1,0 +1,191 @@
+"""Whether the sheet has moved between two photographs: by its edges, else by what is painted on it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import least_squares
+
+from maulstick.calibration.camera import margin_px
+from maulstick.calibration.tags import sampled
+from maulstick.canvas import Canvas
+from maulstick.robot.light import Image
+from maulstick.robot.opencv import opencv
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+MARGIN = 15e-3
+"""Metres around the sheet that a photograph should keep, so that its edges are seen wherever it went."""
+
+_STATIONS = 120  # along an edge
+_ENDS = 0.12  # of an edge, where a card may lie
+_SMOOTH = 0.5e-3  # metres across an edge
+_LEAST_MARGIN = 3e-3  # metres
+_NEAR = 0.6e-3  # metres from a straight edge that a station of it may lie
+_TRUE = 0.05e-3  # metres from it that one is usually
+_AGREED = 0.5  # of the stations
+_CLEAR = 0.06  # sRGB across an edge
+_MARKED = 0.01  # standard deviation of what is painted
+_SPARSE = 1e-3  # of what is around a place
+_ALIKE = 0.6  # correlation of the paintings in two photographs
+_COARSE_PX, _FINE_PX = 250, 700  # of the longer side
+_STEPS, _SETTLED, _BLUR_PX = 100, 1e-5, 5
+_OUTSTANDING = 0.5  # of the clearest step across an edge
+
+
+@dataclass(frozen=True)
+class Shift:
+    """How the sheet moved on what it lies on: it turned about its middle by dtheta, then went by dx, dy.
+
+    dx, dy: metres.  dtheta: radians, from x to y.
+    confidence: in [0, 1]: the share of the edges that agrees, or the correlation of what is painted.
+    """
+
+    dx: float
+    dy: float
+    dtheta: float
+    confidence: float
+
+    def furthest(self, canvas: Canvas) -> float:
+        """How far the corner of the sheet that moved most went, metres."""
+        half = np.array([canvas.width, canvas.height]) / 2
+        corners = half * [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+        return float(np.linalg.norm(corners @ _turn(self.dtheta).T + (self.dx, self.dy) - corners, axis=1).max())
+
+
+def shift_between(
+    before: Image, after: Image, canvas: Canvas, margin: float = MARGIN, ignore: Bools | None = None
+) -> Shift | None:
+    """How the sheet moved between two flat photographs, or None where nothing can be seen that tells.
+
+    before, after: (H, W, 3) sRGB in [0, 1], as `View.rectify` makes them with the canvas and the margin.
+    ignore: (canvas.height_px, canvas.width_px), where something was painted in between.
+    """
+    here, there = sheet_place(before, canvas, margin), sheet_place(after, canvas, margin)
+    if here is not None and there is not None:
+        confidence = min(here.confidence, there.confidence)
+        return Shift(there.dx - here.dx, there.dy - here.dy, there.dtheta - here.dtheta, confidence)
+    around = margin_px(canvas, margin)
+    inner = np.s_[around : around + canvas.height_px, around : around + canvas.width_px]
+    return _shift_of_marks(before[inner], after[inner], canvas, ignore)
+
+
+def sheet_place(wide: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
+    """How far the sheet lies from its place in a flat photograph with a margin, by its edges; None where none are seen.
+
+    Three edges do.
+    """
+    if margin < _LEAST_MARGIN:
+        return None
+    edges = [edge for side in range(4) if (edge := _edge(wide, canvas, margin, side)) is not None]
+    if len(edges) < 3:
+        return None
+    points = np.concatenate([edge.points for edge in edges])
+    normals = np.concatenate([np.broadcast_to(edge.normal, edge.points.shape) for edge in edges])
+    half = np.array([canvas.width, canvas.height]) / 2
+    home = np.abs(normals) @ half
+
+    def misses(place: Floats) -> Floats:
+        return np.asarray(((points - half - place[:2]) * (normals @ _turn(place[2]).T)).sum(axis=1) - home)
+
+    dx, dy, dtheta = least_squares(misses, np.zeros(3), x_scale="jac", loss="cauchy", f_scale=_TRUE).x
+    return Shift(float(dx), float(dy), float(dtheta), float(np.mean([edge.agreed for edge in edges])))
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """points: (N, 2) on it, metres.  normal: (2,) outwards, of the sheet in its place.  agreed: share of stations."""
+
+    points: Floats
+    normal: Floats
+    agreed: float
+
+
+def _edge(wide: Image, canvas: Canvas, margin: float, side: int) -> _Edge | None:
+    """The edge of the sheet on side 0 (right), 1 (bottom), 2 (left) or 3 (top); None where it is not seen."""
+    normal = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])[side]
+    along = np.abs(normal[::-1])
+    half = np.array([canvas.width, canvas.height]) / 2
+    stations = np.linspace(_ENDS, 1 - _ENDS, _STATIONS) * (2 * half @ along)
+    step = 0.5 / canvas.pixels_per_metre
+    offsets = np.arange(margin, -margin, -step)  # from outside, where there are no strokes
+    starts = along * stations[:, None] + normal * (normal > 0) * 2 * half
+    places = starts[:, None] + offsets[:, None] * normal
+    pixels = places * canvas.pixels_per_metre + margin_px(canvas, margin) - 0.5
+    profiles = sampled(wide, pixels).mean(axis=-1, dtype=np.float64)
+    sigma = max(_SMOOTH / step, 1.0)
+    slope = np.abs(gaussian_filter1d(profiles, sigma, axis=1, order=1)) * sigma * np.sqrt(2 * np.pi)
+    inner = slope[:, 1:-1]
+    peaks = (inner >= slope[:, :-2]) & (inner > slope[:, 2:]) & (inner > _CLEAR)
+    peaks &= inner > _OUTSTANDING * inner.max(axis=1, keepdims=True)
+    seen = np.flatnonzero(peaks.any(axis=1))
+    if len(seen) < _AGREED * _STATIONS:
+        return None
+    first = peaks[seen].argmax(axis=1) + 1
+    left, top, right = (slope[seen, first + d] for d in (-1, 0, 1))
+    finer = (left - right) / (2 * (left - 2 * top + right))
+    found = margin - (first + finer) * step
+    near = _on_a_line(stations[seen], found)
+    points = (starts[seen] + found[:, None] * normal)[near]
+    agreed = near.sum() / _STATIONS
+    return _Edge(points, normal, float(agreed)) if agreed > _AGREED else None
+
+
+def _on_a_line(x: Floats, y: Floats) -> Bools:
+    """Which of the points (N,) are near the straight line that most are near; it is flatter than 1 in 4."""
+    first, second = np.triu_indices(len(x), len(x) // 4)
+    slopes = (y[second] - y[first]) / (x[second] - x[first])
+    first, slopes = first[np.abs(slopes) < 0.25], slopes[np.abs(slopes) < 0.25]
+    if not len(slopes):
+        return np.zeros(len(x), dtype=bool)
+    near = np.abs(y - y[first, None] - slopes[:, None] * (x - x[first, None])) < _NEAR
+    return np.asarray(near[near.sum(axis=1).argmax()])
+
+
+def _shift_of_marks(before: Image, after: Image, canvas: Canvas, ignore: Bools | None) -> Shift | None:
+    """By what is painted on the sheet in both photographs (H, W, 3), where `ignore` (H, W) does not say otherwise."""
+    cv2 = opencv()
+    looked_at = np.ones(before.shape[:2], dtype=np.uint8) if ignore is None else (~ignore).astype(np.uint8)
+    warp, alike, pixels = np.eye(2, 3, dtype=np.float32), 0.0, 0.0
+    for longest in (_COARSE_PX, _FINE_PX):
+        scale = min(1.0, longest / max(before.shape[:2]))
+        size = (max(1, round(before.shape[1] * scale)), max(1, round(before.shape[0] * scale)))
+        seen = cv2.resize(looked_at, size, interpolation=cv2.INTER_NEAREST)
+        here, there = (
+            _painted(cv2.resize(image, size, interpolation=cv2.INTER_AREA), seen) for image in (before, after)
+        )
+        if not seen.any() or min(here[seen > 0].std(), there[seen > 0].std()) < _MARKED:
+            return None
+        if pixels:
+            warp[:, 2] *= size[0] / canvas.width / pixels
+        else:
+            window = cv2.createHanningWindow(size, cv2.CV_32F)
+            warp[:, 2] = cv2.phaseCorrelate(here, there, window)[0]
+        pixels = size[0] / canvas.width
+        steps = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _SETTLED)
+        try:
+            alike, warp = cv2.findTransformECC(here, there, warp, cv2.MOTION_EUCLIDEAN, steps, seen, _BLUR_PX)
+        except cv2.error:  # nothing in common
+            return None
+    if alike < _ALIKE:
+        return None
+    angle = float(np.arctan2(warp[1, 0], warp[0, 0]))
+    middle = np.array([canvas.width, canvas.height]) / 2
+    rest = 0.5 / pixels * np.ones(2)  # a pixel's centre is a whole number there
+    dx, dy = _turn(angle) @ (middle - rest) + warp[:, 2] / pixels + rest - middle
+    return Shift(float(dx), float(dy), angle, float(min(alike, 1.0)))
+
+
+def _painted(image: Image, seen: NDArray[np.uint8]) -> Image:
+    """(H, W): what differs from what is seen around it, the paper in the lamp's light; 0 where nothing is."""
+    cv2 = opencv()
+    weight = seen.astype(np.float32)
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) * weight
+    around, weights = (cv2.GaussianBlur(each, (0, 0), max(image.shape) / 8) for each in (grey, weight))
+    return np.asarray(grey - weight * around / np.maximum(weights, _SPARSE))
+
+
+def _turn(angle: float) -> Floats:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

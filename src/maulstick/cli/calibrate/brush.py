@@ -1,0 +1,184 @@
+"""``maulstick calibrate brush``: a machine draws strokes, a camera looks at them, and a brush is fitted."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from typer import Exit
+
+from maulstick.canvas import Canvas, parse_size
+from maulstick.cli import STOPPED
+from maulstick.cli.brush.fit import fit as fit_trials
+from maulstick.cli.calibrate.camera import canvas_of
+from maulstick.cli.folder import all_or_nothing
+from maulstick.cli.run.operator import Operator, confirm
+from maulstick.cli.run.simulation import Simulation
+from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.medium import BRUSHES, Brush, load_brush
+from maulstick.painting import Painting, Sheet, read_painting, write_painting
+from maulstick.robot.easel import read_easel
+from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.machines import WORDS, machine
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.workplace import Workplace
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from maulstick.robot.camera import Camera
+    from maulstick.robot.easel import Easel
+    from maulstick.robot.tag_frame import TagFrame
+
+_FEWEST, _MOST = 5, 1000
+
+
+class Photographs(StrEnum):
+    """When to look."""
+
+    ONE = "one"
+    EACH = "each"
+
+
+def brush(
+    name: Annotated[str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")],
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{WORDS}.")] = "sim",
+    camera: Annotated[
+        str | None, typer.Option(metavar="CAMERA", show_default="the easel's, with sim", help="usb:0, or folder:PATH.")
+    ] = None,
+    like: Annotated[
+        str, typer.Option(metavar="BRUSH", help="One that is about as wide, and presses or does not, as it does.")
+    ] = "marker",
+    style: Annotated[str, typer.Option(metavar="STYLE", help="Whose strokes to draw.")] = "loops",
+    strokes: Annotated[int, typer.Option(metavar="N", help="How many to draw.")] = 60,
+    photographs: Annotated[
+        Photographs,
+        typer.Option(metavar="one|each", help="One of the whole sheet of strokes, or one after each stroke."),
+    ] = Photographs.ONE,
+    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet.")] = "A4-landscape",
+    easel: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch.")
+    ] = None,
+    tag: Annotated[float, typer.Option(metavar="MM", help="The side of the tags' black squares.")] = 20,
+    speed: Annotated[
+        float | None, typer.Option(metavar="MM/S", show_default="the machine's", help="Draw no faster than this.")
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(metavar="FOLDER", help="For strokes and photographs; an unfinished one is gone on with."),
+    ] = Path("calibration"),
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace your brush of that name.")
+    ] = False,
+) -> None:
+    """Draw strokes apart from one another, photograph them, and fit the brush that draws so.
+
+    Put in the pen or brush and a bare sheet first. Ctrl-C stops; the same words go on.
+    """
+    BRUSHES.check_own_name(name, overwrite)
+    if not _FEWEST <= strokes <= _MOST:
+        raise InputError.of_range("--strokes", strokes, f"{_FEWEST} to {_MOST}")
+    if robot.startswith("sim"):
+        if camera is not None:
+            raise InputError("the simulated easel has a camera of its own; leave out --camera")
+    elif camera is None:
+        raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
+    place = read_easel(easel) if easel is not None else None
+    console = Console(stderr=True, markup=False, highlight=False)
+    sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
+    from maulstick.robot.tag_frame import TagFrame
+
+    tags = TagFrame(sheet.canvas.width, sheet.canvas.height, side=tag * 1e-3)
+    _collect(sheet, out, robot, camera, place, tags, photographs is Photographs.EACH, speed, console)
+    fit_trials(out / "trials", name, None, overwrite)
+
+
+def _sheet(
+    out: Path, size: tuple[float, float], like: Brush, style: str, strokes: int, easel: "Easel | None"
+) -> Painting:
+    """The strokes to draw: those of an unfinished folder, or new ones, which are written there."""
+    path = out / "practice.json"
+    if path.exists():
+        begun = read_painting(path)
+        there = (begun.canvas.width, begun.canvas.height), [*begun.brushes], begun.made.options.get("style")
+        if (*there, len(begun.strokes)) != (size, [like.name], style, strokes):
+            raise InputError(f"{out} was begun with other words; go on with the same ones, or choose another --out")
+        return begun
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise OutputError(f"{out} holds something else; choose another --out")
+    from maulstick.loop import practice  # loads torch
+    from maulstick.style import load_style
+
+    hand = load_style(style, Canvas(*size, 1.0))
+    if easel is not None and like.presses:
+        like = like.model_copy(update={"depth": (0.0, easel.deepest)})
+    sheet = practice(hand, like, Sheet(width=size[0], height=size[1]), strokes)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+    write_painting(sheet, path)
+    return sheet
+
+
+def _collect(
+    sheet: Painting,
+    out: Path,
+    word: str,
+    camera: str | None,
+    place: "Easel | None",
+    tags: "TagFrame",
+    each: bool,
+    speed: float | None,
+    console: Console,
+) -> None:
+    """Draw what is left, take the photographs, and cut the trials out of them."""
+    from maulstick.calibration.collect import collect, trials_of
+    from maulstick.calibration.eye import Eye
+    from maulstick.loop import room_of
+    from maulstick.robot.camera import open_camera
+
+    def look() -> "NDArray[np.float32]":
+        sight = eye.look()
+        for note in sight.notes:
+            console.print(f"note: {note}", soft_wrap=True)
+        if sight.shift is not None:
+            raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
+        return sight.image
+
+    if (out / "trials").exists():
+        return
+    path, (brush,) = out / "practice.json", sheet.brushes.values()
+    simulation = Simulation.of(word, sheet, place, None) if word.startswith("sim") else None
+    robot = machine(word, place) if simulation is None else simulation.robot
+    easel = place or robot.easel(sheet.canvas.width, sheet.canvas.height)
+    seeing: Camera = simulation.camera(tags) if simulation is not None else open_camera(camera or "")
+    with Journal.open(journal_of(path)) as journal, robot, seeing:
+        if journal.revision is None:
+            journal.revise(path)
+        if (stroke := journal.unfinished) is not None:
+            question = f"stroke {stroke} was under the brush. Is it on the paper?"
+            (journal.end if confirm(console, question) else journal.again)(stroke)
+        if simulation is not None:
+            simulation.paint_again(easel, journal.painted)
+        canvas, kept = canvas_of((sheet.canvas.width, sheet.canvas.height)), out / "practice.eye.npz"
+        if kept.exists():
+            eye = Eye.opened_again(seeing, canvas, tags, kept)
+        else:
+            eye = Eye.opened(seeing, canvas, tags)
+            eye.write(kept)
+        operator = Operator(console, sheet, robot, len(journal.painted))
+        ask = operator.ask if simulation is None else simulation.ask
+        metres = None if speed is None else speed * 1e-3
+        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=metres)
+        try:
+            with operator.on_duty():
+                taken = collect(sheet, workplace, look, out, each=each)
+        except (StoppedError, KeyboardInterrupt):
+            console.print("stopped, with the pen lifted; the same words go on", soft_wrap=True)
+            raise Exit(STOPPED) from None
+    depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
+    with all_or_nothing(out) as staging:
+        trials_of(sheet, taken, staging / "trials", medium=brush.name, depth=depth, room=room_of(brush))

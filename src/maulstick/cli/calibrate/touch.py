@@ -1,0 +1,127 @@
+"""``maulstick calibrate touch``: where the sheet lies before a machine."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from maulstick.canvas import parse_size
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
+from maulstick.robot.easel import write_easel
+from maulstick.robot.machines import WORDS, machine
+
+if TYPE_CHECKING:
+    from maulstick.arrays import Floats
+    from maulstick.robot.robot import Robot
+
+_LIFT = 0.02  # metres, from corner to corner
+_ENTER = ("c-m", "c-j")  # as terminals send it
+
+
+def touch(
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{WORDS}.")],
+    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
+    force: Annotated[
+        bool, typer.Option("--force", metavar="", help="Go down by itself until it feels the paper, if it can feel.")
+    ] = False,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Where the easel goes.")] = Path("easel.json"),
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+) -> None:
+    """Take the tip to the corners of the sheet, and learn where the paper lies and how deep it may be pressed.
+
+    Arrow keys move it, Page Up and Page Down lift and lower it, 1, 2 and 3 set the step: 10, 1 or 0.1 mm; Enter takes
+    the point.
+    """
+    if robot.startswith("sim"):
+        raise InputError(f"{robot} knows where its sheet lies, and shows no tip to take there; name a real machine")
+    width, height = parse_size(size)
+    check_absent(out, "--out", overwrite)
+    from maulstick.calibration.touch import easel_from_touches, probe_by_force, with_deepest
+    from maulstick.robot.force import FeelsForce
+
+    console = Console(stderr=True, markup=False, highlight=False)
+    corners = {
+        "upper left": (0.0, 0.0),
+        "upper right": (width, 0.0),
+        "lower right": (width, height),
+        "lower left": (0.0, height),
+    }
+    with machine(robot, None) as arm, _keyboard() as keys:
+        if force and not isinstance(arm, FeelsForce):
+            raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
+        touched = []
+        for name in corners:
+            if force:
+                assert isinstance(arm, FeelsForce)
+                above = _jogged(arm, keys, f"take the tip above the {name} corner of the sheet", console)
+                touched.append(probe_by_force(arm, above, arm.limits.lower[2]))
+            else:
+                ask = f"lower the tip onto the {name} corner of the sheet until it just touches"
+                touched.append(_jogged(arm, keys, ask, console))
+            _raise(arm)
+        easel = easel_from_touches(np.array(touched), np.array(list(corners.values())))
+        if arm.limits.presses:
+            ask = "press the tip onto the sheet as deep as the deepest stroke may be"
+            easel = with_deepest(easel, _jogged(arm, keys, ask, console))
+            _raise(arm)
+    write_easel(easel, out)
+    print(
+        f"touched to {1e3 * easel.error:.2f} mm; the paper is tilted by {np.degrees(easel.tilt):.2f} degrees, "
+        f"and may be pressed {1e3 * easel.deepest:.1f} mm deep",
+        flush=True,
+    )
+    print(out, flush=True)
+
+
+def _raise(arm: "Robot") -> None:
+    x, y, z = arm.place.tolist()
+    arm.move(np.array([x, y, min(z + _LIFT, arm.limits.upper[2])]))
+
+
+def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "Floats":
+    """Where the operator has taken the tip, (3,)."""
+    from maulstick.calibration.touch import Jog
+
+    console.print(f"{ask}, and press Enter", soft_wrap=True)
+    x, y, z = np.clip(arm.place, arm.limits.lower, arm.limits.upper).tolist()
+    jog = Jog((x, y, z), arm.limits)
+    for key in keys:
+        jog = jog.pressed(key)
+        if jog.taken:
+            return arm.place
+        place = np.array(jog.place)
+        if not np.array_equal(place, arm.place):
+            arm.move(place)
+            console.print("x {:.1f}  y {:.1f}  z {:.1f} mm".format(*(1e3 * place).round(1) + 0.0), end="\r")
+    raise InputError("nobody is at the keyboard; run it in a terminal")
+
+
+@contextmanager
+def _keyboard() -> Iterator[Iterator[str]]:
+    """The keys that are pressed, by their names; Ctrl-C interrupts."""
+    from prompt_toolkit.input import create_input
+    from prompt_toolkit.keys import Keys
+
+    if not sys.stdin.isatty():
+        raise InputError("keys are needed to take the tip to the corners; run it in a terminal")
+    terminal = create_input(sys.stdin)
+
+    def pressed() -> Iterator[str]:
+        import select
+
+        while not terminal.closed:
+            select.select([terminal.fileno()], [], [])
+            for press in [*terminal.read_keys(), *terminal.flush_keys()]:
+                if press.key == Keys.ControlC:
+                    raise KeyboardInterrupt
+                name = press.key.value if isinstance(press.key, Keys) else press.key
+                yield "enter" if name in _ENTER else name
+
+    with terminal.raw_mode():
+        yield pressed()

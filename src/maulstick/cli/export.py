@@ -1,0 +1,133 @@
+"""``maulstick export``: a painting for machines that other programs drive."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
+from maulstick.painting import Painting, read_painting
+from maulstick.robot.easel import Easel, Pen, read_easel
+from maulstick.robot.export import as_gcode, as_hpgl, as_json
+from maulstick.robot.limits import Limits
+from maulstick.robot.routine import routine
+from maulstick.robot.sequence import sequenced
+from maulstick.robot.tray import Tray, read_tray
+from maulstick.svg import axidraw_svg
+
+_MOST_SPEED = 10_000
+_THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
+
+
+class Format(StrEnum):
+    """What can be written, and how the files' names end."""
+
+    GCODE = "gcode"
+    HPGL = "hpgl"
+    SVG = "svg"
+    JSON = "json"
+
+
+class Dialect(StrEnum):
+    """Whose G-code."""
+
+    GRBL = "grbl"
+    MARLIN = "marlin"
+
+
+def export(
+    painting: Annotated[Path, typer.Argument(help="The painting.json to export.")],
+    format: Annotated[
+        Format,
+        typer.Option(
+            metavar="FORMAT", help="gcode; hpgl; svg, with codes for AxiDraw's own software; json, a motion a line."
+        ),
+    ] = Format.GCODE,
+    dialect: Annotated[Dialect, typer.Option(metavar="grbl|marlin", help="Of G-code.")] = Dialect.GRBL,
+    servo: Annotated[
+        str | None,
+        typer.Option(
+            metavar="UP,DOWN",
+            show_default="by height",
+            help="In G-code, lift the pen by a servo: its numbers.",
+        ),
+    ] = None,
+    speed: Annotated[float, typer.Option(metavar="MM/S", help="Draw no faster than this.")] = 50,
+    easel: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", show_default="lower left corner at the origin", help="Where the sheet lies, and the limits."
+        ),
+    ] = None,
+    tray: Annotated[Path | None, typer.Option(metavar="FILE", help="Wells, water and cloth, for a brush.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="By default beside the painting.")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+) -> None:
+    """Write a painting for a machine that another program drives, its strokes in a quick order."""
+    if not 0 < speed <= _MOST_SPEED:
+        raise InputError.of_range("--speed", f"{speed:g}", f"above 0 and at most {_MOST_SPEED} mm/s")
+    if format is not Format.GCODE and servo is not None:
+        raise InputError("--servo is for G-code; leave it out")
+    if format is Format.SVG and (easel is not None or tray is not None):
+        raise InputError("SVG is of the sheet alone; leave out --easel and --tray")
+    path = out or painting.with_suffix(f".plot.{format.value}")
+    check_absent(path, "--out", overwrite)
+    plan = sequenced(read_painting(painting), (0.0, 0.0))
+    if format is Format.SVG:
+        atomic_write(path, axidraw_svg(plan).encode())
+    else:
+        place = read_easel(easel) if easel is not None else _at_the_origin(plan)
+        if servo is not None:
+            place = place.model_copy(update={"pen": _servo(servo)})
+        wells = read_tray(tray) if tray is not None else None
+        limits = place.limits or _around(plan, place, wells, speed * 1e-3)
+        if place.pen is not None or format is Format.HPGL:
+            limits = limits.model_copy(update={"presses": False})
+        actions = routine(plan, place, limits, wells, speed=min(speed * 1e-3, limits.speed))
+        text = {
+            Format.GCODE: lambda: as_gcode(actions, limits, dialect.value, place.pen),
+            Format.HPGL: lambda: as_hpgl(actions, limits),
+            Format.JSON: lambda: as_json(actions),
+        }[format]()
+        atomic_write(path, text.encode())
+    print(path, flush=True)
+
+
+def _servo(text: str) -> Pen:
+    try:
+        up, down = (float(number) for number in text.split(","))
+        if not np.isfinite([up, down]).all():
+            raise ValueError
+    except ValueError:
+        raise InputError(f"--servo is {text!r}; it must be two numbers, for up and down, as in 30,90") from None
+    return Pen(up=up, down=down)
+
+
+def _at_the_origin(plan: Painting) -> Easel:
+    """The sheet's lower left corner at the machine's origin, and pressed as deep as the brushes know."""
+    deepest = max((max(brush.depth) for brush in plan.brushes.values()), default=0.0)
+    return Easel(corner=(0, plan.canvas.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=deepest)
+
+
+def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
+    """Limits for a machine that is not known: the sheet, as deep as the easel allows, and the tray, at that speed."""
+    width, height = plan.canvas.width, plan.canvas.height
+    ends = [[x, y, z] for x in (0, width) for y in (0, height) for z in (-max(easel.deepest, _THIN), _CLEAR)]
+    places = [np.array(ends)]
+    if tray is not None:
+        for well in (*tray.paints.values(), tray.water, tray.cloth):
+            path = well.path()
+            places += [path, np.insert(path[:, :2], 2, tray.clearance, axis=1)]
+    corners = easel.canvas_to_machine(np.concatenate(places))
+    return Limits(
+        lower=tuple(corners.min(axis=0).tolist()),
+        upper=tuple(corners.max(axis=0).tolist()),
+        speed=speed,
+        climb=speed,
+        acceleration=1.0,
+        presses=True,
+    )

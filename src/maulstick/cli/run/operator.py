@@ -1,0 +1,148 @@
+"""The person beside the machine: what they see, the keys they press, and what they are asked."""
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bars
+
+from maulstick.errors import InputError
+from maulstick.painting import Painting
+from maulstick.robot.execute import Pause, Progress
+from maulstick.robot.robot import Robot
+from maulstick.robot.routine import Ask, Care, Draw
+
+_LOOK = 0.05  # seconds between two looks at the keyboard
+
+
+class Operator:
+    """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses."""
+
+    def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int) -> None:
+        self.pause = Pause()
+        self.stopped = False
+        self._console, self._paints, self._robot = console, painting.paints, robot
+        self._strokes = painted
+        self._drawn = 0.0  # metres, before the last photograph
+        self._asking, self._keyboard = False, threading.Lock()
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[drawn]} of {task.fields[metres]} mm"),
+            TextColumn("{task.fields[left]} left"),
+            TextColumn("{task.fields[paint]}"),
+        )
+        self._bars = Bars(*columns, console=console)
+        self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
+
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """While it lasts there is a progress bar, and keys and signals reach the machine."""
+        over = threading.Event()
+        keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
+        before = {
+            number: signal.signal(number, self._interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        }
+        keys.start()
+        try:
+            with self._bars:
+                yield
+        finally:
+            over.set()
+            keys.join()
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def watch(self, progress: Progress) -> None:
+        """Show where painting is."""
+        match progress.action:
+            case Draw():
+                self._strokes += 1
+                doing = f"stroke {self._strokes}"
+            case Care(what=what):
+                doing = what
+            case Ask():
+                doing = "waiting"
+            case None:
+                doing = "painted"
+        drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
+        if progress.action is None:
+            self._drawn = drawn
+        following = "" if progress.next_paint is None else f"next: {self._paints[progress.next_paint].label}"
+        self._bars.update(
+            self._task,
+            description=doing,
+            completed=drawn / (metres or 1.0),
+            drawn=f"{1e3 * drawn:.0f}",
+            metres=f"{1e3 * metres:.0f}",
+            left=_clock(progress.left),
+            paint=following,
+        )
+
+    def ask(self, action: Ask) -> None:
+        """Say what is to be done, and wait for Enter."""
+        self._bars.stop()
+        self._asking = True
+        try:
+            with self._keyboard:
+                self._console.print(f"{action.message}, and press Enter", soft_wrap=True)
+                if not sys.stdin.readline():
+                    raise InputError(f"nobody is there to {action.message}; run it in a terminal")
+        finally:
+            self._asking = False
+            self._bars.start()
+
+    def stop(self) -> None:
+        """Stop the machine."""
+        self.stopped = True
+        self._robot.stop()
+        if self.pause.held:
+            self.pause.toggle()
+
+    def _interrupt(self, *_: object) -> None:
+        self.stop()
+        if self._asking:
+            raise KeyboardInterrupt
+
+    def _listen(self, over: threading.Event) -> None:
+        if not sys.stdin.isatty():
+            return
+        from prompt_toolkit.input import create_input
+
+        keyboard = create_input(sys.stdin)
+        while not over.is_set():
+            if self._asking:
+                over.wait(_LOOK)
+                continue
+            with self._keyboard, keyboard.raw_mode():
+                while not (over.wait(_LOOK) or self._asking):
+                    self._press([key.key for key in keyboard.read_keys()])
+
+    def _press(self, keys: list[str]) -> None:
+        for key in keys:
+            if key in ("c-c", "s", "q"):
+                self.stop()
+            elif key in (" ", "p"):
+                self.pause.toggle()
+                self._console.print("paused after this stroke; space goes on" if self.pause.held else "going on")
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+def confirm(console: Console, question: str) -> bool:
+    """Whether a person says yes; asked until the answer is one. Raises InputError where nobody answers."""
+    while True:
+        console.print(f"{question} [y/n]", soft_wrap=True)
+        answer = sys.stdin.readline()
+        if not answer:
+            raise InputError(f"{question} Nobody answers; add --unfinished painted, or --unfinished again")
+        if answer.strip().lower() in ("y", "yes", "n", "no"):
+            return answer.strip().lower().startswith("y")

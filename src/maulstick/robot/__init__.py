@@ -1,0 +1,1 @@
+"""Machines that draw: one abstract robot, and an adapter a machine."""

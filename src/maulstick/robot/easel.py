@@ -1,0 +1,103 @@
+"""How a sheet lies before a machine: the only conversion between the canvas frame and the machine's (design §3)."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError
+from maulstick.files import atomic_write, read_whole
+from maulstick.medium import first_fault
+from maulstick.robot.limits import Limits, Point
+
+_LARGEST_FILE = 2**20  # bytes
+_SQUARE = 1e-6
+_Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class Pen(BaseModel):
+    """How a plotter lifts its pen: by a servo that is sent to `up` and `down` (the machine's own numbers).
+
+    seconds: how long either takes.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    up: float
+    down: float
+    seconds: Annotated[float, Field(ge=0, le=10)] = 0.2
+
+
+class Easel(BaseModel):
+    """A sheet before a machine, whose frame is right-handed with z up. Metres.
+
+    corner: (x, y, z) of the sheet's upper left corner, where the tip just touches the paper.
+    right, down: unit vectors along the sheet's upper and left edge.
+    deepest: how far below first touch the tip may go.  travel: how far above the paper it goes from stroke to stroke.
+    limits: narrower ones than the machine's, for this place.  pen: of a plotter with a servo.
+    error: how far from their plane the points lay that this was measured by.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    schema_version: Literal[1] = 1
+    corner: Point
+    right: Point
+    down: Point
+    deepest: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    travel: _Above = 5e-3
+    limits: Limits | None = None
+    pen: Pen | None = None
+    error: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+
+    @model_validator(mode="after")
+    def _is_a_frame(self) -> Self:
+        if not np.isfinite(self.corner).all():
+            raise ValueError(f"corner: {self.corner} is not a place; give three finite numbers")
+        axes = np.array([self.right, self.down])
+        if not np.allclose(axes @ axes.T, np.eye(2), atol=_SQUARE):
+            raise ValueError("right and down must be two unit vectors at a right angle")
+        if self.up[2] <= 0:
+            raise ValueError("the paper faces away from the machine; right and down are exchanged, or one is reversed")
+        return self
+
+    @property
+    def up(self) -> Floats:
+        """(3,) unit vector out of the paper."""
+        return np.cross(self.down, self.right)
+
+    @property
+    def tilt(self) -> float:
+        """Of the paper against the machine's x and y axes, radians."""
+        return float(np.arccos(np.clip(self.up[2], -1, 1)))
+
+    def canvas_to_machine(self, path: Floats) -> Floats:
+        """Places (..., 3) of the machine for (..., 3): x and y on the sheet, and height above the paper, metres."""
+        return np.asarray(self.corner + np.asarray(path) @ np.array([self.right, self.down, self.up]))
+
+    def machine_to_canvas(self, path: Floats) -> Floats:
+        """The inverse of `canvas_to_machine`."""
+        return np.asarray((np.asarray(path) - self.corner) @ np.array([self.right, self.down, self.up]).T)
+
+    def shifted(self, dx: float, dy: float, turn: float = 0.0) -> "Easel":
+        """After the paper was moved by (dx, dy), metres, and turned about its corner, radians, in its own plane."""
+        right, down = np.array(self.right), np.array(self.down)
+        corner = self.corner + dx * right + dy * down
+        turned = np.cos(turn) * right + np.sin(turn) * down, np.cos(turn) * down - np.sin(turn) * right
+        moved = {"corner": corner.tolist(), "right": turned[0].tolist(), "down": turned[1].tolist()}
+        return Easel.model_validate({**self.model_dump(), **moved})
+
+
+def read_easel(path: str | Path) -> Easel:
+    """The easel in the file at `path`. Raises InputError where there is none."""
+    try:
+        return Easel.model_validate_json(read_whole(path, "easel", _LARGEST_FILE))
+    except ValidationError as error:
+        raise InputError(f"{path} is not an easel: {first_fault(error)}") from error
+
+
+def write_easel(easel: Easel, path: str | Path) -> None:
+    """Write the easel as JSON. Raises OutputError where that fails; what was at `path` is then still there."""
+    atomic_write(path, f"{easel.model_dump_json(indent=2, exclude_none=True)}\n".encode())

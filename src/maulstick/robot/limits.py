@@ -1,0 +1,104 @@
+"""What a machine may be asked for, and the checks that nothing gets past."""
+
+from typing import Annotated, Final, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError
+
+_SHARE = 1e-12
+
+SLACK: Final = 1e-9
+"""Metres, or metres a second: what rounding may add."""
+
+_Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Point = tuple[float, float, float]
+
+
+class Limits(BaseModel):
+    """What a machine can do, in its own frame: right-handed, z up. Metres and seconds.
+
+    lower, upper: corners (x, y, z) of its workspace.
+    speed: of the tip at most.  climb: of its height at most.  acceleration: of either at most.
+    axes: what x, y and z accelerate at most, where each has a limit of its own rather than the tip, as Grbl's do.
+    deviation: how far from a corner its tip may pass to keep moving (GRBL's junction deviation); 0 stops at corners.
+    presses: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
+    lifting: how long it takes to lift or to lower, where that is not a matter of height.
+    tilt: of the paper against its x and y axes at most, radians.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    lower: Point
+    upper: Point
+    speed: _Above
+    climb: _Above
+    acceleration: _Above
+    axes: tuple[_Above, _Above, _Above] | None = None
+    deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    presses: bool
+    lifting: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    tilt: _Above = 0.1
+
+    @model_validator(mode="after")
+    def _has_room(self) -> Self:
+        if not (np.isfinite([self.lower, self.upper]).all() and np.all(np.less(self.lower, self.upper))):
+            raise ValueError(f"the workspace from {self.lower} to {self.upper} has no room; give lower, then upper")
+        return self
+
+    def check_path(self, path: Floats) -> None:
+        """Raise InputError where a point of the path (n, 3) lies outside the workspace, saying by how much."""
+        path = np.asarray(path, dtype=np.float64)
+        if path.ndim != 2 or path.shape[1] != 3 or len(path) == 0:
+            raise InputError(f"a path has shape {path.shape}; it must be (n, 3) with n of at least 1")
+        if not np.isfinite(path).all():
+            raise InputError("a point of the path is not a finite number")
+        for axis, name in enumerate("xyz"):
+            least, most = float(path[:, axis].min()), float(path[:, axis].max())
+            low, high = self.lower[axis], self.upper[axis]
+            beyond = max(low - least, most - high)
+            if beyond > SLACK:
+                came = least if low - least > most - high else most
+                allowed = f"{1e3 * low:g} to {1e3 * high:g} mm: {1e3 * beyond:.3g} mm less far"
+                raise InputError.of_range(f"the machine's {name}", f"{1e3 * came:.6g} mm", allowed)
+
+    def check_speed(self, speed: Floats) -> None:
+        """Raise InputError where a speed (n,) is not above 0 and at most the machine's."""
+        speed = np.asarray(speed, dtype=np.float64)
+        wrong = speed[~((speed > 0) & (speed <= self.speed + SLACK))]  # so that NaN is wrong as well
+        if len(wrong):
+            allowed = f"above 0 and at most {1e3 * self.speed:g} mm/s"
+            raise InputError.of_range("the speed", f"{1e3 * wrong[0]:g} mm/s", allowed)
+
+    def acceleration_along(self, units: Floats) -> Floats:
+        """At most (n,) along directions (n, 3), metres a second squared."""
+        if self.axes is None:
+            return np.full(len(units), self.acceleration)
+        return np.asarray((self.axes / np.maximum(np.abs(units), _SHARE)).min(axis=1))
+
+    def narrowed(self, other: "Limits") -> "Limits":
+        """The stricter of both in everything. Raises InputError where they have no place in common."""
+        lower, upper = np.maximum(self.lower, other.lower), np.minimum(self.upper, other.upper)
+        if not np.all(lower < upper):
+            raise InputError(
+                f"the workspaces from {self.lower} to {self.upper} m and from {other.lower} to {other.upper} m have no "
+                "place in common; mend the limits in the easel's file"
+            )
+        return Limits(
+            lower=tuple(lower.tolist()),
+            upper=tuple(upper.tolist()),
+            speed=min(self.speed, other.speed),
+            climb=min(self.climb, other.climb),
+            acceleration=min(self.acceleration, other.acceleration),
+            axes=None if self.axes is other.axes is None else tuple(np.minimum(self._gains, other._gains).tolist()),
+            deviation=min(self.deviation, other.deviation),
+            presses=self.presses and other.presses,
+            lifting=max(self.lifting, other.lifting),
+            tilt=min(self.tilt, other.tilt),
+        )
+
+    @property
+    def _gains(self) -> Point:
+        return self.axes or (self.acceleration,) * 3

@@ -1,0 +1,71 @@
+"""Machines by the words that name them."""
+
+from collections.abc import Callable
+from typing import Final
+
+from maulstick.errors import InputError
+from maulstick.robot.easel import Easel
+from maulstick.robot.limits import Limits
+from maulstick.robot.robot import Robot
+
+WORDS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
+
+
+def machine(word: str, easel: Easel | None) -> Robot:
+    """The machine that a word such as ``grbl:/dev/ttyUSB0`` names, not yet connected; the easel may narrow its limits.
+
+    Raises InputError for a word that names none, and where what drives that machine is not installed.
+    """
+    name, _, address = word.partition(":")
+    limits = None if easel is None else easel.limits
+    if name not in _MACHINES:
+        raise InputError(f"there is no machine {word!r}; there are: {WORDS}")
+    if not address and name != "axidraw":
+        raise InputError(f"{word!r} does not say where the machine is; there are: {WORDS}")
+    return _MACHINES[name](address, easel, limits)
+
+
+def _grbl(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.grbl import Grbl
+
+    return Grbl(address, None if easel is None else easel.pen, limits)
+
+
+def _axidraw(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.ebb import AxiDraw
+
+    return AxiDraw(address or None, None if easel is None else easel.pen, limits)
+
+
+def _xarm(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.xarm import XArm
+
+    return XArm(address, limits)
+
+
+def _lite6(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.xarm import LITE6, XArm
+
+    return XArm(address, LITE6 if limits is None else LITE6.narrowed(limits))
+
+
+def _franka(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.franka import Franka
+
+    return Franka(address, limits)
+
+
+def _ur(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
+    from maulstick.robot.ur import UR
+
+    return UR(address, limits)
+
+
+_MACHINES: Final[dict[str, Callable[[str, Easel | None, Limits | None], Robot]]] = {
+    "grbl": _grbl,
+    "axidraw": _axidraw,
+    "xarm": _xarm,
+    "lite6": _lite6,
+    "franka": _franka,
+    "ur": _ur,
+}

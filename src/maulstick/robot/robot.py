@@ -1,0 +1,172 @@
+"""The abstract machine: it moves, draws a stroke, lifts and stops; whatever it is told passes its limits first."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from contextlib import suppress
+from types import TracebackType
+from typing import Self, final
+
+import numpy as np
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.easel import Easel
+from maulstick.robot.limits import Limits
+from maulstick.robot.stopping import Stopping
+
+_SAME_PLACE = 1e-4  # metres, to a pen
+
+
+class StoppedError(MachineError):
+    """The machine was stopped."""
+
+    def __init__(self) -> None:
+        super().__init__("the machine was stopped; its pen is lifted")
+
+
+class Robot(ABC):
+    """A machine that draws: entered as a context before anything moves, and left with its pen lifted.
+
+    Lengths are metres in the machine's own frame, right-handed, z up. What its calls return is where it was really
+    sent, which steps or decimals may have rounded. No command outside its `limits` is ever sent: a call that would
+    need one raises InputError, and nothing moves. All calls raise MachineError where the machine fails; StoppedError
+    after that, until it is entered again, and after `stop`, which any thread or signal handler may call; all else is
+    called from one thread.
+
+    An adapter implements what is abstract here. Its methods return once the machine is there; whatever takes longer
+    than 0.1 s looks at `_stopping` that often, and raises StoppedError.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self._stopping = Stopping()
+        self._place: Floats | None = None
+        self._down = self._out_of_use = False
+
+    @final
+    def __enter__(self) -> Self:
+        self._stopping.clear()
+        self._out_of_use = False
+        try:
+            self._place, self._down = self._open(), False
+        except BaseException:
+            self._close()
+            raise
+        return self
+
+    @final
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        try:
+            if self._down:
+                self._recover()
+        finally:
+            self._place, self._down = None, False
+            self._close()
+
+    @property
+    @final
+    def place(self) -> Floats:
+        """(3,) where the tip was last sent."""
+        return self._check_connected().copy()
+
+    @final
+    def move(self, place: Floats) -> Floats:
+        """Go straight to a place (3,) with the pen lifted; returns the place commanded, (3,)."""
+        goal = np.asarray(place, dtype=np.float64)
+        self.limits.check_path(goal[None])
+        self._check_connected()
+        if self._down:
+            raise InputError("the pen is down; lift it before moving")
+        return self._do(lambda: self._move(goal))
+
+    @final
+    def stroke(self, path: Floats, speed: Floats) -> Floats:
+        """Lower the tip to the first point of the path (n, 3), and follow it; the pen stays down.
+
+        speed: (n,) metres a second at most at each point; the machine's acceleration may make it slower.
+        The tip must be above the first point. A machine that does not press takes any height as "down".
+        Returns the path commanded, (n, 3).
+        """
+        path, speed = np.asarray(path, dtype=np.float64), np.asarray(speed, dtype=np.float64)
+        self.limits.check_path(path)
+        if speed.shape != path.shape[:1]:
+            raise InputError(f"there are {speed.size} speeds for {len(path)} points; give one a point")
+        self.limits.check_speed(speed)
+        if self._down:
+            raise InputError("the pen is down already; lift it before the next stroke")
+        beside = float(np.hypot(*(self.place - path[0])[:2]))
+        if beside > _SAME_PLACE:
+            raise InputError(f"the stroke starts {1e3 * beside:.3g} mm beside the pen; move there first")
+        self._down = True
+        return self._do(lambda: self._stroke(path, speed))
+
+    @final
+    def lift(self, height: float) -> Floats:
+        """Raise the tip straight up to a height; returns the place commanded, (3,)."""
+        goal = np.array([*self.place[:2], height], dtype=np.float64)
+        self.limits.check_path(goal[None])
+        place = self._do(lambda: self._lift(goal))
+        self._down = False
+        return place
+
+    @final
+    def stop(self) -> None:
+        """Stand still at once, and lift the pen. Whatever is running raises StoppedError, and all that follows."""
+        self._stopping.set()
+        self._halt()
+
+    @abstractmethod
+    def easel(self, width: float, height: float) -> Easel:
+        """Where a sheet of this size, metres, usually lies before the machine.
+
+        Raises InputError where there is no such place, and it must be calibrated.
+        """
+
+    @abstractmethod
+    def _open(self) -> Floats:
+        """Connect, and lift the pen without moving it sideways; where the tip is, (3,)."""
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Disconnect; called after every `_open`, even if it failed."""
+
+    @abstractmethod
+    def _move(self, place: Floats) -> Floats:
+        """As `move`."""
+
+    @abstractmethod
+    def _stroke(self, path: Floats, speed: Floats) -> Floats:
+        """As `stroke`."""
+
+    @abstractmethod
+    def _lift(self, place: Floats) -> Floats:
+        """Raise the tip to this place (3,), straight above where it is."""
+
+    @abstractmethod
+    def _halt(self) -> None:
+        """Tell the machine to stand still, from any thread and in no time, where it needs telling before `_recover`."""
+
+    @abstractmethod
+    def _recover(self) -> None:
+        """After a stop or a fault, from the thread of the calls: stand still, and lift the pen as far as that goes."""
+
+    def _check_connected(self) -> Floats:
+        if self._place is None:
+            raise InputError("the machine is not connected; use it in a with statement")
+        return self._place
+
+    def _do(self, act: Callable[[], Floats]) -> Floats:
+        if self._out_of_use:
+            raise StoppedError
+        try:
+            if self._stopping.is_set():
+                raise StoppedError
+            place = act()
+        except BaseException:
+            self._out_of_use = True  # until it is entered again: nobody knows where its tip is now
+            self._down = False
+            with suppress(MachineError):  # the first one says what was wrong
+                self._recover()
+            raise
+        self._place = place.reshape(-1, 3)[-1].copy()
+        return place

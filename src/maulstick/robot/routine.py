@@ -1,0 +1,269 @@
+"""What a machine does to paint a painting: strokes, and the care of paints between them, in its own frame."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError
+from maulstick.medium import Brush
+from maulstick.painting import Paint, Painting, Stroke
+from maulstick.robot.easel import Easel
+from maulstick.robot.limits import SLACK, Limits
+from maulstick.robot.timing import Profile
+from maulstick.robot.tray import Tray, Well
+
+_SAME = 1e-7  # metres
+_STEADY = 0.02  # of press: what a machine that only lifts may leave out
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Down to the first point of a path, along it, and up again.
+
+    path: (n, 3) metres of the machine.  speed: (n,) metres a second at most.
+    above: height at which the tip comes to its start.  after: height to which it is lifted at its end.
+    """
+
+    path: Floats
+    speed: Floats
+    above: float
+    after: float
+
+    @property
+    def start(self) -> Floats:
+        """(3,) where it begins, lifted."""
+        return np.array([*self.path[0, :2], self.above])
+
+    @property
+    def length(self) -> float:
+        """Metres that are drawn."""
+        return float(np.sqrt((np.diff(self.path, axis=0) ** 2).sum(axis=1)).sum())
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A stroke of the painting, by its id."""
+
+    stroke: int
+    paint: int
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Care:
+    """A visit to the tray."""
+
+    what: Literal["dip", "rinse", "wipe"]
+    paint: int
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Ask:
+    """Something that a person has to do before the next action."""
+
+    message: str
+    paint: int
+
+
+Action = Draw | Care | Ask
+
+
+@dataclass(frozen=True)
+class Hand:
+    """What the machine holds: a paint, or none yet, and the metres painted since it was taken up."""
+
+    paint: int | None = None
+    painted: float = 0.0
+
+
+NOTHING: Final = Hand()
+
+
+def routine(
+    painting: Painting,
+    easel: Easel,
+    limits: Limits,
+    tray: Tray | None = None,
+    *,
+    speed: float | None = None,
+    done: Collection[int] = (),
+    hand: Hand = NOTHING,
+) -> list[Action]:
+    """All that is still to be done, in order, when the strokes with the ids in `done` are painted.
+
+    speed: at which strokes without a speed of their own are drawn, and others at most; metres a second. Left out, it
+    is the machine's.
+    Raises InputError, naming what and by how much, where the painting, its brushes or the tray do not fit `limits` or
+    `easel`; so whatever is returned may be sent.
+    """
+    _check_easel(easel, limits)
+    if speed is not None:
+        limits.check_speed(np.array([speed]))
+    wells = tray.wells_of(painting) if tray is not None else None
+    painted = set(done)
+    wanted = [stroke for stroke in painting.strokes if stroke.id not in painted]
+    for paint in {stroke.paint for stroke in wanted}:
+        _check_depth(painting.brushes[painting.paints[paint].brush], easel, limits)
+    actions: list[Action] = []
+    for stroke in wanted:
+        brush = painting.brushes[painting.paints[stroke.paint].brush]
+        draw = Draw(stroke.id, stroke.paint, _motion(stroke, brush, easel, limits, speed))
+        if hand.paint != stroke.paint or _runs_dry(hand, draw.motion, tray):
+            if tray is None or wells is None:
+                if len(painting.paints) > 1:
+                    actions.append(Ask(_pen_change(painting.paints[stroke.paint]), stroke.paint))
+            else:
+                if actions and isinstance(before := actions[-1], Draw):
+                    after = _height(easel, before.motion.path[-1], tray.clearance)
+                    actions[-1] = replace(before, motion=replace(before.motion, after=after))
+                dirty = bool(painted) if hand.paint is None else hand.paint != stroke.paint
+                held = None if hand.paint is None else painting.paints[hand.paint].brush
+                if len(painting.brushes) > 1 and held != painting.paints[stroke.paint].brush:
+                    actions.append(Ask(f"put in the {painting.paints[stroke.paint].brush}, clean", stroke.paint))
+                    dirty = False
+                actions += _cares(tray, wells[stroke.paint], stroke.paint, dirty, easel, limits)
+                above = _height(easel, draw.motion.path[0], tray.clearance)
+                draw = replace(draw, motion=replace(draw.motion, above=above))
+            hand = Hand(stroke.paint)
+        hand = replace(hand, painted=hand.painted + draw.motion.length)
+        actions.append(draw)
+    _check_room(actions, limits)
+    return actions
+
+
+def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floats:
+    """Seconds (k,) that each action takes a machine of these limits whose tip is at `place` (3,), without people."""
+    seconds = np.zeros(len(actions))
+    for index, action in enumerate(actions):
+        if isinstance(action, Ask):
+            continue
+        motion = action.motion
+        end = np.array([*motion.path[-1, :2], motion.after])
+        seconds[index] = (
+            _straight(place, motion.start, limits)
+            + Profile.of(motion.path, motion.speed, limits).seconds
+            + _lowering(motion.above - motion.path[0, 2], limits)
+            + _lowering(motion.after - motion.path[-1, 2], limits)
+        )
+        place = end
+    return seconds
+
+
+def drawn_metres(actions: Sequence[Action]) -> float:
+    """Metres of stroke among the actions."""
+    return sum(action.motion.length for action in actions if isinstance(action, Draw))
+
+
+def _straight(start: Floats, end: Floats, limits: Limits) -> float:
+    path = np.stack([start, end])
+    if not limits.presses:
+        path[:, 2] = 0.0  # its height is not a distance
+    return Profile.of(path, np.full(2, limits.speed), limits).seconds
+
+
+def _lowering(height: float, limits: Limits) -> float:
+    if not limits.presses:
+        return limits.lifting
+    return limits.lifting + _straight(np.zeros(3), np.array([0.0, 0.0, height]), limits)
+
+
+def _runs_dry(hand: Hand, motion: Motion, tray: Tray | None) -> bool:
+    """Whether the paint in hand is less than a stroke needs, unless no dip could hold more."""
+    return tray is not None and hand.painted > 0 and hand.painted + motion.length > tray.reach
+
+
+def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: float | None) -> Motion:
+    points = np.array(stroke.trajectory, dtype=np.float64)
+    kept = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > _SAME])
+    points = points[kept]
+    if not limits.presses and np.ptp(points[:, 2]) > _STEADY and brush.presses:
+        raise InputError(
+            f"stroke {stroke.id} varies its press by {np.ptp(points[:, 2]):.2f}, and this machine only lifts its pen; "
+            "plan it again with maulstick paint --press 0.5"
+        )
+    most = limits.speed if speed is None else speed
+    speeds = np.full(len(points), most)
+    if stroke.speed is not None:
+        own = np.array(stroke.speed)[kept]
+        if speed is None and own.max() > limits.speed + SLACK:
+            raise InputError(
+                f"stroke {stroke.id} is drawn at {1e3 * own.max():.0f} mm/s, and the machine's fastest is "
+                f"{1e3 * limits.speed:g}; slow all strokes down with --speed {1e3 * limits.speed:g}"
+            )
+        speeds = own.clip(max=most)
+    heights = -_depth(points[:, 2], brush, easel) if limits.presses else np.zeros(len(points))
+    path = easel.canvas_to_machine(np.concatenate([points[:, :2], heights[:, None]], axis=1))
+    return Motion(path, speeds, *(_height(easel, path[end], easel.travel) for end in (0, -1)))
+
+
+def _depth(press: Floats, brush: Brush, easel: Easel) -> Floats:
+    """Metres below first touch: those that the brush was fitted with, or where it does not know, the easel's."""
+    if not brush.presses:
+        return np.full(press.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
+    touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
+    return np.asarray(touch + press * (deepest - touch))
+
+
+def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
+    if limits.presses and brush.presses and not any(brush.depth) and not easel.deepest:
+        raise InputError(
+            f"neither the brush {brush.name} nor the easel says how deep it may be pressed; calibrate the touch again"
+        )
+    if limits.presses and max(brush.depth) > easel.deepest + SLACK:
+        raise InputError(
+            f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and the easel allows "
+            f"{1e3 * easel.deepest:g} mm: {1e3 * (max(brush.depth) - easel.deepest):.3g} mm less; calibrate the touch "
+            "again, or the brush for this easel"
+        )
+
+
+def _check_easel(easel: Easel, limits: Limits) -> None:
+    if easel.tilt > limits.tilt:
+        came, most = (np.degrees(angle) for angle in (easel.tilt, limits.tilt))
+        raise InputError(f"the paper is tilted by {came:.2g} degrees; it must be at most {most:.2g}: lay it flatter")
+
+
+def _check_room(actions: Sequence[Action], limits: Limits) -> None:
+    """Raise InputError where an action leaves the workspace or is too fast, counting the others that do."""
+    faults: list[str] = []
+    for action in actions:
+        if isinstance(action, Ask):
+            continue
+        motion = action.motion
+        name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
+        end = np.array([*motion.path[-1, :2], motion.after])
+        try:
+            limits.check_path(np.concatenate([motion.path, [motion.start, end]]))
+            limits.check_speed(motion.speed)
+        except InputError as error:
+            faults.append(f"{name}: {error}")
+    if faults:
+        more = f" (and {len(faults) - 1} more like it)" if len(faults) > 1 else ""
+        raise InputError(f"{faults[0]}{more}; lay the sheet elsewhere, or plan for a smaller one")
+
+
+def _pen_change(paint: Paint) -> str:
+    return f"put in the {paint.brush} with the paint {paint.label}"
+
+
+def _cares(tray: Tray, well: Well, paint: int, dirty: bool, easel: Easel, limits: Limits) -> list[Care]:
+    """Rinse and wipe what is dirty, and dip."""
+    first: list[tuple[Literal["dip", "rinse", "wipe"], Well]] = (
+        [("rinse", tray.water), ("wipe", tray.cloth)] if dirty else []
+    )
+    return [Care(what, paint, _visit(place, tray, easel, limits)) for what, place in (*first, ("dip", well))]
+
+
+def _visit(well: Well, tray: Tray, easel: Easel, limits: Limits) -> Motion:
+    path = easel.canvas_to_machine(well.path())
+    speed = np.full(len(path), min(tray.speed, limits.speed))
+    return Motion(path, speed, *(_height(easel, path[end], tray.clearance) for end in (0, -1)))
+
+
+def _height(easel: Easel, place: Floats, above: float) -> float:
+    """The machine's z, straight above a place (3,) of the machine's, that is so far above the paper, metres."""
+    return float(place[2] + (above - easel.machine_to_canvas(place)[2]) / easel.up[2])

@@ -1,0 +1,102 @@
+"""How long a machine takes: straight segments under an acceleration limit, with look-ahead over corners.
+
+Speed changes at the machine's acceleration; at a corner it is at most what lets a circle that passes within `deviation`
+of it be driven at that acceleration (Grbl's junction deviation); where two segments meet, speed is such that braking
+in time is possible. The same profile times a plan, and drives machines that want to be told where to be when.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from maulstick.arrays import Floats
+from maulstick.robot.limits import Limits
+
+_STRAIGHT = 1e-12
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A path in time: what a tip does that starts and ends at rest.
+
+    points: (n, 3) metres.  along: (n,) arc length to each.  speeds: (n,) at each point.
+    cruise, acceleration: (n - 1,) the highest speed within each segment, and how it is reached.
+    times: (n,) seconds at each point.
+    """
+
+    points: Floats
+    along: Floats
+    speeds: Floats
+    cruise: Floats
+    times: Floats
+    acceleration: Floats
+
+    @classmethod
+    def of(cls, points: Floats, speed: Floats, limits: Limits) -> "Profile":
+        """The fastest motion along points (n, 3) with at most these speeds (n,) at the points and between them."""
+        steps = np.diff(points, axis=0)
+        lengths = np.sqrt((steps**2).sum(axis=1))
+        allowed = np.minimum(speed[:-1], speed[1:]).clip(max=limits.speed)
+        climbing = np.abs(steps[:, 2]) / np.maximum(lengths, _STRAIGHT)
+        allowed = np.minimum(allowed, limits.climb / np.maximum(climbing, _STRAIGHT))
+        speeds = np.zeros(len(points))
+        speeds[1:-1] = np.minimum(np.minimum(allowed[:-1], allowed[1:]), _corner_speeds(steps, lengths, limits))
+        acceleration = limits.acceleration_along(steps / np.maximum(lengths, _STRAIGHT)[:, None])
+        gain = 2 * acceleration * lengths
+        for i in range(1, len(points)):
+            speeds[i] = min(speeds[i], (speeds[i - 1] ** 2 + gain[i - 1]) ** 0.5)
+        for i in range(len(points) - 2, -1, -1):
+            speeds[i] = min(speeds[i], (speeds[i + 1] ** 2 + gain[i]) ** 0.5)
+        before, after = speeds[:-1], speeds[1:]
+        peak = np.sqrt((before**2 + after**2 + gain) / 2)
+        cruise = np.minimum(peak, np.maximum(allowed, np.maximum(before, after)))
+        ramps = (2 * cruise - before - after) / acceleration
+        level = lengths - (2 * cruise**2 - before**2 - after**2) / (2 * acceleration)
+        seconds = ramps + level.clip(min=0) / np.maximum(cruise, _STRAIGHT)
+        times = np.concatenate([[0.0], np.cumsum(np.where(lengths > 0, seconds, 0.0))])
+        along = np.concatenate([[0.0], np.cumsum(lengths)])
+        return cls(np.asarray(points, dtype=np.float64), along, speeds, cruise, times, acceleration)
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes."""
+        return float(self.times[-1])
+
+    def at(self, when: Floats) -> Floats:
+        """Where the tip is, (k, 3), at times (k,) seconds; it stays at the end."""
+        return self._places(self.distance(when))
+
+    def distance(self, when: Floats) -> Floats:
+        """How far along the path the tip is, (k,) metres, at times (k,)."""
+        if len(self.points) == 1:
+            return np.zeros(len(when))
+        segment = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, len(self.points) - 2)
+        since = np.clip(when - self.times[segment], 0, self.times[segment + 1] - self.times[segment])
+        before, after, cruise = self.speeds[segment], self.speeds[segment + 1], self.cruise[segment]
+        acceleration = self.acceleration[segment]
+        faster, slower = (cruise - before) / acceleration, (cruise - after) / acceleration
+        level = np.maximum(self.times[segment + 1] - self.times[segment] - faster - slower, 0)
+        rising, cruising = np.minimum(since, faster), np.clip(since - faster, 0, level)
+        falling = np.clip(since - faster - level, 0, slower)
+        gone = before * rising + acceleration * rising**2 / 2 + cruise * (cruising + falling)
+        return np.asarray(
+            np.minimum(self.along[segment] + gone - acceleration * falling**2 / 2, self.along[segment + 1])
+        )
+
+    def _places(self, along: Floats) -> Floats:
+        kept = np.concatenate([[True], np.diff(self.along) > 0])
+        return np.stack([np.interp(along, self.along[kept], column[kept]) for column in self.points.T], axis=1)
+
+
+def _corner_speeds(steps: Floats, lengths: Floats, limits: Limits) -> Floats:
+    """(n - 2,) the highest speed at each inner point."""
+    moves = lengths > _STRAIGHT
+    before = np.maximum.accumulate(np.where(moves, np.arange(len(steps)), 0))  # a repeated point hides no corner
+    units = (steps / np.maximum(lengths, _STRAIGHT)[:, None])[before]
+    half_sine = np.sqrt((1 + (units[:-1] * units[1:]).sum(axis=1)).clip(0, 2) / 2)  # sin(θ/2) of the angle between
+    fast = half_sine > 1 - 1e-9
+    radius = limits.deviation * half_sine / np.where(fast, 1.0, 1 - half_sine)
+    inwards = units[1:] - units[:-1]
+    inwards /= np.maximum(np.sqrt((inwards**2).sum(axis=1)), _STRAIGHT)[:, None]
+    speeds = np.where(fast, np.inf, np.sqrt(limits.acceleration_along(inwards) * radius))
+    return np.asarray(np.where(moves[1:], speeds, np.inf))

@@ -1,0 +1,86 @@
+"""The tray: wells of paint, water and a cloth beside the sheet, and how often a brush needs them (its file)."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError
+from maulstick.files import read_whole
+from maulstick.medium import Name, first_fault
+from maulstick.painting import Painting
+
+_LARGEST_FILE = 2**20  # bytes
+_TURN = 12  # points of a turn in a well
+
+_Metres = Annotated[float, Field(allow_inf_nan=False)]
+_Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Well(_Part):
+    """A place where the tip turns: paint, water, or a cloth. Metres in the canvas frame, which goes on past the sheet.
+
+    height: of the tip in it, above the paper (below it where negative).  radius: of the turn.  turns: how many.
+    """
+
+    x: _Metres
+    y: _Metres
+    height: _Metres
+    radius: _Above = 3e-3
+    turns: Annotated[int, Field(ge=1, le=20)] = 1
+
+    def path(self) -> Floats:
+        """(n, 3) x, y and height: in at the middle, round, and out at the middle."""
+        angle = 2 * np.pi * np.arange(self.turns * _TURN + 1) / _TURN
+        ring = np.stack([self.x + self.radius * np.cos(angle), self.y + self.radius * np.sin(angle)], axis=1)
+        places = np.concatenate([[[self.x, self.y]], ring, [[self.x, self.y]]])
+        return np.concatenate([places, np.full((len(places), 1), self.height)], axis=1)
+
+
+class Tray(_Part):
+    """What stands beside the sheet.
+
+    reach: metres that one dip paints.  clearance: height above the paper at which the tip passes over it all.
+    paints: the wells, each by its paint's colour (``#rrggbb``) or name.
+    water, cloth: where a brush is rinsed and wiped before it takes another paint.
+    """
+
+    schema_version: Literal[1]
+    reach: _Above
+    clearance: _Above
+    speed: _Above = 0.05
+    paints: dict[Name, Well]
+    water: Well
+    cloth: Well
+
+    @model_validator(mode="after")
+    def _passes_over(self) -> Self:
+        for name, well in {**self.paints, "water": self.water, "cloth": self.cloth}.items():
+            if well.height >= self.clearance:
+                raise ValueError(
+                    f"{name}: its height {well.height:g} m is not below the clearance {self.clearance:g} m"
+                )
+        return self
+
+    def wells_of(self, painting: Painting) -> list[Well]:
+        """The well of each paint of a painting. Raises InputError where one has none."""
+        found = [self.paints.get(paint.hex) or self.paints.get(paint.name or "") for paint in painting.paints]
+        missing = [paint.label for paint, well in zip(painting.paints, found, strict=True) if well is None]
+        if missing:
+            there = ", ".join(sorted(self.paints)) or "none"
+            raise InputError(f"the tray has no well for the paint {missing[0]}; there are: {there}; add it to its file")
+        return [well for well in found if well is not None]
+
+
+def read_tray(path: str | Path) -> Tray:
+    """The tray in the file at `path`. Raises InputError where there is none."""
+    try:
+        return Tray.model_validate_json(read_whole(path, "tray", _LARGEST_FILE))
+    except ValidationError as error:
+        raise InputError(f"{path} is not a tray: {first_fault(error)}") from error

@@ -1,0 +1,83 @@
+"""Where a painting is made: the machine, the sheet before it, the journal and the person beside it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from maulstick.arrays import Floats
+from maulstick.painting import Painting
+from maulstick.robot.easel import Easel
+from maulstick.robot.execute import Pause, Progress, execute
+from maulstick.robot.journal import Journal
+from maulstick.robot.robot import Robot
+from maulstick.robot.routine import NOTHING, Action, Ask, Hand, routine
+from maulstick.robot.sequence import sequenced
+from maulstick.robot.tray import Tray, Well
+
+
+def _unseen(progress: Progress) -> None:
+    """Nobody watches."""
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """All that painting needs beside the painting.
+
+    ask, watch, pause: of the person, as in `execute`.  tray: for a brush that is dipped.
+    speed: at most, as in `routine`.
+    """
+
+    robot: Robot
+    easel: Easel
+    journal: Journal
+    ask: Callable[[Ask], None]
+    watch: Callable[[Progress], None] = _unseen
+    pause: Pause = field(default_factory=Pause)
+    tray: Tray | None = None
+    speed: float | None = None
+
+    def left_of(self, painting: Painting, hand: Hand = NOTHING) -> list[Action]:
+        """What is still to be done of a painting, checked; raises InputError as `routine` does."""
+        return routine(
+            painting,
+            self.easel,
+            self.robot.limits,
+            self.tray,
+            speed=self.speed,
+            done=self.journal.painted,
+            hand=hand,
+        )
+
+    def in_order(self, painting: Painting) -> Painting:
+        """The painting, and what is left of it in a quick order from where the tip is."""
+        painted = tuple(stroke for stroke in painting.strokes if stroke.id in self.journal.painted)
+        left = tuple(stroke for stroke in painting.strokes if stroke.id not in self.journal.painted)
+        x, y, _ = self.easel.machine_to_canvas(self.robot.place).tolist()
+        ordered = sequenced(painting.model_copy(update={"strokes": left}), (x, y))
+        return painting.model_copy(update={"strokes": (*painted, *ordered.strokes)})
+
+    def do(self, actions: list[Action], hand: Hand = NOTHING, strokes: int | None = None) -> Hand:
+        """Do it, or so many strokes of it; returns what the machine then holds, and raises as `execute` does."""
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, hand, strokes)
+
+    def moved_to(self, easel: Easel) -> "Workplace":
+        """The same with the sheet there; the tray stays where it stands."""
+        if self.tray is None:
+            return replace(self, easel=easel)
+        paints = {name: _seen_from(easel, well, self.easel) for name, well in self.tray.paints.items()}
+        water, cloth = (_seen_from(easel, well, self.easel) for well in (self.tray.water, self.tray.cloth))
+        tray = self.tray.model_copy(update={"paints": paints, "water": water, "cloth": cloth})
+        return replace(self, easel=easel, tray=tray)
+
+    def step_aside(self, home: Floats) -> None:
+        """Move the lifted tip over `home`, (3,), so that a camera sees the sheet."""
+        lower, upper = self.robot.limits.lower, self.robot.limits.upper
+        height = max(float(home[2]), float(self.robot.place[2]))
+        self.robot.move(np.clip([home[0], home[1], height], lower, upper))
+
+
+def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:
+    place = before.canvas_to_machine(np.array([well.x, well.y, well.height]))
+    x, y, height = easel.machine_to_canvas(place).tolist()
+    return well.model_copy(update={"x": x, "y": y, "height": height})

@@ -1,0 +1,66 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from maulstick.calibration.tag_page import tag_page, write_tag_page
+from maulstick.calibration.tags import found_tags
+from maulstick.errors import InputError
+from maulstick.robot.light import colours_of
+from maulstick.robot.tag_frame import TAGS, TagFrame
+
+DOT = 25.4e-3 / 600
+
+
+def _found(page: Image.Image) -> dict[int, np.ndarray]:
+    """Metres from the page's upper left corner."""
+    light = np.asarray(page.reduce(4), dtype=np.float32) / 255
+    photo = colours_of(light)[..., None].repeat(3, axis=2)
+    return {tag: (corners + 0.5) * 4 * DOT for tag, corners in found_tags(photo).items()}
+
+
+def test_a_page_has_the_tags_in_their_places_around_a_sheet_that_fits() -> None:
+    frame = TagFrame(0.100, 0.120)
+    found = _found(tag_page(frame))
+    assert sorted(found) == list(TAGS)
+    for tag in TAGS:
+        np.testing.assert_allclose(found[tag] - found[0][0], frame.corners(tag) - frame.corners(0)[0], atol=DOT)
+
+
+def test_a_page_has_four_cards_to_cut_out_for_a_larger_sheet() -> None:
+    frame = TagFrame(0.297, 0.210, side=30e-3)
+    found = _found(tag_page(frame))
+    assert sorted(found) == list(TAGS)
+    for corners in found.values():
+        np.testing.assert_allclose(corners[2] - corners[0], 30e-3, atol=DOT)
+
+
+def test_a_page_is_written_at_its_true_size(tmp_path: Path) -> None:
+    frame = TagFrame(0.297, 0.210)
+    write_tag_page(tmp_path / "tags.png", frame)
+    with Image.open(tmp_path / "tags.png") as page:
+        assert page.info["dpi"] == pytest.approx((600, 600), abs=0.01)
+        assert np.array(page.size) * DOT == pytest.approx((0.210, 0.297), abs=DOT)
+    write_tag_page(tmp_path / "tags.pdf", frame)
+    assert b"/MediaBox [ 0 0 595." in (tmp_path / "tags.pdf").read_bytes()
+
+
+def test_what_cannot_be_printed_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"^there is no kind of page '.svg'; there are: .pdf, .png$"):
+        write_tag_page(tmp_path / "tags.svg", TagFrame(0.297, 0.210))
+    with pytest.raises(InputError, match=r"^the paper to print on is 100 x 100 mm; it must be at least 281 mm wide"):
+        tag_page(TagFrame(0.3, 0.2, side=0.1, gap=0.025), (0.1, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ((0.0, 0.2, 20e-3, 15e-3), "^the sheet is 0 x 0.2 m; it must be larger than nothing$"),
+        ((0.3, 0.2, 1e-3, 15e-3), "^the side of a tag is 1 mm; it must be between 5 and 500 mm$"),
+        ((0.3, 0.2, 80e-3, 5e-3), "^the gap beside a tag is 5 mm; it must be between 10 mm, an eighth of the tag"),
+    ],
+)
+def test_a_frame_that_cannot_be_is_refused(numbers: tuple[float, float, float, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        TagFrame(*numbers)

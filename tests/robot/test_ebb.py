@@ -1,0 +1,221 @@
+import threading
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from serial.tools import list_ports
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.easel import Pen
+from maulstick.robot.ebb import AxiDraw
+from maulstick.robot.limits import SLACK, Limits
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.timing import Profile
+from tests.robot.fake_ebb import FakeEbb
+from tests.tolerances import CLOCK, STEP_METRES
+
+PEN = Pen(up=20000, down=15000, seconds=0.1)
+ABOVE = np.array([0.05, -0.05, 0.005])
+ANGLES = np.linspace(0, 2 * np.pi, 32)
+CIRCLE = np.stack([0.05 + 0.02 * np.sin(ANGLES), -0.07 + 0.02 * np.cos(ANGLES), 0 * ANGLES], axis=1)
+SPEED = np.full(32, 0.04)
+QUICK = 0.5  # seconds of patience, where it must end
+
+
+def places_of(motors: list[tuple[int, int]]) -> Floats:
+    """(n, 2) metres of the pen for steps of both motors since home, y up: a reader of its own."""
+    first, second = np.array(motors, dtype=np.float64).reshape(-1, 2).T
+    return np.stack([first + second, second - first], axis=1) / 2 / 80e3
+
+
+def commanded(commands: list[str]) -> Floats:
+    """(n, 2) where each motion ends, from home."""
+    steps = [tuple(map(int, command.split(",")[2:])) for command in commands if command.startswith("SM")]
+    return places_of(np.cumsum(np.array(steps).reshape(-1, 2), axis=0).tolist())
+
+
+def test_a_stroke_passes_its_points_to_a_step_and_none_is_lost() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(ABOVE)
+        before = len(device.reached)
+        path = robot.stroke(CIRCLE, SPEED)
+        drawn = device.reached[before:]
+        robot.lift(0.005)
+        np.testing.assert_allclose(path, CIRCLE, atol=STEP_METRES)
+        reached = places_of([(first, second) for first, second, _ in drawn])
+        assert max(np.abs(reached - point).max(axis=1).min() for point in CIRCLE[:, :2]) < STEP_METRES
+        np.testing.assert_allclose(commanded(device.commands)[-1], path[-1, :2], atol=1e-12)
+        assert {down for _, _, down in drawn} == {True}
+        assert not device.down
+        assert not device.refused
+
+
+def test_its_arm_reaches_down_the_sheet_and_both_motors_move_it() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(np.array([0.1, 0, 0]))
+        assert device.steps == (8000, 8000)
+        robot.move(np.array([0.1, -0.1, 0]))
+        assert device.steps == (16000, 0)
+
+
+def test_a_motion_takes_as_long_as_its_profile() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(ABOVE)
+        before = device.seconds
+        robot.stroke(CIRCLE, SPEED)
+        profile = Profile.of(CIRCLE, SPEED, robot.limits)
+        assert device.seconds - before == pytest.approx(PEN.seconds + profile.seconds, rel=CLOCK)
+
+
+def test_the_servo_gets_its_positions_and_its_time() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        robot.stroke(np.zeros((1, 3)), np.array([0.1]))
+        assert [command for command in device.commands if command[:2] in ("SC", "SP")] == [
+            "SC,4,20000",
+            "SC,5,15000",
+            "SP,1,100",
+            "SP,0,100",
+        ]
+        assert robot.limits.lifting == PEN.seconds
+
+
+def test_it_knows_its_place_when_it_is_entered_again() -> None:
+    with FakeEbb() as device:
+        with AxiDraw(device.port, PEN) as robot:
+            robot.move(ABOVE)
+        with AxiDraw(device.port, PEN) as robot:
+            assert robot.place[:2] == pytest.approx(ABOVE[:2], abs=STEP_METRES)
+        assert device.commands.count("EM,1,1") == 1
+
+
+def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
+    with FakeEbb(steps=(-4000, -4000)) as device:
+        robot = AxiDraw(device.port, PEN)
+        with pytest.raises(MachineError, match=r"switch it off and on at its home: the machine's x is -50 mm"):
+            robot.__enter__()
+        assert device.steps == (-4000, -4000)
+
+
+@pytest.fixture(scope="module")
+def session() -> Iterator[tuple[FakeEbb, AxiDraw]]:
+    narrow = Limits(
+        lower=(0.0100033, -0.1, -0.1), upper=(0.15, -0.0099977, 0.1), speed=1, climb=1, acceleration=5, presses=True
+    )
+    with FakeEbb(pace=2000, steps=(8000, 0)) as device, AxiDraw(device.port, PEN, narrow) as robot:
+        yield device, robot
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), points=st.integers(1, 20), reach=st.floats(1e-4, 0.06))
+def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
+    session: tuple[FakeEbb, AxiDraw], seed: int, points: int, reach: float
+) -> None:
+    device, robot = session
+    chance = np.random.default_rng(seed)
+    limits = robot.limits
+    path = np.array([0.05, -0.05, 0]) + chance.uniform(-reach, reach, (points, 3))
+    if chance.uniform() < 0.5:
+        path = np.clip(path, limits.lower, limits.upper)
+    try:
+        limits.check_path(path)
+        robot.move(path[0])
+        robot.stroke(path, chance.uniform(0.02, limits.speed, points))
+        robot.lift(0)
+    except InputError:
+        assert np.any((path < limits.lower) | (path > limits.upper))
+    reached = np.array([0.05, -0.05]) + commanded(device.commands)
+    assert np.all(reached >= np.array(limits.lower[:2]) - SLACK)
+    assert np.all(reached <= np.array(limits.upper[:2]) + SLACK)
+    assert not device.refused
+
+
+FAULTS = {
+    "!5 Err: <axis1> step rate out of range.": r"refused 'SM,.*': 5 Err: <axis1> step rate out of range\.$",
+    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub, .* --resume",
+    "silent": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick run \.\.\. --resume",
+    "closed": r"the line to /dev/\S+ went silent",
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str) -> None:
+    with FakeEbb(faults={60: fault}) as device:
+        with AxiDraw(device.port, PEN, patience=QUICK if fault == "silent" else 5) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match=FAULTS[fault]) as caught:
+                robot.stroke(CIRCLE, SPEED)
+        assert "\n" not in str(caught.value)
+        if fault != "closed":
+            assert device.stops > 0
+        if fault not in ("silent", "closed"):
+            assert not device.down
+            with robot:
+                assert robot.place[:2] == pytest.approx(places_of([device.steps])[0])
+
+
+def test_late_answers_only_take_longer() -> None:
+    with FakeEbb(delay=0.005) as device, AxiDraw(device.port, PEN) as robot:
+        robot.move(ABOVE)
+        path = robot.stroke(CIRCLE, SPEED)
+        assert places_of([device.steps])[0] == pytest.approx(path[-1, :2])
+
+
+def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen() -> None:
+    with FakeEbb(pace=1, steps=(8000, 0)) as device:  # at its place already
+        with AxiDraw(device.port, PEN) as robot:
+            timer = threading.Timer(0.5, robot.stop)
+            timer.start()
+            with pytest.raises(StoppedError):
+                robot.stroke(CIRCLE, SPEED)
+            timer.join()
+        at = places_of([device.steps])[0]
+        assert 0.002 < np.linalg.norm(at - ABOVE[:2]) < 0.04  # under way
+        assert not device.down
+        assert device.seconds < 1.2
+        with robot:
+            assert robot.place[:2] == pytest.approx(at)
+
+
+def test_older_firmware_is_refused() -> None:
+    with (
+        FakeEbb(version="2.4.3") as device,
+        pytest.raises(MachineError, match=r"has firmware 2\.4\.3; update it to 2\.4\.4"),
+    ):
+        AxiDraw(device.port, PEN).__enter__()
+
+
+def a_port(device: str, vid: int, pid: int) -> SimpleNamespace:
+    return SimpleNamespace(device=device, vid=vid, pid=pid)
+
+
+def test_the_one_that_is_plugged_in_is_found_by_its_usb_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = a_port("/dev/ttyUSB0", 0x1A86, 0x7523)
+    with FakeEbb() as device:
+        monkeypatch.setattr(list_ports, "comports", lambda: [other, a_port(device.port, 0x04D8, 0xFD92)])
+        with AxiDraw(pen=PEN) as robot:
+            assert robot.place.tolist() == [0, 0, 0]
+    monkeypatch.setattr(list_ports, "comports", lambda: [other])
+    with pytest.raises(InputError, match="no AxiDraw is plugged in; connect its USB cable and power"):
+        AxiDraw(pen=PEN).__enter__()
+    monkeypatch.setattr(list_ports, "comports", lambda: [a_port(name, 0x04D8, 0xFD92) for name in ("/b", "/a")])
+    with pytest.raises(InputError, match="there are several AxiDraws; name one of their ports: /a, /b"):
+        AxiDraw(pen=PEN).__enter__()
+
+
+def test_a_sheet_lies_with_its_upper_left_corner_at_home_and_must_fit() -> None:
+    robot = AxiDraw(pen=PEN)
+    easel = robot.easel(0.297, 0.21)
+    np.testing.assert_allclose(
+        easel.canvas_to_machine(np.array([[0, 0, 0], [0.297, 0.21, 0]])), [[0, 0, 0], [0.297, -0.21, 0]]
+    )
+    with pytest.raises(InputError, match=r"the machine's x is 420 mm; it must be 0 to 300 mm"):
+        robot.easel(0.42, 0.21)
+
+
+def test_a_pen_beyond_the_servos_pulses_is_refused() -> None:
+    with pytest.raises(InputError, match=r"the pen's up is 60; it must be 6000 to 30000"):
+        AxiDraw(pen=Pen(up=60, down=30))

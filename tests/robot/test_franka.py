@@ -1,0 +1,145 @@
+"""The Franka, end to end: franky drives a simulated arm through libfranka's own protocol."""
+
+import sys
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.check import check_robot
+from maulstick.robot.easel import Easel
+from maulstick.robot.force import FeelsForce
+from maulstick.robot.franka import FRANKA_LIMITS, Franka
+from maulstick.robot.robot import StoppedError
+from tests import tolerances
+from tests.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
+
+EASEL = Easel(corner=(0.5, 0.05, 0.5), right=(1, 0, 0), down=(0, -1, 0))
+START = np.array([0.53, 0.0, 0.5])
+ABOVE = START + np.array([0, 0, 5e-3])
+END = START + np.array([0, -0.1, 0])
+AT_ONCE = 0.2  # seconds
+
+
+@pytest.fixture(scope="module")
+def simulator() -> Iterator[FrankaSimulator]:
+    with FrankaSimulator() as running:
+        yield running
+
+
+def wave(start: Floats) -> Floats:
+    """A curve of 32 points and about 60 mm, which presses 3 mm deep in its middle."""
+    along = np.linspace(0, 1, 32)
+    return start + np.stack([0.05 * along, 0.01 * np.sin(6 * along), -3e-3 * np.sin(np.pi * along)], axis=1)
+
+
+def beside(path: Floats, places: Floats) -> Floats:
+    """(k,) metres from each place (k, 3) to the nearest of the path."""
+    nearest = np.full(len(places), np.inf)
+    for start, step in zip(path[:-1], np.diff(path, axis=0), strict=True):
+        share = ((places - start) @ step / (step @ step)).clip(0, 1)
+        nearest = np.minimum(nearest, np.linalg.norm(places - start - share[:, None] * step, axis=1))
+    return nearest
+
+
+def test_it_keeps_every_promise_of_a_robot(simulator: FrankaSimulator) -> None:
+    checks = check_robot(Franka(simulator.address), EASEL, (0.03, 0.05))
+    # "at once" is by the clock on the wall, which a simulator on a busy computer does not keep; see below.
+    assert [check for check in checks if not check.passed and check.name != "it stops at once"] == []
+
+
+def test_a_stroke_follows_its_path(simulator: FrankaSimulator) -> None:
+    path = wave(START)
+    with Franka(simulator.address) as robot:
+        robot.move(ABOVE)
+        simulator.path()
+        np.testing.assert_array_equal(robot.stroke(path, np.full(32, 0.1)), path)
+        went = simulator.path()
+        lifted = robot.lift(START[2] + 5e-3)
+        rose = simulator.path()
+    lowering = np.stack([ABOVE, START])
+    assert np.minimum(beside(path, went), beside(lowering, went)).max() < tolerances.ARM_PATH
+    missed = np.linalg.norm(went[:, None] - path, axis=2).min(axis=0)
+    assert missed.max() < tolerances.ARM_PATH, "it went all the way"
+    assert np.linalg.norm(rose[-1] - lifted) < tolerances.ARM_SETTLED
+
+
+def test_stop_from_another_thread_ends_a_stroke_within_a_fifth_of_a_second_and_lifts(
+    simulator: FrankaSimulator,
+) -> None:
+    until: list[Floats] = []
+    with Franka(simulator.address) as robot:
+        robot.move(ABOVE)
+
+        def stop() -> None:
+            until.append(simulator.path())
+            robot.stop()
+
+        other = threading.Timer(0.7, stop)
+        other.start()
+        with pytest.raises(StoppedError):
+            robot.stroke(np.stack([START, END]), np.full(2, 0.1))
+        since = simulator.path()
+    moving = np.abs(np.diff(since[:, 1])) > 0.1 * np.abs(np.diff(until[0][:, 1])).max()
+    assert np.flatnonzero(moving)[-1] * SECONDS_A_STEP < AT_ONCE
+    assert 0.005 < START[1] - since[-1, 1] < 0.095, "it was stopped in the middle"
+    assert since[-1, 2] - START[2] > 5e-3, "it is lifted"
+
+
+def test_it_lifts_after_an_error_of_the_arm_names_it_and_can_be_entered_again(simulator: FrankaSimulator) -> None:
+    with Franka(simulator.address) as robot:
+        robot.move(ABOVE)
+        other = threading.Timer(0.5, lambda: robot._arm.stop())  # as when somebody stops it in Desk
+        other.start()
+        with pytest.raises(MachineError, match="the Franka stopped: Move command preempted"):
+            robot.stroke(np.stack([START, END]), np.full(2, 0.05))
+        assert robot._where()[2] > START[2] + 5e-3
+    with Franka(simulator.address) as robot:
+        robot.move(ABOVE)
+        assert np.linalg.norm(robot._where() - ABOVE) < tolerances.ARM_SETTLED
+
+
+def test_it_feels_a_force_and_holds_its_tool_as_it_was_turned(simulator: FrankaSimulator) -> None:
+    with Franka(simulator.address) as robot:
+        assert isinstance(robot, FeelsForce)
+        assert np.isfinite(robot.force())
+        before = robot._arm.current_pose.end_effector_pose.matrix[:3, :3]
+        robot.move(ABOVE + 0.02)
+        after = robot._arm.current_pose.end_effector_pose.matrix[:3, :3]
+    np.testing.assert_allclose(after, before, atol=tolerances.ARM_TURNED)
+
+
+def test_an_arm_that_stands_outside_its_workspace_is_not_moved(simulator: FrankaSimulator) -> None:
+    narrow = FRANKA_LIMITS.model_copy(update={"upper": (0.7, 0.35, 0.3)})
+    simulator.path()
+    with pytest.raises(MachineError, match=r"the tip stands at .* outside the workspace .* guide the arm back by hand"):
+        Franka(simulator.address, narrow).__enter__()
+
+
+def test_a_simulator_that_vanishes_in_a_stroke_is_a_lost_arm() -> None:
+    with FrankaSimulator() as vanishing, Franka(vanishing.address) as robot:
+        robot.move(ABOVE)
+        other = threading.Timer(0.5, vanishing.vanish)
+        other.start()
+        with pytest.raises(MachineError, match=r"does not answer .*; check the cable"):
+            robot.stroke(np.stack([START, END]), np.full(2, 0.02))
+        other.join()
+
+
+def test_an_address_where_no_arm_is_says_what_to_check() -> None:
+    with pytest.raises(MachineError, match=r"the Franka at 127\.9\.9\.9 does not answer .* FCI"):
+        Franka("127.9.9.9").__enter__()
+
+
+def test_without_franky_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "franky", None)
+    with pytest.raises(InputError, match=r"pip install 'maulstick\[franka\]'"):
+        Franka("127.0.0.1").__enter__()
+
+
+def test_it_says_that_it_must_be_told_where_the_sheet_lies() -> None:
+    with pytest.raises(InputError, match="run: maulstick calibrate touch --robot"):
+        Franka("127.0.0.1").easel(0.2, 0.1)

@@ -1,0 +1,314 @@
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.easel import Pen
+from maulstick.robot.grbl import Grbl
+from maulstick.robot.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.limits import Limits
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.timing import Profile
+from tests.robot.fake_grbl import SETTINGS, FakeGrbl
+from tests.tolerances import CLOCK, GCODE_METRES
+
+SERVO = Pen(up=500, down=700, seconds=0.1)
+ABOVE = np.array([0.05, 0.05, 0.005])
+ANGLES = np.linspace(0, 2 * np.pi, 32)
+CIRCLE = np.stack([0.05 + 0.02 * np.sin(ANGLES), 0.07 - 0.02 * np.cos(ANGLES), -1e-3 * np.sin(ANGLES / 2)], axis=1)
+SPEED = np.full(32, 0.04)
+BUFFER = 127
+QUICK = 0.5  # seconds of patience, where it must end
+
+
+def draw_a_circle(robot: Grbl) -> Floats:
+    robot.move(ABOVE)
+    path = robot.stroke(CIRCLE, SPEED)
+    robot.lift(ABOVE[2])
+    return path
+
+
+@pytest.mark.parametrize("pen", [None, SERVO])
+def test_a_stroke_ends_up_where_it_was_commanded(pen: Pen | None) -> None:
+    with FakeGrbl() as device, Grbl(device.port, pen) as robot:
+        robot.move(ABOVE)
+        before = len(device.reached)
+        path = robot.stroke(CIRCLE, SPEED)
+        drawn = np.array(device.reached[before:])
+        assert device.place == pytest.approx(1e3 * path[-1] if pen is None else [*1e3 * path[-1, :2], 0], abs=1e-9)
+        robot.lift(ABOVE[2])
+    np.testing.assert_allclose(path, CIRCLE, atol=GCODE_METRES)
+    if pen is None:
+        np.testing.assert_allclose(1e-3 * drawn[:, :3], path, atol=1e-9)
+    else:
+        np.testing.assert_allclose(1e-3 * drawn[:, :2], path[1:, :2], atol=1e-9)
+        assert set(drawn[:, 3]) == {SERVO.down}
+        assert device.servo == SERVO.up
+
+
+def test_a_machine_tells_its_own_limits() -> None:
+    with FakeGrbl() as device, Grbl(device.port) as robot:
+        assert robot.limits == Limits(
+            lower=(0, 0, -0.06),
+            upper=(0.3, 0.22, 0.06),
+            speed=0.1,
+            climb=0.02,
+            acceleration=0.4,
+            axes=(0.4, 0.4, 0.4),
+            deviation=1e-5,
+            presses=True,
+        )
+
+
+def test_a_homed_machine_has_its_travel_below_its_own_origin() -> None:
+    told = FakeGrbl(settings={**SETTINGS, 22: 1}, origin=(-280.0, -200.0, -30.0), start=(-280.0, -200.0, -20.0))
+    with told as device, Grbl(device.port) as robot:
+        assert robot.limits.lower == pytest.approx((-0.02, -0.02, -0.03))
+        assert robot.limits.upper == pytest.approx((0.28, 0.2, 0.03))
+        assert robot.place == pytest.approx((0, 0, 0.01))
+        robot.move(ABOVE)
+        assert device.place == pytest.approx((-230, -150, -25))
+
+
+def test_the_users_limits_narrow_the_machines() -> None:
+    narrow = Limits(
+        lower=(0.01, 0.01, -1), upper=(0.1, 1, 1), speed=0.05, climb=1, acceleration=5, presses=True, deviation=1
+    )
+    with FakeGrbl() as device, Grbl(device.port, limits=narrow) as robot:
+        assert (robot.limits.lower, robot.limits.upper) == ((0.01, 0.01, -0.06), (0.1, 0.22, 0.06))
+        assert (robot.limits.speed, robot.limits.acceleration) == (0.05, 0.4)
+        sent = len(device.lines)
+        with pytest.raises(InputError, match=r"the machine's x is 110 mm"):
+            robot.move(ABOVE + np.array([0.06, 0, 0]))
+        assert len(device.lines) == sent
+
+
+def test_a_sheet_lies_with_its_lower_left_corner_at_the_works_origin() -> None:
+    easel = Grbl("nowhere", SERVO).easel(0.2, 0.16)
+    np.testing.assert_allclose(
+        easel.canvas_to_machine(np.array([[0, 0.16, 0], [0.2, 0, 0]])), [[0, 0, 0], [0.2, 0.16, 0]]
+    )
+    assert easel.pen == SERVO
+
+
+@pytest.fixture(scope="module")
+def session() -> Iterator[tuple[FakeGrbl, Grbl]]:
+    with FakeGrbl(pace=2000) as device, Grbl(device.port) as robot:
+        yield device, robot
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seed=st.integers(0, 2**32 - 1), points=st.integers(1, 40), reach=st.floats(1e-4, 0.2))
+def test_whatever_is_drawn_grbls_buffer_never_overflows_and_its_limits_are_kept(
+    session: tuple[FakeGrbl, Grbl], seed: int, points: int, reach: float
+) -> None:
+    device, robot = session
+    chance = np.random.default_rng(seed)
+    limits = robot.limits
+    path = np.array([0.15, 0.11, 0]) + chance.uniform(-reach, reach, (points, 3)) * (1, 1, 0.3)
+    speed = chance.uniform(0.03, 0.1, points)
+    try:
+        limits.check_path(path)
+        robot.move(np.array([*path[0, :2], 0.01]))
+        robot.stroke(path, speed)
+        robot.lift(0.01)
+    except InputError:
+        assert np.any((path < limits.lower) | (path > limits.upper))
+    assert device.most_unread <= BUFFER
+    reached = 1e-3 * np.array(device.reached)[:, :3]
+    assert np.all((reached >= np.array(limits.lower) - 1e-9) & (reached <= np.array(limits.upper) + 1e-9))
+    assert device.fastest <= 1e3 * limits.speed + 1e-6
+
+
+def test_a_stroke_is_streamed_so_fast_that_the_machine_never_waits_for_its_next_line() -> None:
+    zigzag = np.zeros((201, 3))
+    zigzag[:, 0] = 0.05 + np.linspace(0, 0.1, 201)
+    zigzag[:, 1] = 0.05
+    with FakeGrbl() as device, Grbl(device.port, SERVO) as robot:
+        robot.move(zigzag[0] + (0, 0, 0.005))
+        before = device.seconds
+        robot.stroke(zigzag, np.full(201, 0.06))
+        took = device.seconds - before - SERVO.seconds
+        assert took == pytest.approx(Profile.of(zigzag, np.full(201, 0.06), robot.limits).seconds, rel=CLOCK)
+
+
+def test_late_answers_only_take_longer() -> None:
+    with FakeGrbl(delay=0.02, pace=500) as device, Grbl(device.port, SERVO) as robot:
+        path = draw_a_circle(robot)
+        assert device.place[:2] == pytest.approx(1e3 * path[-1, :2])
+        assert device.most_unread <= BUFFER
+
+
+def test_reports_that_noise_has_changed_are_asked_for_again() -> None:
+    with FakeGrbl(lost_reports=3) as device, Grbl(device.port, SERVO) as robot:
+        draw_a_circle(robot)
+        assert device.lost_reports == 0
+
+
+FAULTS = {
+    "error:20": r"refused the line 'G1X.*' with error 20: it does not support a command of G-code$",
+    "error:99": r"with error 99: it does not say what that means",
+    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with \$H before",
+    "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it with \$X and check where its work origin",
+    "ALARM:77": r"raised alarm 77: it does not say why; .* home it with \$H or unlock it with \$X",
+    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground, .* --resume",
+    "lost": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick run \.\.\. --resume",
+    "door": r"cannot draw: its safety door is open; close it",
+    "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H",
+}
+
+
+@pytest.mark.parametrize(
+    ("fault", "pen"), [*((fault, SERVO) for fault in FAULTS), ("error:20", None), ("ALARM:2", None)]
+)
+def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, pen: Pen | None) -> None:
+    with FakeGrbl(faults={25: fault}) as device:
+        with Grbl(device.port, pen, patience=QUICK if fault in ("lost", "door") else 5) as robot:
+            robot.move(ABOVE)
+            with pytest.raises(MachineError, match=FAULTS[fault]) as caught:
+                robot.stroke(CIRCLE, SPEED)
+        assert "\n" not in str(caught.value)
+        assert device.holds > 0
+        assert device.state == "Idle"
+        if pen is None:
+            assert device.place[2] == pytest.approx(1e3 * ABOVE[2])
+        else:
+            assert device.servo == pen.up
+        with robot:
+            draw_a_circle(robot)
+
+
+@pytest.mark.parametrize("fault", ["silent", "closed"])
+def test_a_line_that_breaks_says_how_to_go_on(fault: str) -> None:
+    with FakeGrbl(faults={25: fault}) as device, Grbl(device.port, SERVO, patience=QUICK) as robot:
+        robot.move(ABOVE)
+        with pytest.raises(MachineError, match=r"the line to /dev/\S+ went silent; check cable and power, .* --resume"):
+            robot.stroke(CIRCLE, SPEED)
+
+
+@pytest.mark.parametrize("pen", [None, SERVO])
+def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen(pen: Pen | None) -> None:
+    with FakeGrbl(pace=1, start=(50.0, 50.0, 5.0)) as device:
+        with Grbl(device.port, pen) as robot:
+            robot.move(ABOVE)
+            stopped: list[float] = []
+
+            def stop() -> None:
+                stopped.append(time.monotonic())
+                robot.stop()
+
+            timer = threading.Timer(0.5, stop)
+            timer.start()
+            with pytest.raises(StoppedError):
+                robot.stroke(CIRCLE, SPEED)
+            timer.join()
+            assert device.state == "Idle"  # no alarm: it braked before it was reset
+            at = np.array(device.place)
+            assert 2 < np.linalg.norm(at[:2] - 1e3 * ABOVE[:2]) < 40  # under way
+            assert device.servo == pen.up if pen is not None else at[2] == pytest.approx(1e3 * ABOVE[2])
+            with pytest.raises(StoppedError):
+                robot.move(ABOVE)
+        with Grbl(device.port, pen) as robot:
+            assert robot.place[:2] == pytest.approx(1e-3 * at[:2], abs=1e-6)
+
+
+def test_an_interrupt_within_a_stroke_lifts_the_pen(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    with FakeGrbl() as device, Grbl(device.port) as robot:
+        robot.move(ABOVE)
+        monkeypatch.setattr(robot._stream, "_go_on", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            robot.stroke(CIRCLE, SPEED)
+        assert device.place[2] == pytest.approx(1e3 * ABOVE[2])
+
+
+def entered(robot: Grbl) -> None:
+    with robot:
+        pass
+
+
+def test_a_locked_machine_is_not_unlocked_behind_its_operators_back() -> None:
+    with FakeGrbl(locked=True) as device:
+        sentence = r"it is locked, as its position may be lost; home it with \$H or unlock it with \$X"
+        with pytest.raises(MachineError, match=sentence):
+            entered(Grbl(device.port))
+        assert "$X" not in device.lines
+
+
+@pytest.mark.parametrize(
+    ("number", "value", "pen", "sentence"),
+    [
+        (13, 1, None, r"reports in inches; send \$13=0"),
+        (32, 1, SERVO, r"is in laser mode, which moves the servo; send \$32=0"),
+        (30, 600, SERVO, r"the pen's down is 700; it must be 0 to 600 \(\$31 to \$30 of this Grbl\)"),
+    ],
+)
+def test_settings_that_would_spoil_a_drawing_are_refused(
+    number: int, value: float, pen: Pen | None, sentence: str
+) -> None:
+    with FakeGrbl(settings={**SETTINGS, number: value}) as device:
+        with pytest.raises((MachineError, InputError), match=sentence):
+            entered(Grbl(device.port, pen))
+        assert device.place == (0, 0, 0)
+
+
+def test_a_setting_that_is_not_told_is_named() -> None:
+    told = {number: value for number, value in SETTINGS.items() if number != 120}
+    with FakeGrbl(settings=told) as device, pytest.raises(MachineError, match=r"did not tell its setting \$120"):
+        entered(Grbl(device.port))
+
+
+def test_a_machine_without_travel_has_no_limits() -> None:
+    sentence = r"the settings of the Grbl on \S+ leave no limits: .* has no room"
+    with FakeGrbl(settings={**SETTINGS, 131: 0}) as device, pytest.raises(InputError, match=sentence):
+        entered(Grbl(device.port))
+
+
+def test_an_older_grbl_is_refused() -> None:
+    sentence = r"is a Grbl 0\.9j; it must be a Grbl 1\.1"
+    with FakeGrbl(banner="Grbl 0.9j ['$' for help]") as device, pytest.raises(MachineError, match=sentence):
+        entered(Grbl(device.port))
+
+
+def test_a_port_where_nothing_answers_is_named() -> None:
+    with FakeGrbl(banner="") as device, pytest.raises(MachineError, match=rf"no Grbl answers on {device.port}; check"):
+        entered(Grbl(device.port, patience=QUICK))
+
+
+def test_a_port_that_is_absent_or_in_use_is_refused() -> None:
+    with pytest.raises(InputError, match=r"cannot open the port /dev/absent: .*is it plugged in"):
+        entered(Grbl("/dev/absent"))
+    sentence = r"cannot open the port .* free"
+    with FakeGrbl() as device, Grbl(device.port), pytest.raises(InputError, match=sentence):
+        entered(Grbl(device.port))
+
+
+def test_a_baud_rate_comes_after_an_at_sign() -> None:
+    with FakeGrbl() as device, Grbl(f"{device.port}@57600") as robot:
+        assert robot.place[2] > 0
+    with pytest.raises(InputError, match=r"the baud rate of a Grbl is 'fast'; it must be a whole number"):
+        Grbl("/dev/ttyUSB0@fast")
+
+
+def test_every_code_of_grbl_1_1_has_its_words() -> None:
+    assert set(ERRORS) == {*range(1, 18), *range(20, 39)}
+    assert set(ALARMS) == set(range(1, 10))
+    assert all("\n" not in said for said in [*ERRORS.values(), *ALARMS.values()])
+
+
+def test_a_report_tells_state_and_place_of_machine_or_work() -> None:
+    machine = Status.parse("<Hold:1|MPos:1.000,-2.000,3.500|Bf:15,128|FS:500,0|Pn:XYZ|WCO:0.000,0.000,0.000>")
+    assert machine is not None
+    assert (machine.state, machine.tip.tolist(), machine.of_machine) == ("Hold:1", [0.001, -0.002, 0.0035], True)
+    work = Status.parse("<Idle|WPos:0.000,0.000,0.000|FS:0,0>")
+    assert work is not None
+    assert not work.of_machine
+    assert Status.parse("<Idle|MPos:1.0\xfe0,0.000,0.000|FS:0,0>") is None

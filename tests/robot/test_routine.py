@@ -1,0 +1,231 @@
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from maulstick.errors import InputError
+from maulstick.medium import Brush
+from maulstick.painting import Painting
+from maulstick.robot.easel import Easel
+from maulstick.robot.limits import Limits
+from maulstick.robot.routine import Action, Ask, Care, Draw, Hand, drawn_metres, routine, seconds_of
+from maulstick.robot.tray import Well
+from tests.nominal import nominal
+from tests.robot.recorder import EASEL, LIMITS
+from tests.robot.small_paintings import SIX, line, painting_of
+from tests.robot.trays import TRAY
+
+LIFTS = LIMITS.model_copy(update={"presses": False, "lifting": 0.2})
+ROUND = nominal("round")
+HARD = ROUND.model_copy(update={"depth": (0.001, 0.009)})
+
+
+def words(actions: Sequence[Action]) -> list[str]:
+    """What is done, in short: the ids of strokes, visits with their paints, and questions."""
+    names = []
+    for action in actions:
+        match action:
+            case Draw(stroke=stroke):
+                names.append(str(stroke))
+            case Care(what=what, paint=paint):
+                names.append(f"{what} {paint}")
+            case Ask(message=message):
+                names.append(message)
+    return names
+
+
+def refused(painting: Painting, easel: Easel = EASEL, limits: Limits = LIMITS, **options: Any) -> str:
+    with pytest.raises(InputError) as caught:
+        routine(painting, easel, limits, **options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def draws(actions: Sequence[Action]) -> list[Draw]:
+    return [action for action in actions if isinstance(action, Draw)]
+
+
+# What does not fit is refused, with what and by how much.
+
+
+def test_a_stroke_outside_the_workspace_is_refused_with_by_how_much_and_how_many_more() -> None:
+    strokes = [line(1), line(2, (0.19, 0.01), (0.21, 0.01)), line(3, (0.01, 0.25), (0.02, 0.25))]
+    assert refused(painting_of(strokes, size=(0.3, 0.3))) == (
+        "stroke 2: the machine's x is 210 mm; it must be -100 to 200 mm: 10 mm less far (and 1 more like it); "
+        "lay the sheet elsewhere, or plan for a smaller one"
+    )
+
+
+def test_a_well_outside_the_workspace_is_refused() -> None:
+    far = TRAY.model_copy(update={"water": Well(x=0.25, y=0, height=0)})
+    said = refused(SIX, tray=far)
+    assert said.startswith(
+        "the rinse for paint 1: the machine's x is 253 mm; it must be -100 to 200 mm: 53 mm less far"
+    )
+
+
+def test_a_clearance_above_the_workspace_is_refused() -> None:
+    high = TRAY.model_copy(update={"clearance": 0.11})
+    assert "the machine's z is 110 mm; it must be -20 to 100 mm: 10 mm less far" in refused(SIX, tray=high)
+
+
+def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down() -> None:
+    fast = painting_of([line(4, speed=0.35)])
+    assert refused(fast) == (
+        "stroke 4 is drawn at 350 mm/s, and the machine's fastest is 200; slow all strokes down with --speed 200"
+    )
+    assert draws(routine(fast, EASEL, LIMITS, speed=0.2))[0].motion.speed.max() == 0.2
+
+
+@pytest.mark.parametrize("speed", [0.0, -0.1, 0.21, np.nan])
+def test_a_speed_that_the_machine_does_not_have_is_refused(speed: float) -> None:
+    assert refused(SIX, speed=speed).endswith("it must be above 0 and at most 200 mm/s")
+
+
+def test_press_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:
+    soft = painting_of([line(1), line(2, press=(0.2, 0.7))])
+    assert refused(soft, limits=LIFTS) == (
+        "stroke 2 varies its press by 0.50, and this machine only lifts its pen; "
+        "plan it again with maulstick paint --press 0.5"
+    )
+
+
+def test_press_that_changes_no_mark_is_no_matter_for_a_machine_that_only_lifts() -> None:
+    pens = painting_of([line(1, press=(0.2, 0.7))], [nominal("fineliner")])
+    assert words(routine(pens, EASEL, LIFTS)) == ["1"]
+    assert np.all(draws(routine(pens, EASEL, LIFTS))[0].motion.path[:, 2] == 0)
+
+
+def test_a_brush_that_needs_more_depth_than_the_easel_allows_is_refused_with_by_how_much() -> None:
+    assert refused(painting_of([line(1)], [HARD])) == (
+        "the brush round is pressed 9 mm deep, and the easel allows 8 mm: 1 mm less; calibrate the touch again, or the "
+        "brush for this easel"
+    )
+
+
+def test_a_brush_that_no_stroke_left_needs_is_not_refused() -> None:
+    two = painting_of([line(1), line(2, paint=1)], [nominal("marker"), HARD])
+    assert words(routine(two, EASEL, LIMITS, done={2}))[-1] == "1"
+    assert "9 mm deep" in refused(two, done={1})
+
+
+def test_a_depth_that_nobody_knows_is_refused_where_press_matters() -> None:
+    flat = EASEL.model_copy(update={"deepest": 0.0})
+    said = refused(painting_of([line(1)], [nominal("marker")]), flat)
+    assert said == "neither the brush marker nor the easel says how deep it may be pressed; calibrate the touch again"
+    assert words(routine(painting_of([line(1)], [nominal("fineliner")]), flat, LIMITS)) == ["1"]
+
+
+def test_paper_that_is_tilted_too_far_is_refused() -> None:
+    tilted = Easel(corner=(0, 0, 0), right=(np.cos(0.2), 0, np.sin(0.2)), down=(0, -1, 0), deepest=0.008)
+    assert refused(SIX, tilted) == "the paper is tilted by 11 degrees; it must be at most 5.7: lay it flatter"
+
+
+def test_a_tray_without_a_paint_is_refused() -> None:
+    assert "no well for the paint #1a33b2" in refused(
+        SIX, tray=TRAY.model_copy(update={"paints": {"#cc1a1a": TRAY.water}})
+    )
+
+
+# Depth is in metres: the brush's own where it was fitted with some, or the easel's.
+
+
+def depths(brush: Brush, easel: Easel = EASEL, press: tuple[float, float] = (0.0, 1.0)) -> list[float]:
+    path = draws(routine(painting_of([line(1, press=press)], [brush]), easel, LIMITS))[0].motion.path
+    return (-easel.machine_to_canvas(path)[[0, -1], 2]).tolist()
+
+
+def test_press_is_the_depth_that_the_brush_was_fitted_with() -> None:
+    assert depths(ROUND.model_copy(update={"depth": (0.001, 0.005)})) == pytest.approx([0.001, 0.005])
+
+
+def test_press_is_a_share_of_the_easels_depth_where_the_brush_knows_none() -> None:
+    assert depths(nominal("marker"), EASEL.model_copy(update={"deepest": 0.002})) == pytest.approx([0, 0.002])
+
+
+def test_a_brush_held_at_a_press_is_held_at_its_depth() -> None:
+    assert depths(ROUND.held_at(0.5)) == pytest.approx([0.004, 0.004])
+
+
+# Paint care.
+
+
+def test_pens_are_changed_by_a_person_and_one_pen_is_not_asked_for() -> None:
+    assert words(routine(SIX, EASEL, LIMITS)) == [
+        "put in the marker with the paint #cc1a1a", "10", "11", "12",
+        "put in the marker with the paint #1a33b2", "13", "14", "15",
+    ]  # fmt: skip
+    assert words(routine(painting_of([line(1), line(2)]), EASEL, LIMITS)) == ["1", "2"]
+
+
+def test_a_pen_that_is_in_the_hand_is_not_asked_for_again() -> None:
+    left = routine(SIX, EASEL, LIMITS, done={10, 11, 12, 13}, hand=Hand(1, 0.02))
+    assert words(left) == ["14", "15"]
+
+
+def test_a_brush_is_dipped_first_then_before_it_would_run_dry_and_is_cleaned_before_another_paint() -> None:
+    # 5, 10, 15 mm of red; 20, 25, 30 mm of blue; 40 mm a dip
+    assert words(routine(SIX, EASEL, LIMITS, TRAY)) == [
+        "dip 0", "10", "11", "12", "rinse 1", "wipe 1", "dip 1", "13", "dip 1", "14", "dip 1", "15",
+    ]  # fmt: skip
+    thirsty = TRAY.model_copy(update={"reach": 0.004})
+    assert words(routine(painting_of(SIX.strokes[:2]), EASEL, LIMITS, thirsty)) == ["dip 0", "10", "dip 0", "11"]
+
+
+def test_what_the_hand_has_painted_counts() -> None:
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, hand=Hand(1, 0.01))) == ["14", "dip 1", "15"]
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, hand=Hand(1, 0.02)))[0] == "dip 1"
+
+
+def test_a_brush_that_somebody_left_halfway_is_cleaned_before_it_is_dipped() -> None:
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11})) == words(
+        routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}, hand=Hand(1))
+    )
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}))[:3] == ["rinse 0", "wipe 0", "dip 0"]
+
+
+def test_with_a_tray_a_person_changes_the_brush_where_paints_need_different_ones() -> None:
+    two = painting_of(SIX.strokes, [nominal("marker"), ROUND])
+    assert words(routine(two, EASEL, LIMITS, TRAY)) == [
+        "put in the marker, clean", "dip 0", "10", "11", "12",
+        "put in the round, clean", "dip 1", "13", "dip 1", "14", "dip 1", "15",
+    ]  # fmt: skip
+
+
+def test_strokes_that_are_done_are_left_out() -> None:
+    assert words(routine(SIX, EASEL, LIMITS, done=[10, 12, 14, 99])) == [
+        "put in the marker with the paint #cc1a1a", "11", "put in the marker with the paint #1a33b2", "13", "15",
+    ]  # fmt: skip
+    assert routine(SIX, EASEL, LIMITS, done=range(10, 16)) == []
+
+
+def test_the_metres_are_those_of_the_strokes_alone() -> None:
+    assert drawn_metres(routine(SIX, EASEL, LIMITS, TRAY)) == pytest.approx(0.105)
+
+
+def test_where_a_stroke_ends_and_begins_the_tip_is_right_above() -> None:
+    for action in draws(routine(SIX, EASEL, LIMITS)):
+        assert np.array_equal(action.motion.start[:2], action.motion.path[0, :2])
+        assert (action.motion.above, action.motion.after) == pytest.approx((0.005, 0.005))
+
+
+def test_a_point_that_is_repeated_is_sent_once() -> None:
+    stroke = line(1).model_copy(update={"trajectory": ((0.01, 0.01, 0.5),) * 3 + ((0.02, 0.01, 0.5),) * 2})
+    assert len(draws(routine(painting_of([stroke]), EASEL, LIMITS))[0].motion.path) == 2
+
+
+# Time.
+
+
+def test_time_is_counted_for_ways_strokes_and_lifting() -> None:
+    easy = LIFTS.model_copy(update={"speed": 0.1, "acceleration": 1e6, "lifting": 0.2})
+    one = painting_of([line(1, (0.0, 0.01), (0.05, 0.01), points=2)])
+    seconds = seconds_of(routine(one, EASEL, easy), easy, np.array([0.1, -0.01, 0.1]))
+    assert seconds == pytest.approx([0.1 / 0.1 + 0.05 / 0.1 + 2 * 0.2], rel=1e-3)
+
+
+def test_a_person_takes_no_time() -> None:
+    actions = routine(SIX, EASEL, LIMITS)
+    seconds = seconds_of(actions, LIMITS, np.array([0, 0, 0.05]))
+    assert [second == 0 for second in seconds] == [isinstance(action, Ask) for action in actions]

@@ -1,0 +1,118 @@
+from collections.abc import Callable
+from typing import NoReturn
+
+import numpy as np
+import pytest
+
+from maulstick.canvas import Canvas
+from maulstick.errors import InputError
+from maulstick.robot import sheets
+from maulstick.robot.sheets import Image, InkedSheet, MyPaintSheet, StampedSheet, sheet_for
+from tests.nominal import nominal
+from tests.robot.small_paintings import BLUE, RED
+
+CANVAS = Canvas(0.03, 0.02, 5000)
+ROW = np.array([[0.006, 0.01, 0.5], [0.024, 0.01, 0.5]])
+
+
+def stamped() -> InkedSheet:
+    return StampedSheet(CANVAS, (0.5e-3, 1.5e-3), 8e-3)
+
+
+def mypaint() -> InkedSheet:
+    try:
+        return MyPaintSheet(CANVAS, "marker", 1.2e-3, 2e-3)
+    except InputError as error:
+        pytest.skip(str(error))
+
+
+both = pytest.mark.parametrize("sheet", [stamped, mypaint])
+
+
+def height_of_mark(image: Image, x: float) -> float:
+    """Metres of a column that are darker than half."""
+    column = image[:, round(x * CANVAS.pixels_per_metre)].min(axis=1)
+    return float((column < 0.5).sum() / CANVAS.pixels_per_metre)
+
+
+@both
+def test_a_sheet_is_white_until_it_is_drawn_on(sheet: Callable[[], InkedSheet]) -> None:
+    paper = sheet()
+    assert paper.image().shape == (100, 150, 3)
+    assert np.all(paper.image() == 1)
+    paper.draw(ROW, RED)
+    assert paper.image().min() < 0.5
+
+
+@both
+def test_a_mark_lies_where_it_was_drawn_in_its_colour(sheet: Callable[[], InkedSheet]) -> None:
+    paper = sheet()
+    paper.draw(ROW, BLUE)
+    image = paper.image()
+    assert image[50, 75] == pytest.approx(BLUE, abs=0.1)
+    assert np.all(image[:20] == 1)
+    assert np.all(image[80:] == 1)
+    rows, _ = np.nonzero(image[..., 0] < 0.5)
+    assert rows.mean() + 0.5 == pytest.approx(50, abs=1)
+
+
+@both
+def test_pressing_harder_makes_the_mark_wider(sheet: Callable[[], InkedSheet]) -> None:
+    paper = sheet()
+    paper.draw(np.linspace([0.004, 0.01, 0.1], [0.026, 0.01, 1.0], 20), (0, 0, 0))
+    assert height_of_mark(paper.image(), 0.008) < 0.7 * height_of_mark(paper.image(), 0.022)
+
+
+@both
+def test_what_is_drawn_off_the_sheet_leaves_nothing(sheet: Callable[[], InkedSheet]) -> None:
+    paper = sheet()
+    paper.draw(ROW + np.array([0.1, 0, 0]), RED)
+    assert np.all(paper.image() == 1)
+
+
+def test_a_point_is_a_dot() -> None:
+    paper = stamped()
+    paper.draw(np.array([[0.015, 0.01, 0.5]]), (0, 0, 0))
+    paper.draw(np.array([[0.015, 0.01, 0.5]] * 3), (0, 0, 0))
+    assert 0 < height_of_mark(paper.image(), 0.015) < 0.004
+
+
+def test_a_stamped_mark_is_as_wide_as_was_said() -> None:
+    paper = stamped()
+    paper.draw(ROW, (0, 0, 0))
+    assert height_of_mark(paper.image(), 0.015) == pytest.approx(2e-3, abs=2 / CANVAS.pixels_per_metre)
+
+
+def test_an_image_that_was_taken_is_not_drawn_on_later() -> None:
+    paper = stamped()
+    before = paper.image()
+    paper.draw(ROW, RED)
+    assert np.all(before == 1)
+
+
+def test_where_libmypaint_is_missing_marks_are_stamped_with_another_width_than_the_brushs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def missing(_: Canvas) -> NoReturn:
+        raise InputError("libmypaint is not installed")
+
+    monkeypatch.setattr(sheets, "Paper", missing)
+    paper = sheet_for(nominal("round"), CANVAS)
+    assert isinstance(paper, StampedSheet)
+    paper.draw(ROW, (0, 0, 0))
+    width = height_of_mark(paper.image(), 0.015)
+    assert width == pytest.approx(2 * 0.9 * 0.004, abs=3 / CANVAS.pixels_per_metre)
+
+
+@pytest.mark.parametrize("brush", ["fineliner", "marker", "round"])
+def test_every_brush_has_a_sheet_that_takes_its_ink(brush: str) -> None:
+    paper = sheet_for(nominal(brush), CANVAS)
+    paper.draw(ROW, (0, 0, 0))
+    assert paper.image().min() < 0.6
+    assert paper.depth > 0
+
+
+def test_a_brush_that_nobody_knows_has_a_sheet_as_well() -> None:
+    paper = sheet_for(nominal("marker").model_copy(update={"name": "twig"}), CANVAS)
+    paper.draw(ROW, (0, 0, 0))
+    assert paper.image().min() < 0.6

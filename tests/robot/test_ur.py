@@ -1,0 +1,161 @@
+"""The UR's adapter against a stand-in for ur-rtde: what is sent, and what becomes of its stops. No arm was asked."""
+
+import sys
+import threading
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.force import FeelsForce
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.ur import UR
+from tests import tolerances
+
+TURNED = [2.2, -2.2, 0.1]
+START = np.array([0.4, -0.1, 0.2])
+
+
+class FakeUR:
+    """Both interfaces of one arm, which goes at once wherever it is told until something stops it."""
+
+    def __init__(self) -> None:
+        self.pose = [*START, *TURNED]
+        self.sent: list[list[float]] = []
+        self.done: list[str] = []
+        self.protective = self.emergency = self.lost = False
+        self.running = True
+        self.fails_after = 10**9
+
+    def getActualTCPPose(self) -> list[float]:  # noqa: N802
+        return list(self.pose)
+
+    def getActualTCPForce(self) -> list[float]:  # noqa: N802
+        if self.lost:
+            raise RuntimeError("End of file\n")
+        return [0.0, 0.0, 4.5, 0.0, 0.0, 0.0]
+
+    def isConnected(self) -> bool:  # noqa: N802
+        return not self.lost
+
+    def isProtectiveStopped(self) -> bool:  # noqa: N802
+        return self.protective
+
+    def isEmergencyStopped(self) -> bool:  # noqa: N802
+        return self.emergency
+
+    def isProgramRunning(self) -> bool:  # noqa: N802
+        return self.running
+
+    def reuploadScript(self) -> bool:  # noqa: N802
+        self.done.append("upload")
+        self.running = True
+        return True
+
+    def servoL(self, pose: list[float], *how: float) -> bool:  # noqa: N802
+        assert len(how) == 5
+        if len(self.sent) >= self.fails_after or self.protective or self.emergency or self.lost or not self.running:
+            return False
+        self.sent.append(list(pose))
+        self.pose = list(pose)
+        return True
+
+    def servoStop(self) -> bool:  # noqa: N802
+        self.done.append("servoStop")
+        return True
+
+    def stopScript(self) -> None:  # noqa: N802
+        self.done.append("stopScript")
+
+    def disconnect(self) -> None:
+        self.done.append("disconnect")
+
+
+@pytest.fixture
+def arm(monkeypatch: pytest.MonkeyPatch) -> FakeUR:
+    fake = FakeUR()
+
+    def interface(address: str) -> FakeUR:
+        if address == "nowhere":
+            raise RuntimeError("Error: Could not connect to: nowhere at 30004,\nverify the IP")
+        return fake
+
+    for name, call in (("rtde_control", "RTDEControlInterface"), ("rtde_receive", "RTDEReceiveInterface")):
+        module = ModuleType(name)
+        setattr(module, call, interface)
+        monkeypatch.setitem(sys.modules, name, module)
+    return fake
+
+
+def test_set_points_are_metres_along_the_path_with_the_tool_turned_as_it_was(arm: FakeUR) -> None:
+    path = np.stack([START, START + np.array([0.02, 0, 0]), START + np.array([0.02, 0.01, -0.002])])
+    with UR("192.168.1.3") as robot:
+        robot.move(START)
+        np.testing.assert_array_equal(robot.stroke(path, np.full(3, 0.1)), path)
+        sent = np.array(arm.sent)
+    np.testing.assert_allclose(sent[-1, :3], path[-1], atol=tolerances.SET_POINT)
+    np.testing.assert_array_equal(sent[:, 3:], np.tile(TURNED, (len(sent), 1)))
+    assert arm.done[-3:] == ["stopScript", "disconnect", "disconnect"]
+
+
+def test_stop_from_another_thread_brakes_and_lifts(arm: FakeUR) -> None:
+    with UR("192.168.1.3") as robot:
+        robot.move(START)
+        other = threading.Timer(0.3, robot.stop)
+        other.start()
+        with pytest.raises(StoppedError):
+            robot.stroke(np.stack([START, START + np.array([0, 0.2, 0])]), np.full(2, 0.05))
+        assert 0.005 < arm.sent[-1][1] - START[1] < 0.1, "it was stopped in the middle"
+        assert arm.sent[-1][2] == pytest.approx(START[2] + 0.01)
+
+
+@pytest.mark.parametrize(
+    ("what", "sentence"),
+    [
+        ("protective", "in a protective stop; see what it hit, and release it at its pendant"),
+        ("emergency", "emergency stop is pressed"),
+        ("lost", "the connection to the UR at 192.168.1.3 is lost; check the cable"),
+    ],
+)
+def test_a_stop_of_the_arm_itself_is_named_and_left_to_a_person(arm: FakeUR, what: str, sentence: str) -> None:
+    with UR("192.168.1.3") as robot:
+        robot.move(START)
+        setattr(arm, what, True)
+        sent = len(arm.sent)
+        with pytest.raises(MachineError, match=sentence):
+            robot.stroke(np.stack([START, START + np.array([0.01, 0, 0])]), np.full(2, 0.05))
+        assert len(arm.sent) == sent
+    with pytest.raises(MachineError, match=sentence):
+        UR("192.168.1.3").__enter__()
+
+
+def test_a_program_that_ended_is_sent_again_to_lift_the_pen(arm: FakeUR) -> None:
+    with UR("192.168.1.3") as robot:
+        robot.move(START)
+        arm.running = False
+        with pytest.raises(MachineError, match="no longer follows"):
+            robot.stroke(np.stack([START, START + np.array([0.01, 0, 0])]), np.full(2, 0.05))
+        assert "upload" in arm.done
+        assert arm.pose[2] == pytest.approx(START[2] + 0.01)
+
+
+def test_it_feels_a_force_and_names_a_line_that_breaks_meanwhile(arm: FakeUR) -> None:
+    with UR("192.168.1.3") as robot:
+        assert isinstance(robot, FeelsForce)
+        assert robot.force() == 4.5
+        arm.lost = True
+        with pytest.raises(MachineError, match=r"is lost \(End of file\); check the cable"):
+            robot.force()
+
+
+def test_an_address_where_no_arm_is_says_what_to_check_in_one_line(arm: FakeUR) -> None:
+    with pytest.raises(MachineError, match=r"no UR can be driven at nowhere .* remote control") as failed:
+        UR("nowhere").__enter__()
+    assert "\n" not in str(failed.value)
+
+
+def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rtde_control", None)
+    with pytest.raises(InputError, match=r"pip install 'maulstick\[ur\]'"):
+        UR("192.168.1.3").__enter__()
