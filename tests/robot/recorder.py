@@ -31,6 +31,9 @@ class Recorder(Robot):
     def easel(self, width: float, height: float) -> Easel:
         return EASEL
 
+    def _ask_limits(self) -> Limits:
+        return self.limits
+
     def _open(self) -> Floats:
         self.down = False
         middle = np.add(self.limits.lower, self.limits.upper) / 2

@@ -66,6 +66,16 @@ def test_a_machine_tells_its_own_limits() -> None:
         )
 
 
+def test_a_machine_that_is_only_asked_for_its_limits_does_not_move() -> None:
+    with FakeGrbl() as device:
+        robot = Grbl(device.port, SERVO)
+        servo = device.servo
+        robot.ask_limits()
+        assert robot.limits.upper[:2] == (0.3, 0.22)
+        assert not device.reached
+        assert device.servo == servo
+
+
 def test_a_homed_machine_has_its_travel_below_its_own_origin() -> None:
     told = FakeGrbl(settings={**SETTINGS, 22: 1}, origin=(-280.0, -200.0, -30.0), start=(-280.0, -200.0, -20.0))
     with told as device, Grbl(device.port) as robot:

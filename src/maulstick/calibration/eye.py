@@ -67,8 +67,8 @@ class Eye:
         """
         photo = camera.photograph()
         view = locate(photo, tags)
-        colours = lamp_of(view.rectify(photo, canvas), whites_of(photo, view, tags), paper)
-        return cls(camera, canvas, tags, colours, view.rectify(photo, canvas, MARGIN))
+        wide = view.rectify(photo, canvas, MARGIN)
+        return cls(camera, canvas, tags, lamp_of(_sheet(wide, canvas), whites_of(photo, view, tags), paper), wide)
 
     def look(self) -> Sight:
         """Take a photograph.
@@ -93,9 +93,9 @@ class Eye:
             notes.append(f"the sheet has moved by {1e3 * far:.1f} mm; painting goes on where it lies now")
         else:
             shift = None
-        there = view if shift is None else _moved(view, shift, self.canvas)
-        self._before = there.rectify(photo, self.canvas, MARGIN)
-        flat = there.rectify(photo, self.canvas)
+        if shift is not None:
+            wide = _moved(view, shift, self.canvas).rectify(photo, self.canvas, MARGIN)
+        self._before, flat = wide, _sheet(wide, self.canvas)
         return Sight(self._colours.correct(flat, whites_of(photo, view, self.tags)), shift, tuple(notes))
 
     def write(self, path: Path) -> None:
@@ -115,6 +115,12 @@ class Eye:
         except ValidationError as error:
             raise InputError(f"{path} is damaged: {first_fault(error)}; begin again on a bare sheet") from error
         return cls(camera, canvas, tags, colours, arrays["start"].astype(np.float32) / np.float32(255))
+
+
+def _sheet(wide: Image, canvas: Canvas) -> Image:
+    """The sheet alone in a flat photograph with a margin."""
+    around = margin_px(canvas, MARGIN)
+    return wide[around : around + canvas.height_px, around : around + canvas.width_px]
 
 
 def _over(shift: Shift, canvas: Canvas) -> Floats:

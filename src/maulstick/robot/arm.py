@@ -59,6 +59,10 @@ class Arm(Robot):
         """Stand still, clear what errors may be cleared without a person, and be ready to move."""
 
     @final
+    def _ask_limits(self) -> Limits:
+        return self.limits
+
+    @final
     def _open(self) -> Floats:
         self._connect()
         self._rise()

@@ -30,7 +30,7 @@ class Grbl(Robot):
     """A machine with Grbl 1.1, its frame that of its work (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
     address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: of one with a servo; without, it lifts by height.
-    limits: narrower ones than its own, which it is asked for when it is entered; only then `limits` is right.
+    limits: narrower ones than its own, which it is asked for; its `limits` are right only then, or once it is entered.
     patience: seconds that it may say nothing.
     """
 
@@ -53,14 +53,24 @@ class Grbl(Robot):
         """As `Robot.easel`: flat, its lower left corner at the work's origin."""
         return Easel(corner=(0, height, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
+    def _ask_limits(self) -> Limits:
+        try:
+            self._connect()
+        finally:
+            self._close()
+        return self.limits
+
     def _open(self) -> Floats:
+        self._connect()
+        self._gcode = Gcode("grbl", self.limits, self._pen)
+        return self._lift_from_where_it_is(self._stream, _CLEAR)
+
+    def _connect(self) -> None:
         self._line = SerialLine(self._port, self._baud)
         self._stream = GrblStream(self._line, self._patience, self._stopping)
         self._stream.reset()
         self._stream.status()
-        self._ask_limits()
-        self._gcode = Gcode("grbl", self.limits, self._pen)
-        return self._lift_from_where_it_is(self._stream, _CLEAR)
+        self._take_settings()
 
     def _close(self) -> None:
         if self._line is not None:
@@ -102,7 +112,7 @@ class Grbl(Robot):
         stream.run([*self._gcode.begin(), *self._gcode.lift(inside)])
         return np.array([*tip[:2], inside[2]])
 
-    def _ask_limits(self) -> None:
+    def _take_settings(self) -> None:
         settings = settings_of(self._stream.ask("$$"))
         origin = work_origin(self._stream.ask("$#"))
         if origin is None:

@@ -63,6 +63,11 @@ class Robot(ABC):
             self._place, self._down = None, False
             self._close()
 
+    @final
+    def ask_limits(self) -> None:
+        """See that `limits` are the machine's own even before it is entered; nothing moves."""
+        self.limits = self._ask_limits()
+
     @property
     @final
     def place(self) -> Floats:
@@ -121,6 +126,10 @@ class Robot(ABC):
 
         Raises InputError where there is no such place, and it must be calibrated.
         """
+
+    @abstractmethod
+    def _ask_limits(self) -> Limits:
+        """What it can do, which the machine may have to be asked for without moving it."""
 
     @abstractmethod
     def _open(self) -> Floats:

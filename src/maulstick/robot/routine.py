@@ -9,7 +9,7 @@ import numpy as np
 from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.medium import Brush
-from maulstick.painting import Paint, Painting, Stroke
+from maulstick.painting import Painting, Stroke
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.timing import Profile
@@ -52,11 +52,14 @@ class Draw:
     motion: Motion
 
 
+Visit = Literal["rinse", "wipe", "dip"]
+
+
 @dataclass(frozen=True)
 class Care:
     """A visit to the tray."""
 
-    what: Literal["dip", "rinse", "wipe"]
+    what: Visit
     paint: int
     motion: Motion
 
@@ -103,7 +106,6 @@ def routine(
     _check_easel(easel, limits)
     if speed is not None:
         limits.check_speed(np.array([speed]))
-    wells = tray.wells_of(painting) if tray is not None else None
     painted = set(done)
     wanted = [stroke for stroke in painting.strokes if stroke.id not in painted]
     for paint in {stroke.paint for stroke in wanted}:
@@ -113,21 +115,12 @@ def routine(
         brush = painting.brushes[painting.paints[stroke.paint].brush]
         draw = Draw(stroke.id, stroke.paint, _motion(stroke, brush, easel, limits, speed))
         if hand.paint != stroke.paint or _runs_dry(hand, draw.motion, tray):
-            if tray is None or wells is None:
-                if len(painting.paints) > 1:
-                    actions.append(Ask(_pen_change(painting.paints[stroke.paint]), stroke.paint))
-            else:
-                if actions and isinstance(before := actions[-1], Draw):
-                    after = _height(easel, before.motion.path[-1], tray.clearance)
-                    actions[-1] = replace(before, motion=replace(before.motion, after=after))
-                dirty = bool(painted) if hand.paint is None else hand.paint != stroke.paint
-                held = None if hand.paint is None else painting.paints[hand.paint].brush
-                if len(painting.brushes) > 1 and held != painting.paints[stroke.paint].brush:
-                    actions.append(Ask(f"put in the {painting.paints[stroke.paint].brush}, clean", stroke.paint))
-                    dirty = False
-                actions += _cares(tray, wells[stroke.paint], stroke.paint, dirty, easel, limits)
+            taking_up = _taking_up(stroke.paint, hand, painting, tray, bool(painted), easel, limits)
+            if tray is not None:  # the way there and back is high
+                actions[-1:] = [_lifted(last, easel, tray) for last in actions[-1:]]
                 above = _height(easel, draw.motion.path[0], tray.clearance)
                 draw = replace(draw, motion=replace(draw.motion, above=above))
+            actions += taking_up
             hand = Hand(stroke.paint)
         hand = replace(hand, painted=hand.painted + draw.motion.length)
         actions.append(draw)
@@ -246,16 +239,31 @@ def _check_room(actions: Sequence[Action], limits: Limits) -> None:
         raise InputError(f"{faults[0]}{more}; lay the sheet elsewhere, or plan for a smaller one")
 
 
-def _pen_change(paint: Paint) -> str:
-    return f"put in the {paint.brush} with the paint {paint.label}"
+def _taking_up(
+    paint: int, hand: Hand, painting: Painting, tray: Tray | None, used: bool, easel: Easel, limits: Limits
+) -> list[Ask | Care]:
+    """What has to be done before a paint is in hand; used: whether what nobody knows in it may be dirty."""
+    wanted = painting.paints[paint]
+    if tray is None:
+        ask = Ask(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
+        return [ask] if len(painting.paints) > 1 else []
+    asked: list[Ask] = []
+    visits: list[Visit] = ["dip"]
+    held = None if hand.paint is None else painting.paints[hand.paint].brush
+    if len(painting.brushes) > 1 and held != wanted.brush:
+        asked = [Ask(f"put in the {wanted.brush}, clean", paint)]
+    elif used if hand.paint is None else hand.paint != paint:
+        visits = ["rinse", "wipe", "dip"]
+    places = {"rinse": tray.water, "wipe": tray.cloth, "dip": tray.wells_of(painting)[paint]}
+    return [*asked, *(Care(what, paint, _visit(places[what], tray, easel, limits)) for what in visits)]
 
 
-def _cares(tray: Tray, well: Well, paint: int, dirty: bool, easel: Easel, limits: Limits) -> list[Care]:
-    """Rinse and wipe what is dirty, and dip."""
-    first: list[tuple[Literal["dip", "rinse", "wipe"], Well]] = (
-        [("rinse", tray.water), ("wipe", tray.cloth)] if dirty else []
-    )
-    return [Care(what, paint, _visit(place, tray, easel, limits)) for what, place in (*first, ("dip", well))]
+def _lifted(action: Action, easel: Easel, tray: Tray) -> Action:
+    """The same, and then up to the height at which the tray is passed over."""
+    if isinstance(action, Ask):
+        return action
+    after = _height(easel, action.motion.path[-1], tray.clearance)
+    return replace(action, motion=replace(action.motion, after=after))
 
 
 def _visit(well: Well, tray: Tray, easel: Easel, limits: Limits) -> Motion:

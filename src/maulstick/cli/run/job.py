@@ -10,6 +10,7 @@ import numpy as np
 from rich.console import Console
 from typer import Exit
 
+from maulstick.arrays import Floats
 from maulstick.cli import STOPPED
 from maulstick.cli.run.eyes import Watching
 from maulstick.cli.run.operator import Operator, confirm
@@ -24,6 +25,8 @@ from maulstick.robot.routine import Action, Draw, drawn_metres, routine, seconds
 from maulstick.robot.sequence import sequenced
 from maulstick.robot.tray import read_tray
 from maulstick.robot.workplace import Workplace
+
+_HOME = np.zeros(3)  # of the canvas, where a dry run begins
 
 
 @dataclass(frozen=True)
@@ -109,12 +112,14 @@ def _paint(job: Job, plan: Painting, journal: Journal | None, console: Console) 
     done = {*first, *(journal.painted if journal is not None else ())}
     if simulation is not None:
         simulation.paint_again(easel, done)
+    if journal is None:
+        robot.ask_limits()
+        actions = routine(plan, easel, robot.limits, tray, speed=job.speed, done=done)
+        _say(console, actions, plan, seconds_of(actions, robot.limits, easel.canvas_to_machine(_HOME)), len(done))
+        return
     with robot:
         actions = routine(plan, easel, robot.limits, tray, speed=job.speed, done=done)
-        seconds = float(seconds_of(actions, robot.limits, robot.place).sum())
-        _say(console, actions, plan, seconds, len(done))
-        if journal is None:
-            return
+        _say(console, actions, plan, seconds_of(actions, robot.limits, robot.place), len(done))
         if journal.revision is None:
             journal.revise(job.painting, painted=first)
         operator = Operator(console, plan, robot, len(done))
@@ -138,9 +143,9 @@ def _paint(job: Job, plan: Painting, journal: Journal | None, console: Console) 
                 print(simulation.write_photograph(job.painting), flush=True)
 
 
-def _say(console: Console, actions: Sequence[Action], plan: Painting, seconds: float, done: int) -> None:
+def _say(console: Console, actions: Sequence[Action], plan: Painting, seconds: Floats, done: int) -> None:
     strokes = sum(isinstance(action, Draw) for action in actions)
-    minutes = int(np.ceil(seconds / 60))
+    minutes = int(np.ceil(seconds.sum() / 60))
     console.print(
         f"{strokes} strokes, {1e3 * drawn_metres(actions):.0f} mm, {len(plan.paints)} paints, "
         f"{plan.paint_changes()} changes of paint, about {minutes} min" + (f"; {done} are painted" if done else ""),
