@@ -1,6 +1,6 @@
 # make demo    install into .venv and paint a photograph into demo/
 # make test    lint, import contracts, types and tests
-# make bench   speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes
+# make bench   speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make clean   remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
@@ -31,11 +31,12 @@ test: $(VENV)/installed-dev
 	$(BIN)/mypy --strict src
 	$(BIN)/pytest
 
-bench: $(VENV)/installed
+bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/kernel.py
 	$(BIN)/python benchmarks/plan.py
 	$(BIN)/python benchmarks/style.py
 	$(BIN)/python benchmarks/brush.py fit
+	$(BIN)/python benchmarks/robot.py --quick
 
 clean:
 	rm -rf $(VENV) build demo .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

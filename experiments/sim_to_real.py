@@ -156,7 +156,7 @@ class Study:
         yield "floor", photograph, again
 
     def plan(self, brush: Brush) -> Painting:
-        """Plan the picture in one ink with that brush."""
+        """Plan the picture in six paints with that brush."""
         sheet = Sheet(width=self.trial.side, height=self.trial.side)
         layout = lay_out_for(self.picture, sheet, brush, "cover", self.trial.pixels)
         style = load_style("loops", layout.canvas)

@@ -65,7 +65,7 @@ def moments(tmp_path_factory: pytest.TempPathFactory) -> int:
 def test_after_a_power_cut_at_any_moment_every_stroke_is_painted_once(
     tmp_path_factory: pytest.TempPathFactory, moments: int
 ) -> None:
-    assert moments == 15 * 4 + 6 * 2 + 2 * 2
+    assert moments == 1 + 15 * 4 + 6 * 2 + 2 * 2
     for at in range(1, moments + 1):
         folder = tmp_path_factory.mktemp("cut")
         put_painting(folder)

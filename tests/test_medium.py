@@ -3,12 +3,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
+from maulstick.brush.traj2stroke import Traj2Stroke
 from maulstick.errors import InputError, OutputError
 from maulstick.medium import BRUSHES, Brush, built_in_brushes, first_fault, load_brush, write_brush
+from tests.tolerances import FLOAT32_VALUE
 
 ROUNDING = 1e-12  # of float64
 GOOD = {"name": "twig", "source": "a test", "alpha": 0.002, "beta": 0.001}
@@ -54,6 +57,39 @@ def test_a_mark_is_scaled_about_its_first_commanded_point_and_moved(
     assert marked == pytest.approx(expected, abs=ROUNDING)
     assert np.array_equal(path, before), "an argument was changed"
     assert np.array_equal(brush.mark(np.stack([path, path]))[1], marked), "a path of many is marked as one alone"
+
+
+@given(press=st.floats(0, 1), name=st.sampled_from(["fineliner", "marker", "round"]))
+def test_a_brush_that_is_held_draws_at_every_press_as_it_did_at_that_one(press: float, name: str) -> None:
+    brush = load_brush(name)
+    held = brush.held_at(press)
+    assert not held.presses
+    assert (held.m_x, held.b_x, held.c, held.plateau, held.lag) == (
+        brush.m_x,
+        brush.b_x,
+        brush.c,
+        brush.plateau,
+        brush.lag,
+    )
+    line = torch.tensor([[[0.0, 0.0, press], [0.02, 0.01, press]]])
+    there = Traj2Stroke.of([brush]).marks(line, 1000.0)
+    here = Traj2Stroke.of([held]).marks(line.clone().index_fill_(2, torch.tensor([2]), 0.3), 1000.0)
+    assert torch.allclose(here.thickness, there.thickness, rtol=FLOAT32_VALUE)
+    assert torch.allclose(here.o, there.o, rtol=FLOAT32_VALUE)
+    assert torch.allclose(here.points[..., :2], there.points[..., :2])
+
+
+def test_a_brush_that_is_held_is_as_deep_as_that_press_and_says_so() -> None:
+    brush = Brush.model_validate({**GOOD, "depth": (0.001, 0.005)})
+    held = brush.held_at(0.25)
+    assert held.depth == pytest.approx((0.002, 0.002), rel=ROUNDING)
+    assert held.source == "a test; held at press 0.25"
+    assert Brush.model_validate_json(held.model_dump_json()) == held
+
+
+def test_a_brush_cannot_be_held_where_it_leaves_no_mark() -> None:
+    with pytest.raises(InputError, match=r"the brush dry leaves no mark at press 0\.2; hold it deeper"):
+        Brush(name="dry", source="a test", alpha=0.002, beta=-0.001).held_at(0.2)
 
 
 @pytest.fixture

@@ -123,3 +123,4 @@ PICTURE = 0.02
 FOUND_OFFSET = 0.15e-3  # metres that strokes land beside their places, from one photograph of 12: what is asked for
 FOUND_WIDTH = 0.2e-3  # metres of half-width, likewise
 CHART_SEEN = 0.03  # of a chart that was photographed, made flat and corrected by itself, mean
+LANDED = 0.3e-3  # metres that a stroke lands beside its place on a sheet that was moved, with 480 x 360 pixels

@@ -18,7 +18,7 @@ from maulstick.medium import Brush
 from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
 from maulstick.picture import encode_png
 from maulstick.plan.commission import PlanOptions
-from maulstick.plan.layout import LONGEST_PX, lay_out_for
+from maulstick.plan.layout import LONGEST_PX, canvas_for, lay_out_for
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import as_painting, commission_of
 from maulstick.plan.planner import Progress, plan
@@ -70,13 +70,13 @@ def room_of(brush: Brush) -> float:
     return _ROOM_IN_WIDTHS * brush.widest + _ROOM
 
 
-def check_replannable(painting: Painting, painted: Collection[int] = ()) -> None:
-    """Raise InputError where what is left cannot be planned again.
+def check_replannable(painting: Painting) -> None:
+    """Raise InputError where its strokes cannot be planned again.
 
-    It is of several brushes, of no style, of one that has changed, or it was planned by a text or a look.
+    They are of several brushes, of no style, of one that has changed, or were planned by a text or a look.
     """
-    if left := _left(painting, painted):
-        _brush_of(left, painting), _style_of(left, painting), _weights(painting)
+    strokes = list(painting.strokes)
+    _brush_of(strokes, painting), _style_of(strokes, painting), _weights(painting)
 
 
 def replanned(
@@ -95,14 +95,18 @@ def replanned(
     Strokes that are left get new ids, for they are others than before; some may be left out. Paints stay.
     Raises InputError as `check_replannable` does.
     """
-    left = _left(painting, painted)
+    left = [stroke for stroke in painting.strokes if stroke.id not in painted]
     if not left:
         return painting
     brush, style, weights = _brush_of(left, painting), _style_of(left, painting), _weights(painting)
     size = {"width": painting.canvas.width, "height": painting.canvas.height, "paper": painting.canvas.paper}
     sheet = Sheet.model_validate({**size, "picture": encode_png(photograph)})
     options = painting.made.options
-    layout = lay_out_for(picture, sheet, brush, str(options.get("fit", "contain")), _pixels(painting, picture))
+    fit, pixels = str(options.get("fit", "contain")), options.get("px")
+    pixels = pixels if isinstance(pixels, int) else _HEIGHT_PX
+    canvas = canvas_for(picture, sheet, brush, fit, pixels)
+    in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
+    layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
     asked = PlanOptions(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
     commission = commission_of(layout, brush, style, asked, Wishes(weights=weights))
@@ -145,16 +149,6 @@ def revision_of(journal: Journal, number: int) -> Path:
     """Where a revision of the painting of a journal is written."""
     stem = journal.path.name.removesuffix(".log.jsonl")
     return journal.path.with_name(f"{stem}.r{number}.json")
-
-
-def _pixels(painting: Painting, picture: Image) -> int:
-    """Over the picture's height: as it was planned, as far as it can be planned in one piece."""
-    asked, most = painting.made.options.get("px"), LONGEST_PX * picture.shape[0] // max(picture.shape[:2])
-    return min(asked, int(most)) if isinstance(asked, int) else min(_HEIGHT_PX, int(most))
-
-
-def _left(painting: Painting, painted: Collection[int]) -> list[Stroke]:
-    return [stroke for stroke in painting.strokes if stroke.id not in painted]
 
 
 def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:

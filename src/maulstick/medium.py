@@ -27,6 +27,7 @@ CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Where a brush's curve is known; between them it is straight."""
 
 _SHORTEST = 1e-12  # metres
+_TOUCHING = 1e-6  # metres deep, for depths of 0 are unknown ones
 _LARGEST_FILE = 2**20  # bytes
 
 
@@ -99,16 +100,22 @@ class Brush(BaseModel):
         return np.asarray(self.alpha * share + self.beta)
 
     def held_at(self, press: float) -> "Brush":
-        """The same, held at one press in [0, 1], as by a machine that only lifts it."""
+        """The same, held at one press in [0, 1], as by a machine that only lifts it.
+
+        Raises InputError where that leaves no mark.
+        """
+        width = float(self.half_width(np.array(press)))
+        if width <= 0:
+            raise InputError(f"the brush {self.name} leaves no mark at press {press:g}; hold it deeper")
         touch, deepest = self.depth
         paled = min(self.faint + (1 - self.faint) * press / self.solid, 1.0)
         held = {
             "source": f"{self.source}; held at press {press:g}",
             "alpha": 0.0,
-            "beta": float(self.half_width(np.array(press))),
+            "beta": width,
             "opacity": self.opacity * paled,
             "faint": 1.0,
-            "depth": (touch + press * (deepest - touch),) * 2,
+            "depth": (max(touch + press * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
         }
         return Brush.model_validate({**self.model_dump(), **held})
 

@@ -109,7 +109,7 @@ def test_colours_survive_their_file_and_another_file_is_refused(lamp: Colours, t
     write_colours(lamp, tmp_path / "colours.json")
     assert read_colours(tmp_path / "colours.json") == lamp
     (tmp_path / "other.json").write_text('{"whites": {}}')
-    with pytest.raises(InputError, match="are no colours of a camera: lamp"):
+    with pytest.raises(InputError, match="is not a camera's colours: lamp"):
         read_colours(tmp_path / "other.json")
 
 

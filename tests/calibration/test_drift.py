@@ -48,19 +48,6 @@ def test_where_no_edge_is_seen_the_strokes_tell(move: tuple[float, float, float]
     _is(shift_between(before, studio.look()[2], CANVAS, margin=0.0), move)
 
 
-def test_what_was_painted_meanwhile_can_be_ignored() -> None:
-    studio = Studio(strokes(1, 20))
-    before = studio.look()[2]
-    studio.sheet = bare()
-    studio.sheet[40:380, 300:560] = strokes(5, 60)[40:380, 300:560]
-    studio.sheet[:, :300] = strokes(1, 20)[:, :300]
-    new = np.zeros(before.shape[:2], dtype=bool)
-    new[:, 290:] = True
-    studio.camera.move_paper(0.001, 0.0)
-    after = studio.look()[2]
-    _is(shift_between(before, after, CANVAS, margin=0.0, ignore=new), (0.001, 0.0, 0.0))
-
-
 def test_where_nothing_is_seen_or_everything_has_changed_the_move_is_unknown() -> None:
     studio = Studio(bare())
     blank = studio.look()[2]

@@ -95,7 +95,7 @@ def test_all_is_in_millimetres_and_absolute() -> None:
 
 def test_nothing_is_written_that_leaves_the_limits() -> None:
     outside = PATH + np.array([0.2, 0, 0])
-    with pytest.raises(InputError, match=r"the machine's x is 323\.457 mm; it must be 0 to 300 mm: 23\.5 mm less far"):
+    with pytest.raises(InputError, match=r"the machine's x is 323\.457 mm; it must be 0 to 300 mm: 23\.46 mm less far"):
         Gcode("grbl", LIMITS).draw(ABOVE, outside, SPEED)
     with pytest.raises(InputError, match="the machine's x"):
         Gcode("grbl", LIMITS).travel(ABOVE, outside[2])

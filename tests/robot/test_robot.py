@@ -171,7 +171,7 @@ def test_after_a_stop_nothing_is_done_until_it_is_entered_again() -> None:
     robot = Recorder()
     with robot:
         robot.stop()
-        with pytest.raises(StoppedError, match=r"^the machine was stopped; its pen is lifted$"):
+        with pytest.raises(StoppedError, match=r"^the machine was stopped$"):
             robot.move(np.array(HIGH))
         with pytest.raises(StoppedError):
             robot.lift(0.05)
@@ -222,3 +222,21 @@ def test_a_signal_handler_may_stop_it_at_any_line_and_its_pen_is_lifted_in_the_e
     assert last > 100
     for at in range(1, last + 1):
         lines_until_stop(at)
+
+
+def test_a_pen_that_could_not_be_lifted_is_not_said_to_be_until_it_is() -> None:
+    cut = [True]
+
+    def fail(what: str) -> None:
+        if cut[0] and what in ("stroke", "recover"):
+            raise MachineError("the cable is off")
+
+    robot = Recorder(before=fail)
+    with robot:
+        robot.move(PATH[0])
+        with pytest.raises(MachineError, match="the cable is off"):
+            robot.stroke(PATH, SLOW)
+        assert not robot.lifted
+        cut[0] = False
+    assert robot.lifted
+    assert robot.said[-2:] == ["recover", "close"]

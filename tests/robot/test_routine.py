@@ -78,9 +78,15 @@ def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down()
     assert draws(routine(fast, EASEL, LIMITS, speed=0.2))[0].motion.speed.max() == 0.2
 
 
-@pytest.mark.parametrize("speed", [0.0, -0.1, 0.21, np.nan])
-def test_a_speed_that_the_machine_does_not_have_is_refused(speed: float) -> None:
-    assert refused(SIX, speed=speed).endswith("it must be above 0 and at most 200 mm/s")
+@pytest.mark.parametrize("speed", [0.0, -0.1, np.nan])
+def test_a_speed_that_is_none_is_refused(speed: float) -> None:
+    assert refused(SIX, speed=speed).endswith("mm/s; it must be above 0")
+
+
+def test_a_speed_beyond_the_machines_is_the_machines() -> None:
+    (fast,) = routine(painting_of([line(1)]), EASEL, LIMITS, speed=2 * LIMITS.speed)
+    assert isinstance(fast, Draw)
+    assert fast.motion.speed.max() == LIMITS.speed
 
 
 def test_press_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:

@@ -6,14 +6,13 @@ from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 from scipy.optimize import least_squares
 
 from maulstick.calibration.tags import found_tags
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.files import atomic_write, read_whole
-from maulstick.medium import first_fault
+from maulstick.records import read_record, write_record
 from maulstick.robot.light import Image
 from maulstick.robot.opencv import opencv
 from maulstick.robot.tag_frame import TAGS, TagFrame
@@ -31,7 +30,6 @@ _LOOSE = 0.08  # of a tag's side
 _GRID = 15  # places across the sheet
 _FINEST = 8  # samples across a pixel of the canvas
 _NEWTON = 8  # steps, from a distortion of a few per cent to rounding
-_LARGEST_FILE = 2**20  # bytes
 _NAMES = ("upper left", "upper right", "lower right", "lower left")
 _Side = Annotated[int, Field(gt=0)]
 _Row = tuple[float, float, float]
@@ -165,15 +163,12 @@ def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int
 
 def write_view(view: View, path: str | Path) -> None:
     """Write the JSON of a view; raises OutputError where that fails, and what was at `path` is then still there."""
-    atomic_write(path, f"{view.model_dump_json(indent=2)}\n".encode())
+    write_record(view, path)
 
 
 def read_view(path: str | Path) -> View:
     """The view in a file; raises InputError where there is none, or it is not one."""
-    try:
-        return View.model_validate_json(read_whole(path, "camera's view", _LARGEST_FILE))
-    except ValidationError as error:
-        raise InputError(f"{path} is not a camera's view: {first_fault(error)}; calibrate the camera again") from error
+    return read_record(View, path, "camera's view")
 
 
 def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floats, Floats]:

@@ -7,13 +7,12 @@ from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.calibration.camera import View
 from maulstick.calibration.tags import sampled
 from maulstick.errors import InputError
-from maulstick.files import atomic_write, read_whole
-from maulstick.medium import first_fault
+from maulstick.records import read_record, write_record
 from maulstick.robot.light import Image, colours_of, light_of
 from maulstick.robot.tag_frame import TagFrame
 
@@ -31,7 +30,6 @@ _UNEVEN = 0.04  # of the light that is left: there is something on the sheet
 _WHITEST, _CLIPPED = 0.995, 0.01
 _DARKEST = 1e-3  # light
 _RING = 16  # samples along each side of a tag
-_LARGEST_FILE = 2**20  # bytes
 _Row = tuple[float, float, float]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _UNCHANGED: Final = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -119,15 +117,12 @@ def lamp_of(flat: Image, whites: Whites, paper: tuple[float, float, float] = (1.
 
 def write_colours(colours: Colours, path: str | Path) -> None:
     """Write the JSON of colours; raises OutputError where that fails, and what was at `path` is then still there."""
-    atomic_write(path, f"{colours.model_dump_json(indent=2)}\n".encode())
+    write_record(colours, path)
 
 
 def read_colours(path: str | Path) -> Colours:
     """The colours in a file; raises InputError where there are none."""
-    try:
-        return Colours.model_validate_json(read_whole(path, "camera's colours", _LARGEST_FILE))
-    except ValidationError as error:
-        raise InputError(f"{path} are no colours of a camera: {first_fault(error)}; calibrate them again") from error
+    return read_record(Colours, path, "camera's colours")
 
 
 def _powers(x: Floats, y: Floats) -> Floats:

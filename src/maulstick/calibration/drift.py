@@ -28,7 +28,6 @@ _TRUE = 0.05e-3  # metres from it that one is usually
 _AGREED = 0.5  # of the stations
 _CLEAR = 0.06  # sRGB across an edge
 _MARKED = 0.01  # standard deviation of what is painted
-_SPARSE = 1e-3  # of what is around a place
 _ALIKE = 0.6  # correlation of the paintings in two photographs
 _COARSE_PX, _FINE_PX = 250, 700  # of the longer side
 _STEPS, _SETTLED, _BLUR_PX = 100, 1e-5, 5
@@ -55,13 +54,10 @@ class Shift:
         return float(np.linalg.norm(corners @ _turn(self.dtheta).T + (self.dx, self.dy) - corners, axis=1).max())
 
 
-def shift_between(
-    before: Image, after: Image, canvas: Canvas, margin: float = MARGIN, ignore: Bools | None = None
-) -> Shift | None:
+def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
     """How the sheet moved between two flat photographs, or None where nothing can be seen that tells.
 
     before, after: (H, W, 3) sRGB in [0, 1], as `View.rectify` makes them with the canvas and the margin.
-    ignore: (canvas.height_px, canvas.width_px), where something was painted in between.
     """
     here, there = sheet_place(before, canvas, margin), sheet_place(after, canvas, margin)
     if here is not None and there is not None:
@@ -69,7 +65,7 @@ def shift_between(
         return Shift(there.dx - here.dx, there.dy - here.dy, there.dtheta - here.dtheta, confidence)
     around = margin_px(canvas, margin)
     inner = np.s_[around : around + canvas.height_px, around : around + canvas.width_px]
-    return _shift_of_marks(before[inner], after[inner], canvas, ignore)
+    return _shift_of_marks(before[inner], after[inner], canvas)
 
 
 def sheet_place(wide: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
@@ -144,19 +140,15 @@ def _on_a_line(x: Floats, y: Floats) -> Bools:
     return np.asarray(near[near.sum(axis=1).argmax()])
 
 
-def _shift_of_marks(before: Image, after: Image, canvas: Canvas, ignore: Bools | None) -> Shift | None:
-    """By what is painted on the sheet in both photographs (H, W, 3), where `ignore` (H, W) does not say otherwise."""
+def _shift_of_marks(before: Image, after: Image, canvas: Canvas) -> Shift | None:
+    """By what is painted on the sheet in both photographs (H, W, 3)."""
     cv2 = opencv()
-    looked_at = np.ones(before.shape[:2], dtype=np.uint8) if ignore is None else (~ignore).astype(np.uint8)
     warp, alike, pixels = np.eye(2, 3, dtype=np.float32), 0.0, 0.0
     for longest in (_COARSE_PX, _FINE_PX):
         scale = min(1.0, longest / max(before.shape[:2]))
         size = (max(1, round(before.shape[1] * scale)), max(1, round(before.shape[0] * scale)))
-        seen = cv2.resize(looked_at, size, interpolation=cv2.INTER_NEAREST)
-        here, there = (
-            _painted(cv2.resize(image, size, interpolation=cv2.INTER_AREA), seen) for image in (before, after)
-        )
-        if not seen.any() or min(here[seen > 0].std(), there[seen > 0].std()) < _MARKED:
+        here, there = (_painted(cv2.resize(image, size, interpolation=cv2.INTER_AREA)) for image in (before, after))
+        if min(here.std(), there.std()) < _MARKED:
             return None
         if pixels:
             warp[:, 2] *= size[0] / canvas.width / pixels
@@ -166,7 +158,7 @@ def _shift_of_marks(before: Image, after: Image, canvas: Canvas, ignore: Bools |
         pixels = size[0] / canvas.width
         steps = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _SETTLED)
         try:
-            alike, warp = cv2.findTransformECC(here, there, warp, cv2.MOTION_EUCLIDEAN, steps, seen, _BLUR_PX)
+            alike, warp = cv2.findTransformECC(here, there, warp, cv2.MOTION_EUCLIDEAN, steps, None, _BLUR_PX)
         except cv2.error:  # nothing in common
             return None
     if alike < _ALIKE:
@@ -178,13 +170,11 @@ def _shift_of_marks(before: Image, after: Image, canvas: Canvas, ignore: Bools |
     return Shift(float(dx), float(dy), angle, float(min(alike, 1.0)))
 
 
-def _painted(image: Image, seen: NDArray[np.uint8]) -> Image:
-    """(H, W): what differs from what is seen around it, the paper in the lamp's light; 0 where nothing is."""
+def _painted(image: Image) -> Image:
+    """(H, W): what differs from what is seen around it, the paper in the lamp's light."""
     cv2 = opencv()
-    weight = seen.astype(np.float32)
-    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) * weight
-    around, weights = (cv2.GaussianBlur(each, (0, 0), max(image.shape) / 8) for each in (grey, weight))
-    return np.asarray(grey - weight * around / np.maximum(weights, _SPARSE))
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    return np.asarray(grey - cv2.GaussianBlur(grey, (0, 0), max(image.shape) / 8))
 
 
 def _turn(angle: float) -> Floats:

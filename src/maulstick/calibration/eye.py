@@ -48,27 +48,39 @@ class Sight:
 class Eye:
     """Looks at a sheet through a camera.
 
-    canvas: of the images.  tags: beside the sheet.  colours: of the light.  start: the first photograph, flat and with
+    canvas: of the images.  tags: beside the sheet.  view: of a camera that does not move, in their stead.
+    colours: of the light.  start: the first photograph, flat and with
     a margin, which later ones are compared with; where edges cannot be seen, the one before, as if it had lain there.
     """
 
-    def __init__(self, camera: Camera, canvas: Canvas, tags: TagFrame, colours: Colours, start: Image) -> None:
-        self.camera, self.canvas, self.tags = camera, canvas, tags
+    def __init__(
+        self, camera: Camera, canvas: Canvas, tags: TagFrame, colours: Colours, start: Image, view: View | None
+    ) -> None:
+        self.camera, self.canvas, self.tags, self._view = camera, canvas, tags, view
         self._colours, self._start, self._before = colours, start, start
         self._had_edges = sheet_place(start, canvas) is not None
 
     @classmethod
     def opened(
-        cls, camera: Camera, canvas: Canvas, tags: TagFrame, paper: tuple[float, float, float] = (1.0, 1.0, 1.0)
+        cls,
+        camera: Camera,
+        canvas: Canvas,
+        tags: TagFrame,
+        paper: tuple[float, float, float] = (1.0, 1.0, 1.0),
+        chart: Colours | None = None,
+        view: View | None = None,
     ) -> Self:
-        """An eye that has looked at the bare sheet, whose colour is `paper`.
+        """An eye that has looked at the bare sheet, whose colour is `paper`; chart: what is known of this camera.
 
         Raises InputError where tags or light do not let it see, MachineError where the camera fails.
         """
         photo = camera.photograph()
-        view = locate(photo, tags)
-        wide = view.rectify(photo, canvas, MARGIN)
-        return cls(camera, canvas, tags, lamp_of(_sheet(wide, canvas), whites_of(photo, view, tags), paper), wide)
+        seen = view or locate(photo, tags)
+        wide = seen.rectify(photo, canvas, MARGIN)
+        colours = lamp_of(_sheet(wide, canvas), whites_of(photo, seen, tags), paper)
+        if chart is not None:
+            colours = colours.with_matrix(np.array(chart.matrix))
+        return cls(camera, canvas, tags, colours, wide, view)
 
     def look(self) -> Sight:
         """Take a photograph.
@@ -77,7 +89,7 @@ class Eye:
         """
         photo = self.camera.photograph()
         try:
-            view = locate(photo, self.tags)
+            view = self._view or locate(photo, self.tags)
         except InputError as error:
             raise MachineError(f"{error}, and go on") from error
         wide = view.rectify(photo, self.canvas, MARGIN)
@@ -104,7 +116,7 @@ class Eye:
         write_arrays(path, KIND, {"colours": np.array(self._colours.model_dump_json()), "start": start})
 
     @classmethod
-    def opened_again(cls, camera: Camera, canvas: Canvas, tags: TagFrame, path: Path) -> Self:
+    def opened_again(cls, camera: Camera, canvas: Canvas, tags: TagFrame, path: Path, view: View | None = None) -> Self:
         """The eye that was written to `path`. Raises InputError where there is none."""
         arrays = read_arrays(path, KIND, ("colours", "start"))
         around = 2 * margin_px(canvas, MARGIN)
@@ -114,7 +126,7 @@ class Eye:
             colours = Colours.model_validate_json(str(arrays["colours"]))
         except ValidationError as error:
             raise InputError(f"{path} is damaged: {first_fault(error)}; begin again on a bare sheet") from error
-        return cls(camera, canvas, tags, colours, arrays["start"].astype(np.float32) / np.float32(255))
+        return cls(camera, canvas, tags, colours, arrays["start"].astype(np.float32) / np.float32(255), view)
 
 
 def _sheet(wide: Image, canvas: Canvas) -> Image:

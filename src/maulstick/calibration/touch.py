@@ -4,6 +4,7 @@ The tip is taken to each point by hand, with `Jog`, or goes down by itself until
 `probe_by_force`.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
@@ -24,7 +25,7 @@ MOST_ERROR: Final = 1e-3
 _LEAST_SPREAD = 0.01  # metres, root mean square, on both sides of a line
 _DEEPEST = 0.02  # metres: a deeper press is a slip of the hand
 _PROBE = 2e-4  # metres a step
-_READINGS = 10  # of a force, whose median it is
+_READINGS, _PERIOD = 10, 2e-3  # of a force, whose median it is, and seconds from one to the next
 
 
 def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, travel: float = 5e-3) -> Easel:
@@ -107,7 +108,11 @@ def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: f
 
 
 def _force(robot: FeelsForce) -> float:
-    return float(np.median([robot.force() for _ in range(_READINGS)]))
+    readings = []
+    for _ in range(_READINGS):
+        readings.append(robot.force())
+        time.sleep(_PERIOD)
+    return float(np.median(readings))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """``maulstick export``: a painting for machines that other programs drive."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -8,46 +7,38 @@ import numpy as np
 import typer
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.run.asked import Asked
 from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.painting import Painting, read_painting
 from maulstick.robot.easel import Easel, Pen, read_easel
 from maulstick.robot.export import as_gcode, as_hpgl, as_json
+from maulstick.robot.gcode import Dialect
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import routine
 from maulstick.robot.sequence import sequenced
 from maulstick.robot.tray import Tray, read_tray
 from maulstick.svg import axidraw_svg
 
-_MOST_SPEED = 10_000
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
 
 
-class Format(StrEnum):
-    """What can be written, and how the files' names end."""
-
-    GCODE = "gcode"
-    HPGL = "hpgl"
-    SVG = "svg"
-    JSON = "json"
-
-
-class Dialect(StrEnum):
-    """Whose G-code."""
-
-    GRBL = "grbl"
-    MARLIN = "marlin"
+_FORMATS = ("gcode", "hpgl", "svg", "json")
+_DIALECTS: tuple[Dialect, ...] = ("grbl", "marlin")
+_SPEED = 0.05  # metres a second
 
 
 def export(
     painting: Annotated[Path, typer.Argument(help="The painting.json to export.")],
     format: Annotated[
-        Format,
+        str,
         typer.Option(
             metavar="FORMAT", help="gcode; hpgl; svg, with codes for AxiDraw's own software; json, a motion a line."
         ),
-    ] = Format.GCODE,
-    dialect: Annotated[Dialect, typer.Option(metavar="grbl|marlin", help="Of G-code.")] = Dialect.GRBL,
+    ] = "gcode",
+    dialect: Annotated[
+        str | None, typer.Option(metavar="grbl|marlin", show_default="grbl", help="Whose G-code.")
+    ] = None,
     servo: Annotated[
         str | None,
         typer.Option(
@@ -56,7 +47,9 @@ def export(
             help="In G-code, lift the pen by a servo: its numbers.",
         ),
     ] = None,
-    speed: Annotated[float, typer.Option(metavar="MM/S", help="Draw no faster than this.")] = 50,
+    speed: Annotated[
+        float | None, typer.Option(metavar="MM/S", show_default="50", help="Draw no faster than this.")
+    ] = None,
     easel: Annotated[
         Path | None,
         typer.Option(
@@ -68,30 +61,37 @@ def export(
     overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
 ) -> None:
     """Write a painting for a machine that another program drives, its strokes in a quick order."""
-    if not 0 < speed <= _MOST_SPEED:
-        raise InputError.of_range("--speed", f"{speed:g}", f"above 0 and at most {_MOST_SPEED} mm/s")
-    if format is not Format.GCODE and servo is not None:
-        raise InputError("--servo is for G-code; leave it out")
-    if format is Format.SVG and (easel is not None or tray is not None):
-        raise InputError("SVG is of the sheet alone; leave out --easel and --tray")
-    path = out or painting.with_suffix(f".plot.{format.value}")
+    spoken = next((each for each in _DIALECTS if each == (dialect or "grbl")), None)
+    if format not in _FORMATS:
+        raise InputError.of_choice("format", format, _FORMATS)
+    if spoken is None:
+        raise InputError.of_choice("dialect", dialect, _DIALECTS)
+    if format != "gcode" and (servo, dialect) != (None, None):
+        raise InputError("--servo and --dialect are for G-code; leave them out")
+    if format == "svg" and (easel, tray, speed) != (None, None, None):
+        raise InputError("SVG is of the sheet alone; leave out --easel, --tray and --speed")
+    fastest = _SPEED if speed is None else speed * 1e-3
+    Asked(speed=fastest).check()
+    path = out or painting.with_suffix(f".plot.{format}")
     check_absent(path, "--out", overwrite)
     plan = sequenced(read_painting(painting), (0.0, 0.0))
-    if format is Format.SVG:
+    if not plan.strokes:
+        raise InputError(f"{painting} has no strokes; plan it again with more")
+    if format == "svg":
         atomic_write(path, axidraw_svg(plan).encode())
     else:
         place = read_easel(easel) if easel is not None else _at_the_origin(plan)
         if servo is not None:
             place = place.model_copy(update={"pen": _servo(servo)})
         wells = read_tray(tray) if tray is not None else None
-        limits = place.limits or _around(plan, place, wells, speed * 1e-3)
-        if place.pen is not None or format is Format.HPGL:
+        limits = place.limits or _around(plan, place, wells, fastest)
+        if place.pen is not None or format == "hpgl":
             limits = limits.model_copy(update={"presses": False})
-        actions = routine(plan, place, limits, wells, speed=min(speed * 1e-3, limits.speed))
+        actions = routine(plan, place, limits, wells, speed=fastest)
         text = {
-            Format.GCODE: lambda: as_gcode(actions, limits, dialect.value, place.pen),
-            Format.HPGL: lambda: as_hpgl(actions, limits),
-            Format.JSON: lambda: as_json(actions),
+            "gcode": lambda: as_gcode(actions, limits, spoken, place.pen),
+            "hpgl": lambda: as_hpgl(actions, limits),
+            "json": lambda: as_json(actions),
         }[format]()
         atomic_write(path, text.encode())
     print(path, flush=True)

@@ -21,7 +21,7 @@ class Schedule:
     grouped: bool = True
 
 
-AGAIN = Schedule(begins=0.7, sorts=(), respends=(), snap=0.7, repaints=(0.75, 0.85))
+AGAIN = Schedule(begins=0.6, sorts=(), respends=(0.6, 0.64), snap=0.68, repaints=(0.75, 0.85))
 """Strokes that were planned before, on a sheet that has become another than was thought."""
 
 GIVEN_PAINTS = Schedule(snap=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))

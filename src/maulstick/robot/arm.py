@@ -60,6 +60,11 @@ class Arm(Robot):
 
     @final
     def _ask_limits(self) -> Limits:
+        try:
+            self._connect()
+            self._where()
+        finally:
+            self._close()
         return self.limits
 
     @final

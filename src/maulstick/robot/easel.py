@@ -4,16 +4,14 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from maulstick.arrays import Floats
-from maulstick.errors import InputError
-from maulstick.files import atomic_write, read_whole
-from maulstick.medium import first_fault
+from maulstick.records import read_record, write_record
 from maulstick.robot.limits import Limits, Point
 
-_LARGEST_FILE = 2**20  # bytes
 _SQUARE = 1e-6
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -25,8 +23,8 @@ class Pen(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    up: float
-    down: float
+    up: _Finite
+    down: _Finite
     seconds: Annotated[float, Field(ge=0, le=10)] = 0.2
 
 
@@ -92,12 +90,9 @@ class Easel(BaseModel):
 
 def read_easel(path: str | Path) -> Easel:
     """The easel in the file at `path`. Raises InputError where there is none."""
-    try:
-        return Easel.model_validate_json(read_whole(path, "easel", _LARGEST_FILE))
-    except ValidationError as error:
-        raise InputError(f"{path} is not an easel: {first_fault(error)}") from error
+    return read_record(Easel, path, "easel")
 
 
 def write_easel(easel: Easel, path: str | Path) -> None:
     """Write the easel as JSON. Raises OutputError where that fails; what was at `path` is then still there."""
-    atomic_write(path, f"{easel.model_dump_json(indent=2, exclude_none=True)}\n".encode())
+    write_record(easel, path)

@@ -69,6 +69,7 @@ def execute(
     left = np.concatenate([np.cumsum(seconds[::-1])[::-1], [0.0]])
     metres, drawn = sum(a.motion.length for a in actions if isinstance(a, Draw)), 0.0
     index, painted = 0, 0
+    _clear_all(actions, robot)
     for index, action in enumerate(actions):
         watch(Progress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
         if pause is not None:
@@ -89,6 +90,13 @@ def execute(
                     break
     watch(Progress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
     return hand
+
+
+def _clear_all(actions: Sequence[Action], robot: Robot) -> None:
+    """Lift the tip straight up to the height of the highest way, since nobody knows what it stands in."""
+    heights = [max(a.motion.above, a.motion.after) for a in actions if not isinstance(a, Ask)]
+    if heights and max(heights) > robot.place[2]:
+        robot.lift(max(heights))
 
 
 def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: None) -> None:

@@ -54,7 +54,8 @@ class Franka(Arm, FeelsForce):
 
     def force(self) -> float:
         """Newtons along z at the tip, of which only differences mean anything."""
-        return float(self._arm.state.O_F_ext_hat_K[2])
+        with self._line():
+            return float(self._arm.state.O_F_ext_hat_K[2])
 
     def _connect(self) -> None:
         try:
@@ -65,7 +66,8 @@ class Franka(Arm, FeelsForce):
             # A kernel without real time serves, too: where it is late, the arm stops and says so.
             self._arm = franky.Robot(self._address, realtime_config=franky.RealtimeConfig.Ignore)
         self._make_ready()
-        self._turned = self._arm.current_pose.end_effector_pose.quaternion
+        with self._line():
+            self._turned = self._arm.current_pose.end_effector_pose.quaternion
 
     def _disconnect(self) -> None:
         if self._arm is not None:

@@ -4,6 +4,7 @@ It lies beside its painting. A line that a power cut tore is dropped when it is 
 happened yet, or is asked about.
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
 from filelock import FileLock, Timeout
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
 from maulstick.errors import InputError, OutputError
 from maulstick.files import file_to_read, read_whole, sync_folder
@@ -68,7 +69,14 @@ class Again(_Line):
     stroke: _Id
 
 
-Line = Annotated[Revision | Begin | End | Again, Field(discriminator="event")]
+class Words(_Line):
+    """How the machine was asked to paint, in the words of whoever asked, so that nobody has to remember."""
+
+    event: Literal["words"] = "words"
+    words: dict[str, JsonValue]
+
+
+Line = Annotated[Revision | Words | Begin | End | Again, Field(discriminator="event")]
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
@@ -77,10 +85,30 @@ def journal_of(painting: Path) -> Path:
     return painting.with_name(f"{painting.stem}.log.jsonl")
 
 
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """While it lasts no other process opens the journal at `path`, whatever is in it.
+
+    Raises InputError where another has it, OutputError where nothing can be written there.
+    """
+    lock = FileLock(path.with_name(f".{path.name}.lock"), timeout=0)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise InputError(f"another maulstick paints by {path}; wait until it has finished, or stop it") from None
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}; mend that before painting") from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
 class Journal:
     """A journal, open to be read and continued; one process at a time has it (`Journal.open`).
 
     painted: ids of the strokes that are finished.  unfinished: the stroke that was begun and not finished, if any.
+    words: how the machine was last asked to paint.
     revision: the painting as it is painted now.  revisions: how many there were, that one included.
     """
 
@@ -88,6 +116,7 @@ class Journal:
         self.path = path
         self.painted: set[int] = set()
         self.unfinished: int | None = None
+        self.words: dict[str, JsonValue] = {}
         self.revision: Revision | None = None
         self.revisions = 0
         self._file: int | None = None
@@ -99,28 +128,24 @@ class Journal:
 
         Raises InputError where another process has it, or it is not a journal; OutputError where it cannot be written.
         """
-        lock = FileLock(path.with_name(f".{path.name}.lock"), timeout=0)
-        try:
-            lock.acquire()
-        except Timeout:
-            raise InputError(f"another maulstick paints by {path}; wait until it has finished, or stop it") from None
-        except OSError as error:
-            raise OutputError(f"cannot write {path}: {error.strerror}; mend that before painting") from error
-        journal = cls(path)
-        try:
-            journal._begin()
-            yield journal
-        finally:
-            journal._end()
-            with suppress(OSError):  # while it is locked: afterwards it may be another's
-                Path(lock.lock_file).unlink()
-            lock.release()
+        with locked(path):
+            journal = cls(path)
+            try:
+                journal._begin()
+                yield journal
+            finally:
+                journal._end()
 
     def revise(self, file: Path, painted: Iterable[int] = ()) -> None:
         """From now on the painting is that file, beside the journal, and the strokes with these ids are painted."""
         content = read_whole(file, "painting", _LARGEST)
         digest = hashlib.sha256(content).hexdigest()
         self._append(Revision(file=file.name, sha256=digest, painted=tuple(painted)))
+
+    def tell(self, words: dict[str, JsonValue]) -> None:
+        """How the machine is asked to paint from now on."""
+        if words != self.words:
+            self._append(Words(words=words))
 
     def begin(self, stroke: int) -> None:
         """Before a stroke."""
@@ -175,6 +200,8 @@ class Journal:
                 self.revision = entry
                 self.revisions += 1
                 self.painted.update(entry.painted)
+            case Words(words=words):
+                self.words = words
             case Begin(stroke=stroke):
                 self.unfinished = stroke
             case End(stroke=stroke):
@@ -189,7 +216,7 @@ class Journal:
         size = os.fstat(self._file).st_size
         try:
             if os.write(self._file, line) != len(line):
-                raise OSError(28, "No space left on device")
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             os.fsync(self._file)
         except OSError as error:
             with suppress(OSError):

@@ -61,7 +61,7 @@ class Limits(BaseModel):
             beyond = max(low - least, most - high)
             if beyond > SLACK:
                 came = least if low - least > most - high else most
-                allowed = f"{1e3 * low:g} to {1e3 * high:g} mm: {1e3 * beyond:.3g} mm less far"
+                allowed = f"{1e3 * low:g} to {1e3 * high:g} mm: {1e3 * beyond:.4g} mm less far"
                 raise InputError.of_range(f"the machine's {name}", f"{1e3 * came:.6g} mm", allowed)
 
     def check_speed(self, speed: Floats) -> None:

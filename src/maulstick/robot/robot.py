@@ -21,7 +21,7 @@ class StoppedError(MachineError):
     """The machine was stopped."""
 
     def __init__(self) -> None:
-        super().__init__("the machine was stopped; its pen is lifted")
+        super().__init__("the machine was stopped")
 
 
 class Robot(ABC):
@@ -57,16 +57,21 @@ class Robot(ABC):
     @final
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         try:
-            if self._down:
-                self._recover()
+            self._save()
         finally:
-            self._place, self._down = None, False
+            self._place = None
             self._close()
 
     @final
     def ask_limits(self) -> None:
         """See that `limits` are the machine's own even before it is entered; nothing moves."""
         self.limits = self._ask_limits()
+
+    @property
+    @final
+    def lifted(self) -> bool:
+        """Whether its pen is lifted, as far as it knows; not where it failed, and could not be reached afterwards."""
+        return not self._down
 
     @property
     @final
@@ -173,9 +178,15 @@ class Robot(ABC):
             place = act()
         except BaseException:
             self._out_of_use = True  # until it is entered again: nobody knows where its tip is now
-            self._down = False
-            with suppress(MachineError):  # the first one says what was wrong
-                self._recover()
+            self._down = True
+            self._save()
             raise
         self._place = place.reshape(-1, 3)[-1].copy()
         return place
+
+    def _save(self) -> None:
+        """Lift the pen if it is not known to be lifted."""
+        if self._down:
+            with suppress(MachineError):  # whatever was wrong before says more
+                self._recover()
+                self._down = False

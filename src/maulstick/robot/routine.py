@@ -104,8 +104,8 @@ def routine(
     `easel`; so whatever is returned may be sent.
     """
     _check_easel(easel, limits)
-    if speed is not None:
-        limits.check_speed(np.array([speed]))
+    if speed is not None and not speed > 0:  # NaN is neither
+        raise InputError.of_range("the speed", f"{1e3 * speed:g} mm/s", "above 0")
     painted = set(done)
     wanted = [stroke for stroke in painting.strokes if stroke.id not in painted]
     for paint in {stroke.paint for stroke in wanted}:
@@ -178,7 +178,7 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
             f"stroke {stroke.id} varies its press by {np.ptp(points[:, 2]):.2f}, and this machine only lifts its pen; "
             "plan it again with maulstick paint --press 0.5"
         )
-    most = limits.speed if speed is None else speed
+    most = limits.speed if speed is None else min(speed, limits.speed)
     speeds = np.full(len(points), most)
     if stroke.speed is not None:
         own = np.array(stroke.speed)[kept]

@@ -4,15 +4,14 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.files import read_whole
-from maulstick.medium import Name, first_fault
+from maulstick.medium import Name
 from maulstick.painting import Painting
+from maulstick.records import read_record
 
-_LARGEST_FILE = 2**20  # bytes
 _TURN = 12  # points of a turn in a well
 
 _Metres = Annotated[float, Field(allow_inf_nan=False)]
@@ -80,7 +79,4 @@ class Tray(_Part):
 
 def read_tray(path: str | Path) -> Tray:
     """The tray in the file at `path`. Raises InputError where there is none."""
-    try:
-        return Tray.model_validate_json(read_whole(path, "tray", _LARGEST_FILE))
-    except ValidationError as error:
-        raise InputError(f"{path} is not a tray: {first_fault(error)}") from error
+    return read_record(Tray, path, "tray")

@@ -73,7 +73,11 @@ class Workplace:
     def step_aside(self, home: Floats) -> None:
         """Move the lifted tip over `home`, (3,), so that a camera sees the sheet."""
         lower, upper = self.robot.limits.lower, self.robot.limits.upper
-        height = max(float(home[2]), float(self.robot.place[2]))
+        over = self.easel.travel if self.tray is None else self.tray.clearance
+        surface = self.easel.machine_to_canvas(self.robot.place) * (1, 1, 0) + (0, 0, over)
+        heights = home[2], self.robot.place[2], self.easel.canvas_to_machine(surface)[2]
+        height = float(np.clip(max(heights), lower[2], upper[2]))
+        self.robot.lift(height)
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
 
 

@@ -37,6 +37,7 @@ _READY: Final = 0
 _LITE6_TYPE: Final = 9
 _PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points a second
 _METRE: Final = 1e3  # of the wire's millimetres
+_OF_A_COLLISION: Final = (22, 31, 35)  # with itself, with something, with a boundary
 _RETURNED: Final = {
     -1: "it is not connected; check the cable",
     -2: "it is not enabled; release the emergency stop",
@@ -74,6 +75,9 @@ class XArm(Arm):
             ) from error
         if self._arm.device_type == _LITE6_TYPE and self.limits.narrowed(LITE6) != self.limits:
             raise InputError("this arm is a Lite 6, which reaches less far than an xArm; call it lite6:IP")
+        _, (stopped_by, _) = self._arm.get_err_warn_code()
+        if stopped_by in _OF_A_COLLISION:
+            raise MachineError(f"{self._sentence(0)}; see that it is free, clear the error at the arm, and start again")
         self._make_ready()
         self._turned = self._pose()[3:6]
 

@@ -17,7 +17,7 @@ from tests.robot.recorder import Recorder
 from tests.robot.small_paintings import SIX, painting_of
 
 ALL = list(range(10, 16))
-MESSAGE = "6 strokes, 105 mm, 2 paints, 1 changes of paint, about 1 min"
+MESSAGE = "6 strokes, 105 mm, 2 paints, about 1 min"
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def begun(painting: Path) -> Path:
 
 def events(painting: Path) -> list[str]:
     lines = [json.loads(line) for line in journal_of(painting).read_text().splitlines()]
-    return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] != "revision"]
+    return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] not in ("revision", "words")]
 
 
 def painted(painting: Path) -> list[int]:
@@ -64,7 +64,7 @@ def answers(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
 def recorder(monkeypatch: pytest.MonkeyPatch) -> Recorder:
     """The machine that is now called grbl."""
     robot = Recorder()
-    monkeypatch.setattr("maulstick.cli.run.job.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
     return robot
 
 

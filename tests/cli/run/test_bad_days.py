@@ -71,7 +71,7 @@ def test_a_machine_that_fails_is_one_sentence_and_painting_goes_on_later(
             raise MachineError("the cable is off; plug it in")
 
     robot = Recorder(before=fail)
-    monkeypatch.setattr("maulstick.cli.run.job.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
     ran: Ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 3
@@ -87,3 +87,16 @@ def test_a_machine_that_is_not_there_is_one_sentence(painting: Path) -> None:
     assert ran.code == 2
     assert ran.mistake.startswith("cannot open the port /dev/null/none: ")
     assert not journal_of(painting).exists()
+
+
+def test_where_the_pen_cannot_be_lifted_the_operator_is_told(painting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(what: str) -> None:
+        if what in ("stroke", "recover"):
+            raise MachineError("the cable is off; plug it in")
+
+    robot = Recorder(before=fail)
+    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
+    answers(monkeypatch, "\n\n\n\n")
+    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    assert ran.code == 3
+    assert "stopped, and the pen may still be down: lift it by hand; " in ran.stderr

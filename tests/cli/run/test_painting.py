@@ -26,7 +26,11 @@ def test_a_dry_run_says_how_long_it_takes_and_neither_moves_nor_writes(painting:
 
 
 def test_a_dry_run_refuses_what_a_run_would(painting: Path) -> None:
-    assert run("run", painting, "--dry-run", "--robot", "sim:real", "--speed", "1000").code == 2
+    narrow = LIMITS.model_copy(update={"upper": (0.01, 0.1, 0.1)})
+    write_easel(EASEL.model_copy(update={"limits": narrow}), painting.with_name("easel.json"))
+    ran = run("run", painting, "--dry-run", "--easel", painting.with_name("easel.json"))
+    assert ran.code == 2
+    assert "less far" in ran.mistake
 
 
 def test_it_paints_every_stroke_once_and_shows_the_sheet(painting: Path) -> None:
@@ -35,7 +39,8 @@ def test_it_paints_every_stroke_once_and_shows_the_sheet(painting: Path) -> None
     assert ran.stdout == f"{painting.with_name('painting-painted.png')}\n"
     assert MESSAGE in ran.stderr
     assert sorted(painted(painting)) == ALL
-    assert sorted(os.listdir(painting.parent)) == ["painting-painted.png", "painting.json", "painting.log.jsonl"]
+    seen = [name for name in sorted(os.listdir(painting.parent)) if not name.startswith(".")]
+    assert seen == ["painting-painted.png", "painting.json", "painting.log.jsonl"]
 
 
 def test_what_is_painted_is_like_the_preview(calibrated: Path) -> None:

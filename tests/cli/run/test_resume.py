@@ -1,3 +1,4 @@
+import json
 import shutil
 from pathlib import Path
 
@@ -8,6 +9,7 @@ from maulstick.painting import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import contents, run
 from tests.cli.run.conftest import ALL, answers, events, painted, picture_of
+from tests.robot.recorder import Recorder
 from tests.robot.small_paintings import SIX
 from tests.tolerances import SAME_SHEET
 
@@ -65,8 +67,7 @@ def test_a_painting_that_is_finished_has_nothing_left(painting: Path) -> None:
     sheet = picture_of(painting.with_name("painting-painted.png"))
     ran = run("run", painting, "--resume")
     assert ran.code == 0
-    assert "0 strokes, 0 mm" in ran.stderr
-    assert "6 are painted" in ran.stderr
+    assert ran.stderr == "all strokes are painted\n"
     assert journal_of(painting).read_bytes() == before
     assert np.abs(picture_of(painting.with_name("painting-painted.png")) - sheet).mean() < SAME_SHEET
 
@@ -123,3 +124,30 @@ def test_a_stroke_that_is_not_there_is_not_begun_with(painting: Path, number: in
     ran = run("run", painting, "--from-stroke", str(number))
     assert ran.code == 2
     assert ran.mistake == f"--from-stroke is {number}; it must be 1 to the 6 strokes"
+
+
+def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
+    painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words: list[str] = []
+
+    def machine(word: str, easel: object) -> Recorder:
+        words.append(word)
+        return recorder
+
+    monkeypatch.setattr("maulstick.cli.run.scene.machine", machine)
+    answers(monkeypatch, "\ns\n")
+    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0", "--speed", "40")
+    assert ran.code == 130
+    assert 0 < len(painted(painting)) < 6
+    assert run("run", painting, "--resume", "--robot", "sim").mistake == (
+        "this painting was begun on grbl:/dev/ttyUSB0, and what is left belongs on the same sheet; leave out "
+        "--robot, or start on a new sheet with --anew"
+    )
+    answers(monkeypatch, "\n\n\n")
+    assert run("run", painting, "--resume").code == 0
+    assert sorted(painted(painting)) == ALL
+    assert run("run", painting, "--resume", "--robot", "grbl:/dev/ttyUSB1").code == 0
+    assert words == ["grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB1"]
+    asked = [json.loads(line)["words"] for line in journal_of(painting).read_text().splitlines() if "words" in line]
+    assert asked[0] == {"robot": "grbl:/dev/ttyUSB0", "speed": 0.04}

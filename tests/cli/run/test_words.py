@@ -20,9 +20,12 @@ from tests.robot.small_paintings import line, painting_of
         (["--robot", "xarm:192.0.2.1", "--dry-run"], "calibrate touch"),
         (["--easel", "none.json"], "there is no easel none.json"),
         (["--tray", "none.json"], "there is no tray none.json"),
-        (["--speed", "0"], "--speed is 0; it must be above 0 and at most 10000 mm/s"),
-        (["--speed", "nan"], "--speed is nan; it must be above 0 and at most 10000 mm/s"),
-        (["--speed", "300", "--robot", "sim:real"], "the speed is 300 mm/s; it must be above 0 and at most 250 mm/s"),
+        (["--speed", "0"], "--speed is 0; it must be from 0.1 to 10000 mm/s"),
+        (["--speed", "nan"], "--speed is nan; it must be from 0.1 to 10000 mm/s"),
+        (
+            ["--unfinished", "maybe", "--resume"],
+            "there is no answer to --unfinished 'maybe'; there are: again, painted",
+        ),
         (["--resume", "--anew"], "--resume knows where to go on; leave out --anew and --from-stroke"),
         (["--resume", "--from-stroke", "2"], "--resume knows where to go on; leave out --anew and --from-stroke"),
         (
@@ -61,7 +64,7 @@ def test_press_that_a_plotter_does_not_have_is_refused_with_the_flag_that_plans_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = Recorder(LIMITS.model_copy(update={"presses": False}))
-    monkeypatch.setattr("maulstick.cli.run.job.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
     path = tmp_path / "soft.json"
     write_painting(painting_of([line(1, press=(0, 1))], [nominal("round")]), path)
     ran = run("run", path, "--robot", "grbl:/dev/ttyUSB0")

@@ -1,6 +1,5 @@
 """``maulstick calibrate brush``: a machine draws strokes, a camera looks at them, and a brush is fitted."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +12,7 @@ from maulstick.cli import STOPPED
 from maulstick.cli.brush.fit import fit as fit_trials
 from maulstick.cli.calibrate.camera import canvas_of
 from maulstick.cli.folder import all_or_nothing
+from maulstick.cli.run.asked import Asked
 from maulstick.cli.run.operator import Operator, confirm
 from maulstick.cli.run.simulation import Simulation
 from maulstick.errors import InputError, MachineError, OutputError
@@ -35,15 +35,13 @@ if TYPE_CHECKING:
 _FEWEST, _MOST = 5, 1000
 
 
-class Photographs(StrEnum):
-    """When to look."""
-
-    ONE = "one"
-    EACH = "each"
+_PHOTOGRAPHS = ("each", "one")
 
 
 def brush(
-    name: Annotated[str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")],
+    name: Annotated[
+        str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")
+    ] = "calibrated",
     robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{WORDS}.")] = "sim",
     camera: Annotated[
         str | None, typer.Option(metavar="CAMERA", show_default="the easel's, with sim", help="usb:0, or folder:PATH.")
@@ -54,14 +52,17 @@ def brush(
     style: Annotated[str, typer.Option(metavar="STYLE", help="Whose strokes to draw.")] = "loops",
     strokes: Annotated[int, typer.Option(metavar="N", help="How many to draw.")] = 60,
     photographs: Annotated[
-        Photographs,
-        typer.Option(metavar="one|each", help="One of the whole sheet of strokes, or one after each stroke."),
-    ] = Photographs.ONE,
+        str,
+        typer.Option(metavar="each|one", help="One after each stroke, or one of the whole sheet, which is quicker."),
+    ] = "each",
     size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet.")] = "A4-landscape",
     easel: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch.")
     ] = None,
     tag: Annotated[float, typer.Option(metavar="MM", help="The side of the tags' black squares.")] = 20,
+    view: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Without tags: from maulstick calibrate camera --keep.")
+    ] = None,
     speed: Annotated[
         float | None, typer.Option(metavar="MM/S", show_default="the machine's", help="Draw no faster than this.")
     ] = None,
@@ -80,6 +81,9 @@ def brush(
     BRUSHES.check_own_name(name, overwrite)
     if not _FEWEST <= strokes <= _MOST:
         raise InputError.of_range("--strokes", strokes, f"{_FEWEST} to {_MOST}")
+    if photographs not in _PHOTOGRAPHS:
+        raise InputError.of_choice("way to photograph", photographs, _PHOTOGRAPHS)
+    Asked(speed=None if speed is None else speed * 1e-3).check()
     if robot.startswith("sim"):
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
@@ -91,7 +95,7 @@ def brush(
     from maulstick.robot.tag_frame import TagFrame
 
     tags = TagFrame(sheet.canvas.width, sheet.canvas.height, side=tag * 1e-3)
-    _collect(sheet, out, robot, camera, place, tags, photographs is Photographs.EACH, speed, console)
+    _collect(sheet, out, robot, camera, place, tags, view, photographs == "each", speed, console)
     fit_trials(out / "trials", name, None, overwrite)
 
 
@@ -130,18 +134,21 @@ def _collect(
     camera: str | None,
     place: "Easel | None",
     tags: "TagFrame",
+    view: Path | None,
     each: bool,
     speed: float | None,
     console: Console,
 ) -> None:
     """Draw what is left, take the photographs, and cut the trials out of them."""
+    from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
     from maulstick.calibration.eye import Eye
     from maulstick.loop import room_of
     from maulstick.robot.camera import open_camera
 
     def look() -> "NDArray[np.float32]":
-        sight = eye.look()
+        with operator.beside_a_machine_that_rests():
+            sight = eye.look()
         for note in sight.notes:
             console.print(f"note: {note}", soft_wrap=True)
         if sight.shift is not None:
@@ -150,6 +157,7 @@ def _collect(
 
     if (out / "trials").exists():
         return
+    fixed = None if view is None else read_view(view)
     path, (brush,) = out / "practice.json", sheet.brushes.values()
     simulation = Simulation.of(word, sheet, place, None) if word.startswith("sim") else None
     robot = machine(word, place) if simulation is None else simulation.robot
@@ -160,14 +168,14 @@ def _collect(
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
             question = f"stroke {stroke} was under the brush. Is it on the paper?"
-            (journal.end if confirm(console, question) else journal.again)(stroke)
+            (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
         if simulation is not None:
             simulation.paint_again(easel, journal.painted)
         canvas, kept = canvas_of((sheet.canvas.width, sheet.canvas.height)), out / "practice.eye.npz"
         if kept.exists():
-            eye = Eye.opened_again(seeing, canvas, tags, kept)
+            eye = Eye.opened_again(seeing, canvas, tags, kept, fixed)
         else:
-            eye = Eye.opened(seeing, canvas, tags)
+            eye = Eye.opened(seeing, canvas, tags, view=fixed)
             eye.write(kept)
         operator = Operator(console, sheet, robot, len(journal.painted))
         ask = operator.ask if simulation is None else simulation.ask
@@ -176,9 +184,12 @@ def _collect(
         try:
             with operator.on_duty():
                 taken = collect(sheet, workplace, look, out, each=each)
-        except (StoppedError, KeyboardInterrupt):
-            console.print("stopped, with the pen lifted; the same words go on", soft_wrap=True)
-            raise Exit(STOPPED) from None
+        except (MachineError, KeyboardInterrupt) as error:
+            pen = "with the pen lifted" if robot.lifted else "and the pen may still be down: lift it by hand"
+            console.print(f"stopped, {pen}; the same words go on", soft_wrap=True)
+            if isinstance(error, StoppedError | KeyboardInterrupt) and operator.stopped:
+                raise Exit(STOPPED) from None
+            raise
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     with all_or_nothing(out) as staging:
         trials_of(sheet, taken, staging / "trials", medium=brush.name, depth=depth, room=room_of(brush))

@@ -37,6 +37,9 @@ def camera(
     colours: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Of this light, from maulstick calibrate colours.")
     ] = None,
+    keep: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Keep where the sheet is, for a camera that does not move.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the photograph.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a picture there.")] = False,
 ) -> None:
@@ -49,6 +52,9 @@ def camera(
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     check_absent(path, "--out", overwrite)
+    if keep is not None:
+        check_absent(keep, "--keep", overwrite)
+    from maulstick.calibration.camera import write_view
     from maulstick.calibration.colour import read_colours, whites_of
     from maulstick.robot.tag_frame import TagFrame
 
@@ -58,6 +64,8 @@ def camera(
     if colours is not None:
         flat = read_colours(colours).correct(flat, whites_of(picture, view, frame))
     atomic_write(path, encode_png(flat))
+    if keep is not None:
+        write_view(view, keep)
     if view.error is None:
         print("four corners: how far that is wrong cannot be known", flush=True)
     else:

@@ -1,8 +1,8 @@
 """``maulstick calibrate touch``: where the sheet lies before a machine."""
 
+import select
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +18,7 @@ from maulstick.robot.machines import WORDS, machine
 
 if TYPE_CHECKING:
     from maulstick.arrays import Floats
+    from maulstick.robot.easel import Easel
     from maulstick.robot.robot import Robot
 
 _LIFT = 0.02  # metres, from corner to corner
@@ -42,7 +43,9 @@ def touch(
         raise InputError(f"{robot} knows where its sheet lies, and shows no tip to take there; name a real machine")
     width, height = parse_size(size)
     check_absent(out, "--out", overwrite)
-    from maulstick.calibration.touch import easel_from_touches, probe_by_force, with_deepest
+    if not sys.stdin.isatty():
+        raise InputError("keys are needed to take the tip to the corners; run it in a terminal")
+    from maulstick.calibration.touch import easel_from_touches, probe_by_force
     from maulstick.robot.force import FeelsForce
 
     console = Console(stderr=True, markup=False, highlight=False)
@@ -52,7 +55,8 @@ def touch(
         "lower right": (width, height),
         "lower left": (0.0, height),
     }
-    with machine(robot, None) as arm, _keyboard() as keys:
+    keys = _keyboard()
+    with machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []
@@ -67,8 +71,7 @@ def touch(
             _raise(arm)
         easel = easel_from_touches(np.array(touched), np.array(list(corners.values())))
         if arm.limits.presses:
-            ask = "press the tip onto the sheet as deep as the deepest stroke may be"
-            easel = with_deepest(easel, _jogged(arm, keys, ask, console))
+            easel = _pressed(arm, keys, easel, console)
             _raise(arm)
     write_easel(easel, out)
     print(
@@ -77,6 +80,18 @@ def touch(
         flush=True,
     )
     print(out, flush=True)
+
+
+def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console) -> "Easel":
+    """The easel with its deepest press, asked for until it is one, for the corners took a while."""
+    from maulstick.calibration.touch import with_deepest
+
+    while True:
+        place = _jogged(arm, keys, "press the tip onto the sheet as deep as the deepest stroke may be", console)
+        try:
+            return with_deepest(easel, place)
+        except InputError as error:
+            console.print(str(error), soft_wrap=True)
 
 
 def _raise(arm: "Robot") -> None:
@@ -102,26 +117,18 @@ def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "F
     raise InputError("nobody is at the keyboard; run it in a terminal")
 
 
-@contextmanager
-def _keyboard() -> Iterator[Iterator[str]]:
-    """The keys that are pressed, by their names; Ctrl-C interrupts."""
+def _keyboard() -> Iterator[str]:
+    """The keys that are pressed, by their names; Ctrl-C interrupts, and while the machine moves above all."""
     from prompt_toolkit.input import create_input
     from prompt_toolkit.keys import Keys
 
-    if not sys.stdin.isatty():
-        raise InputError("keys are needed to take the tip to the corners; run it in a terminal")
     terminal = create_input(sys.stdin)
-
-    def pressed() -> Iterator[str]:
-        import select
-
-        while not terminal.closed:
+    while not terminal.closed:
+        with terminal.raw_mode():  # in which Ctrl-C is a key like any other: so only while keys are waited for
             select.select([terminal.fileno()], [], [])
-            for press in [*terminal.read_keys(), *terminal.flush_keys()]:
-                if press.key == Keys.ControlC:
-                    raise KeyboardInterrupt
-                name = press.key.value if isinstance(press.key, Keys) else press.key
-                yield "enter" if name in _ENTER else name
-
-    with terminal.raw_mode():
-        yield pressed()
+            presses = [*terminal.read_keys(), *terminal.flush_keys()]
+        for press in presses:
+            if press.key == Keys.ControlC:
+                raise KeyboardInterrupt
+            name = press.key.value if isinstance(press.key, Keys) else press.key
+            yield "enter" if name in _ENTER else name

@@ -1,32 +1,20 @@
 """The words of ``maulstick run``."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from maulstick.errors import InputError
+from maulstick.robot.machines import WORDS
 
-if TYPE_CHECKING:
-    from maulstick.cli.run.eyes import Watching
-
-_MOST_SPEED = 10_000
-
-
-class Unfinished(StrEnum):
-    """What became of the stroke that was under the brush when an earlier run was cut off."""
-
-    PAINTED = "painted"
-    AGAIN = "again"
+UNFINISHED = {"painted": True, "again": False}
+"""What became of the stroke that was under the brush when an earlier run was cut off: whether it is painted."""
 
 
 def run(
     painting: Annotated[Path, typer.Argument(help="The painting.json to paint.")],
-    robot: Annotated[
-        str,
-        typer.Option(metavar="MACHINE", help="sim, sim:real, grbl:/dev/ttyUSB0, axidraw, xarm:IP, franka:IP or ur:IP."),
-    ] = "sim",
+    robot: Annotated[str | None, typer.Option(metavar="MACHINE", show_default="sim", help=f"{WORDS}.")] = None,
     easel: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch; arms need it."),
@@ -50,14 +38,27 @@ def run(
     picture: Annotated[
         Path | None, typer.Option(metavar="PICTURE", help="With --replan: the picture that the painting is of.")
     ] = None,
-    tag: Annotated[float, typer.Option(metavar="MM", help="With --replan: the side of the tags' black squares.")] = 20,
+    view: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="With --replan, without tags: from maulstick calibrate camera --keep."),
+    ] = None,
+    tag: Annotated[
+        float | None,
+        typer.Option(metavar="MM", show_default="20", help="With --replan: the side of the tags' black squares."),
+    ] = None,
+    colours: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="With --replan: from maulstick calibrate colours, of a chart.")
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", metavar="", help="Do everything but move.")] = False,
     from_stroke: Annotated[
         int | None, typer.Option(metavar="N", help="Begin with the Nth stroke; those before count as painted.")
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", metavar="", help="Go on where an earlier run ended.")] = False,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", metavar="", help="Go on where an earlier run ended, with what was asked then."),
+    ] = False,
     unfinished: Annotated[
-        Unfinished | None,
+        str | None,
         typer.Option(metavar="painted|again", help="With --resume: what became of the stroke under the brush."),
     ] = None,
     anew: Annotated[
@@ -69,43 +70,27 @@ def run(
     Every stroke is written into a journal beside the painting, before it and after it, so that --resume goes on after
     Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen.
     """
-    if speed is not None and not 0 < speed <= _MOST_SPEED:
-        raise InputError.of_range("--speed", f"{speed:g}", f"above 0 and at most {_MOST_SPEED} mm/s")
     if resume and (anew or from_stroke is not None):
         raise InputError("--resume knows where to go on; leave out --anew and --from-stroke")
     if unfinished is not None and not resume:
         raise InputError("--unfinished is about the stroke that an earlier run began; it goes with --resume")
-    watching = _watching(robot, replan, camera, picture, tag)
+    if unfinished is not None and unfinished not in UNFINISHED:
+        raise InputError.of_choice("answer to --unfinished", unfinished, UNFINISHED)
+    from maulstick.cli.run.asked import Asked
     from maulstick.cli.run.job import Job, paint
 
-    paint(
-        Job(
-            painting=painting,
-            robot=robot,
-            easel=easel,
-            tray=tray,
-            speed=None if speed is None else speed * 1e-3,
-            watching=watching,
-            dry_run=dry_run,
-            from_stroke=from_stroke,
-            resume=resume,
-            unfinished=None if unfinished is None else unfinished is Unfinished.PAINTED,
-            anew=anew,
-        )
+    asked = Asked(
+        robot=robot,
+        easel=easel,
+        tray=tray,
+        speed=None if speed is None else speed * 1e-3,
+        replan=replan,
+        camera=camera,
+        picture=picture,
+        view=view,
+        tag=None if tag is None else tag * 1e-3,
+        colours=colours,
     )
-
-
-def _watching(robot: str, every: int | None, camera: str | None, picture: Path | None, tag: float) -> "Watching | None":
-    if every is None:
-        if camera is not None or picture is not None:
-            raise InputError("--camera and --picture are for --replan; add it, or leave them out")
-        return None
-    if every < 1:
-        raise InputError.of_range("--replan", every, "at least 1 stroke")
-    if picture is None:
-        raise InputError("--replan goes by the picture that the painting is of; name it with --picture")
-    if camera is None and not robot.startswith("sim"):
-        raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
-    from maulstick.cli.run.eyes import Watching
-
-    return Watching(camera or "sim", every, picture, tag * 1e-3)
+    asked.check()
+    answer = None if unfinished is None else UNFINISHED[unfinished]
+    paint(Job(painting, asked, dry_run, from_stroke, resume, answer, anew))

@@ -1,90 +1,108 @@
 """The camera of a run: it looks at the sheet on the way, and what is left is planned again."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
 
+from maulstick.calibration.camera import read_view
+from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
-from maulstick.canvas import Canvas
+from maulstick.cli.calibrate.camera import canvas_of
+from maulstick.cli.run.operator import Operator
 from maulstick.errors import InputError
 from maulstick.files import atomic_write, file_sum
 from maulstick.painting import Painting
 from maulstick.picture import encode_png, read_picture
-from maulstick.robot.camera import Camera, open_camera
+from maulstick.robot.camera import open_camera
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.tag_frame import TagFrame
 from maulstick.robot.workplace import Workplace
 
 if TYPE_CHECKING:
-    from maulstick.cli.run.simulation import Simulation
+    from maulstick.cli.run.scene import Scene
 
 Image = NDArray[np.float32]
 
 _READ_PX = 4096
-_FINE, _MOST_PX = 5000, 2048  # pixels a metre of a photograph's flat sheet, and on its longer side
 
 
 @dataclass(frozen=True)
 class Watching:
-    """camera: its word.  every: strokes between two photographs.  picture: that the plan was made of.
+    """camera: its word, None for the simulated easel's.  every: strokes between two photographs.
 
-    tag: the side of a tag's black square, metres.
+    picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.
+    tag: the side of a tag's black square, metres.  colours: the file that a chart was learnt into.
     """
 
-    camera: str
+    camera: str | None
     every: int
     picture: Path
+    view: Path | None
     tag: float
+    colours: Path | None
 
     def check(self, plan: Painting) -> None:
-        """Raise InputError where the picture is not the one that was planned."""
+        """Raise InputError where the picture is not the one that was planned, or it cannot be planned again."""
         if plan.made.image_sha256 is None:
             raise InputError("the painting was not planned from a picture, so it cannot be planned again on the way")
         if file_sum(self.picture) != plan.made.image_sha256:
             raise InputError(f"{self.picture} is not the picture {plan.made.image} that was planned; name that one")
+        self._tags(plan)  # refuses a side that no tag has
+        self._chart()
+        from maulstick.loop import check_replannable  # loads torch
 
-    def paint(self, plan: Painting, workplace: Workplace, simulation: "Simulation | None", console: Console) -> None:
+        check_replannable(plan)
+
+    @contextmanager
+    def opened(self, scene: "Scene", journal: Journal) -> Iterator[Eye]:
+        """The camera, as an eye that has seen the bare sheet, in this run or in the one that this goes on with."""
+        plan, tags = scene.plan, self._tags(scene.plan)
+        view = None if self.view is None else read_view(self.view)
+        canvas, kept = canvas_of((plan.canvas.width, plan.canvas.height)), _beside(journal, ".eye.npz")
+        if journal.revision is not None and not kept.exists():
+            raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
+        with (
+            scene.simulation.camera(tags) if scene.simulation is not None else open_camera(self.camera or "") as camera
+        ):
+            if journal.revision is not None:
+                yield Eye.opened_again(camera, canvas, tags, kept, view)
+                return
+            eye = Eye.opened(camera, canvas, tags, plan.canvas.paper, self._chart(), view)
+            eye.write(kept)
+            yield eye
+
+    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator) -> None:
         """Paint what is left of the plan, and plan again on the way."""
-        from maulstick.loop import check_replannable, paint_by_eye, replanned  # loads torch
+        from maulstick.loop import paint_by_eye, replanned
 
         picture = read_picture(self.picture, longest_px=_READ_PX)
         journal, first = workplace.journal, workplace.easel
-        check_replannable(plan, journal.painted)
-        camera = simulation.camera(self._tags(plan)) if simulation is not None else open_camera(self.camera)
-        with camera:
-            eye = self._eye(camera, plan, journal)
 
-            def look() -> tuple[Image, Easel]:
+        def look() -> tuple[Image, Easel]:
+            with operator.beside_a_machine_that_rests():
                 sight = eye.look()
-                for note in sight.notes:
-                    console.print(f"note: {note}", soft_wrap=True)
-                atomic_write(_beside(journal, f".r{journal.revisions}.png"), encode_png(sight.image))
-                return sight.image, sight.easel(first, eye.canvas)
+            for note in sight.notes:
+                operator.say(f"note: {note}")
+            atomic_write(_beside(journal, f".r{journal.revisions}.png"), encode_png(sight.image))
+            return sight.image, sight.easel(first, eye.canvas)
 
-            def again(painting: Painting, photograph: Image) -> Painting:
+        def again(painting: Painting, photograph: Image) -> Painting:
+            with operator.beside_a_machine_that_rests():
                 return replanned(painting, journal.painted, photograph, picture)
 
-            paint_by_eye(plan, workplace, look, again, every=self.every)
+        paint_by_eye(plan, workplace, look, again, every=self.every)
 
     def _tags(self, plan: Painting) -> TagFrame:
         return TagFrame(plan.canvas.width, plan.canvas.height, side=self.tag)
 
-    def _eye(self, camera: Camera, plan: Painting, journal: Journal) -> Eye:
-        """One that has seen the bare sheet, in this run or in the one that this goes on with."""
-        size = plan.canvas.width, plan.canvas.height
-        canvas, kept = Canvas(*size, min(_FINE, _MOST_PX / max(size))), _beside(journal, ".eye.npz")
-        if journal.painted:
-            if not kept.exists():
-                raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on without --replan")
-            return Eye.opened_again(camera, canvas, self._tags(plan), kept)
-        eye = Eye.opened(camera, canvas, self._tags(plan), plan.canvas.paper)
-        eye.write(kept)
-        return eye
+    def _chart(self) -> Colours | None:
+        return None if self.colours is None else read_colours(self.colours)
 
 
 def _beside(journal: Journal, ending: str) -> Path:

@@ -28,7 +28,8 @@ class Operator:
         self._console, self._paints, self._robot = console, painting.paints, robot
         self._strokes = painted
         self._drawn = 0.0  # metres, before the last photograph
-        self._asking, self._keyboard = False, threading.Lock()
+        self._asking = self._resting = False
+        self._keyboard = threading.Lock()
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
@@ -84,17 +85,40 @@ class Operator:
         )
 
     def ask(self, action: Ask) -> None:
-        """Say what is to be done, and wait for Enter."""
+        """Say what is to be done, and wait for Enter; s stops."""
         self._bars.stop()
         self._asking = True
         try:
-            with self._keyboard:
-                self._console.print(f"{action.message}, and press Enter", soft_wrap=True)
-                if not sys.stdin.readline():
-                    raise InputError(f"nobody is there to {action.message}; run it in a terminal")
+            with self.beside_a_machine_that_rests(), self._keyboard:
+                self.say(f"{action.message}, and press Enter")
+                answer = sys.stdin.readline()
+            if not answer:
+                raise InputError(f"nobody is there to {action.message}; run it in a terminal")
+            if answer.strip().lower() == "s":
+                self.stop()
         finally:
             self._asking = False
             self._bars.start()
+
+    def say(self, sentence: str) -> None:
+        """Tell the person."""
+        self._console.print(sentence, soft_wrap=True)
+
+    @contextmanager
+    def beside_a_machine_that_rests(self) -> Iterator[None]:
+        """While it lasts a stop interrupts whatever else is done."""
+        self._resting = True
+        try:
+            if self.stopped:
+                raise KeyboardInterrupt
+            yield
+        finally:
+            self._resting = False
+
+    @property
+    def lifted(self) -> bool:
+        """Whether the pen is, as far as the machine knows."""
+        return self._robot.lifted
 
     def stop(self) -> None:
         """Stop the machine."""
@@ -105,7 +129,7 @@ class Operator:
 
     def _interrupt(self, *_: object) -> None:
         self.stop()
-        if self._asking:
+        if self._resting:
             raise KeyboardInterrupt
 
     def _listen(self, over: threading.Event) -> None:
@@ -124,11 +148,11 @@ class Operator:
 
     def _press(self, keys: list[str]) -> None:
         for key in keys:
-            if key in ("c-c", "s", "q"):
-                self.stop()
-            elif key in (" ", "p"):
+            if key in ("c-c", "s"):
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+            elif key == " ":
                 self.pause.toggle()
-                self._console.print("paused after this stroke; space goes on" if self.pause.held else "going on")
+                self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
 
 
 def _clock(seconds: float) -> str:
@@ -137,12 +161,15 @@ def _clock(seconds: float) -> str:
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
 
 
-def confirm(console: Console, question: str) -> bool:
-    """Whether a person says yes; asked until the answer is one. Raises InputError where nobody answers."""
+def confirm(console: Console, question: str, otherwise: str) -> bool:
+    """Whether a person says yes; asked until the answer is one.
+
+    Raises InputError where nobody answers, which says what to do `otherwise`.
+    """
     while True:
         console.print(f"{question} [y/n]", soft_wrap=True)
         answer = sys.stdin.readline()
         if not answer:
-            raise InputError(f"{question} Nobody answers; add --unfinished painted, or --unfinished again")
+            raise InputError(f"{question} Nobody answers; {otherwise}")
         if answer.strip().lower() in ("y", "yes", "n", "no"):
             return answer.strip().lower().startswith("y")

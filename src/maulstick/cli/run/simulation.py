@@ -39,6 +39,9 @@ class Simulation:
         """
         if word not in _PACES:
             raise InputError(f"there is no machine {word!r}; there are: {WORDS}")
+        if len(painting.brushes) > 1:
+            names = ", ".join(sorted(painting.brushes))
+            raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
         pace, limits = _PACES[word]
         size = painting.canvas.width, painting.canvas.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))

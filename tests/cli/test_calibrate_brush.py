@@ -1,0 +1,204 @@
+import os
+from collections import Counter
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from maulstick.brush import fit as fitting
+from maulstick.brush.fit import Fit
+from maulstick.calibration import collect as collecting
+from maulstick.errors import OutputError
+from maulstick.medium import load_brush
+from maulstick.painting import read_painting
+from maulstick.robot.journal import Journal
+from maulstick.trials import Trials
+from tests.cli.conftest import Ran, run
+from tests.cli.webcam import after, put_webcam, unplug
+from tests.plates.test_brush_fit_plate import a_fit
+
+WORDS = ("--name", "mine", "--strokes", "5", "--size", "100x80mm")
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in which the commands run; own brushes are kept under it, and a fit takes no time."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.chdir(tmp_path)
+
+    def fit_brush(
+        trials: Trials, pixels_per_metre: float, name: str, *, depth: tuple[float, float], **_: object
+    ) -> Fit:
+        assert len(trials) == 5
+        found = a_fit()
+        return replace(found, brush=found.brush.model_copy(update={"name": name, "depth": depth}))
+
+    monkeypatch.setattr(fitting, "fit_brush", fit_brush)
+    put_webcam(monkeypatch)
+    return tmp_path
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> Counter[int]:
+    """How often each stroke was finished."""
+    counted: Counter[int] = Counter()
+    end = Journal.end
+
+    def count(journal: Journal, stroke: int) -> None:
+        counted[stroke] += 1
+        end(journal, stroke)
+
+    monkeypatch.setattr(Journal, "end", count)
+    return counted
+
+
+def calibrate(*words: str) -> Ran:
+    return run("calibrate", "brush", *WORDS, *words)
+
+
+@pytest.mark.parametrize(("words", "numbers"), [((), [0, 1, 2, 3, 4, 5]), (("--photographs", "one"), [0, 5])])
+def test_strokes_are_drawn_and_photographed_and_a_brush_is_fitted_to_them(
+    drawn: Counter[int], words: tuple[str, ...], numbers: list[int]
+) -> None:
+    ran = calibrate(*words)
+    assert ran.code == 0, ran.stderr
+    assert drawn == dict.fromkeys(range(5), 1)
+    assert ran.stdout.splitlines()[-1] == "maulstick paint photo.jpg --brush mine"
+    folder = Path("calibration")
+    assert sorted(path.name for path in folder.glob("sheet-*")) == [f"sheet-{number:04}.png" for number in numbers]
+    sheet, trials = read_painting(folder / "practice.json"), Trials.open(folder / "trials")
+    assert (sheet.canvas.width, sheet.canvas.height) == (0.1, 0.08)
+    assert (trials.medium, trials.depth) == ("marker", load_brush("mine").depth)
+    for trial in trials:
+        assert trial.before is not None
+        assert np.abs(trial.after - trial.before).max() > 0.3, "its stroke is on it"
+        assert trial.before.mean() > 0.9, "and no other"
+
+
+def test_a_brush_that_is_there_is_not_replaced_and_a_finished_folder_is_only_fitted_again(drawn: Counter[int]) -> None:
+    assert calibrate().code == 0
+    ran = calibrate()
+    assert ran.code == 1
+    assert "mine" in ran.mistake
+    assert calibrate("--overwrite").code == 0
+    assert drawn == dict.fromkeys(range(5), 1)
+
+
+@pytest.mark.parametrize("photographs", [1, 2])
+def test_with_the_camera_plugged_in_again_the_same_words_go_on(
+    drawn: Counter[int], monkeypatch: pytest.MonkeyPatch, photographs: int
+) -> None:
+    with monkeypatch.context() as patch:
+        put_webcam(patch, after(photographs, unplug))
+        ran = calibrate()
+        assert ran.code == 3
+        assert ran.stderr.splitlines()[-1] == (
+            "maulstick: the simulated camera sends no picture; plug it in again, and go on"
+        )
+    assert calibrate().code == 0
+    assert drawn == dict.fromkeys(range(5), 1)
+
+
+def test_a_sheet_that_was_moved_on_the_way_is_to_be_put_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        put_webcam(patch, after(2, unplug))
+        assert calibrate().code == 3
+    with monkeypatch.context() as patch:
+        put_webcam(patch, lambda simulation, camera: camera.move_paper(0.008, 0.0))
+        ran = calibrate()
+        assert ran.code == 3
+        assert ran.stderr.splitlines()[-1] == (
+            "maulstick: strokes are learned by their places, and the sheet has moved; put it back, and go on"
+        )
+    assert calibrate().code == 0
+
+
+def test_a_hidden_tag_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    put_webcam(monkeypatch, lambda simulation, camera: camera.cover(1))
+    ran = calibrate()
+    assert ran.code == 0
+    assert "note: tag 1 is hidden; the other three do" in ran.stderr
+
+
+def test_trials_that_were_not_all_written_are_cut_out_again(
+    drawn: Counter[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        append = Trials.append
+
+        def full(trials: Trials, path: NDArray[np.float64], after: NDArray[np.float32]) -> None:
+            if len(trials) == 3:
+                raise OutputError("cannot write: No space left on device")
+            append(trials, path, after)
+
+        patch.setattr(collecting.Trials, "append", full)
+        assert calibrate().code == 1
+    assert not Path("calibration/trials").exists()
+    assert calibrate().code == 0
+    assert drawn == dict.fromkeys(range(5), 1)
+
+
+def test_a_stroke_that_was_under_the_brush_is_asked_about(monkeypatch: pytest.MonkeyPatch, drawn: Counter[int]) -> None:
+    with monkeypatch.context() as patch:
+
+        def full(journal: Journal, stroke: int) -> None:
+            raise OutputError("cannot write: No space left on device")
+
+        patch.setattr(Journal, "end", full)
+        assert calibrate().code == 1
+    with open(os.devnull) as nobody, monkeypatch.context() as patch:
+        patch.setattr("sys.stdin", nobody)
+        ran = calibrate()
+        assert ran.code == 2
+        assert "stroke 0 was under the brush. Is it on the paper?" in ran.stderr
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            import_module("maulstick.cli.calibrate.brush"), "confirm", lambda console, question, otherwise: True
+        )
+        assert calibrate().code == 0
+    assert drawn == dict.fromkeys(range(5), 1)
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("--strokes", "4"), "--strokes is 4; it must be 5 to 1000"),
+        (
+            ("--robot", "grbl:/dev/null"),
+            "a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH",
+        ),
+        (("--camera", "usb:0"), "the simulated easel has a camera of its own; leave out --camera"),
+        (("--robot", "simple"), "there is no machine 'simple'; there are: "),
+        (("--like", "spoon"), "there is no brush 'spoon'"),
+        (("--style", "nobody"), "there is no style 'nobody'"),
+        (("--size", "30x30mm"), "of 5 strokes fit on a sheet of 30 x 30 mm"),
+        (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),
+        (("--name", "marker"), "marker"),
+    ],
+)
+def test_what_cannot_be_calibrated_is_one_sentence(words: tuple[str, ...], text: str) -> None:
+    ran = calibrate(*words)
+    assert ran.code == 2
+    assert text in ran.mistake
+
+
+def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        put_webcam(patch, unplug)
+        assert calibrate().code == 3
+    for words in (("--strokes", "6"), ("--size", "100x90mm"), ("--style", "marks"), ("--like", "round")):
+        ran = calibrate(*words)
+        assert ran.code == 2
+        assert ran.mistake == (
+            "calibration was begun with other words; go on with the same ones, or choose another --out"
+        )
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(here: Path) -> None:
+    (here / "calibration").mkdir()
+    (here / "calibration" / "thesis.tex").touch()
+    ran = calibrate()
+    assert (ran.code, ran.mistake) == (1, "calibration holds something else; choose another --out")

@@ -1,0 +1,177 @@
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maulstick.medium import Brush
+from maulstick.painting import Painting, write_painting
+from maulstick.robot.easel import Easel, write_easel
+from tests.cli.conftest import run
+from tests.nominal import nominal
+from tests.robot.small_paintings import HEIGHT, SIX, line, painting_of
+from tests.robot.test_export import places_of
+from tests.robot.trays import WORDS
+from tests.tolerances import GCODE_METRES, HPGL_METRES
+
+ROUND = SIX.model_copy(
+    update={
+        "brushes": {"round": nominal("round")},
+        "paints": tuple(paint.model_copy(update={"brush": "round"}) for paint in SIX.paints),
+    }
+)
+VARIED = painting_of([line(0, press=(0.1, 0.9))])
+Rows = set[tuple[tuple[float, float], ...]]
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a painting of six strokes, in which the commands run."""
+    monkeypatch.chdir(tmp_path)
+    write_painting(ROUND, tmp_path / "painting.json")
+    return tmp_path
+
+
+def exported(*words: str) -> str:
+    ran = run("export", "painting.json", *words)
+    assert (ran.code, ran.stderr) == (0, "")
+    return Path(ran.stdout.rstrip("\n")).read_text()
+
+
+def rows_of(painting: Painting) -> Rows:
+    """Both ends of each stroke, from left to right, with the sheet's lower left corner at the origin, 0.1 mm."""
+    ends = [np.array(stroke.trajectory)[[0, -1], :2] for stroke in painting.strokes]
+    return {_row((x0, HEIGHT - y0), (x1, HEIGHT - y1)) for (x0, y0), (x1, y1) in ends}
+
+
+def _row(*ends: tuple[float, float]) -> tuple[tuple[float, float], ...]:
+    return tuple(sorted((round(float(x), 4), round(float(y), 4)) for x, y in ends))
+
+
+def test_gcode_draws_the_painting_with_its_lower_left_corner_at_the_origin() -> None:
+    text = exported()
+    assert Path("painting.plot.gcode").read_text() == text
+    places = places_of(text)[1:]
+    strokes = [places[i : i + 7] for i in range(0, len(places), 7)]
+    assert len(strokes) == 6
+    assert {_row(stroke[1, :2], stroke[5, :2]) for stroke in strokes} == rows_of(ROUND)
+    for stroke in strokes:
+        assert stroke[1:6, 2] == pytest.approx([-0.004] * 5, abs=GCODE_METRES)
+        assert stroke[[0, 6], 2] == pytest.approx([0.005] * 2, abs=GCODE_METRES)
+    assert text.count("M0") == 2
+
+
+def test_gcode_for_a_servo_and_for_marlin_needs_no_depth() -> None:
+    write_painting(SIX, Path("painting.json"))
+    assert "M3 S90" in exported("--servo", "30,90")
+    assert "M280 P0 S90" in exported("--servo", "30,90", "--dialect", "marlin", "--overwrite")
+
+
+def test_no_feed_is_faster_than_asked() -> None:
+    feeds = [float(feed) for feed in re.findall(r"F([\d.]+)", exported("--speed", "12.5"))]
+    assert max(feeds) == 60 * 12.5
+
+
+def test_gcode_goes_where_the_easel_says(here: Path) -> None:
+    easel = Easel(corner=(0.2, 0.5, 0.01), right=(1, 0, 0), down=(0, -1, 0), deepest=0.008)
+    write_easel(easel, here / "easel.json")
+    places = places_of(exported("--easel", "easel.json"))[1:]
+    assert places[:, :2].min(axis=0) == pytest.approx([0.21, 0.47], abs=GCODE_METRES)
+    assert places[:, 2].min() == pytest.approx(0.006, abs=GCODE_METRES)
+
+
+def test_gcode_visits_the_tray_beside_the_sheet() -> None:
+    Path("tray.json").write_text(json.dumps(WORDS))
+    places = places_of(exported("--tray", "tray.json"))
+    assert places[1:, 0].max() > 0.12
+
+
+def test_hpgl_is_in_units_of_a_fortieth_of_a_millimetre_with_a_pen_a_paint() -> None:
+    write_painting(SIX, Path("painting.json"))
+    text = exported("--format", "hpgl")
+    rows = re.findall(r"PU(-?\d+,-?\d+);PD([-\d,]+);", text)
+    units = [np.array(f"{start},{rest}".split(","), dtype=float).reshape(-1, 2) for start, rest in rows]
+    found = {_row(path[0] * 0.025e-3, path[-1] * 0.025e-3) for path in units}
+    assert np.abs(np.array(sorted(found)) - sorted(rows_of(SIX))).max() < HPGL_METRES
+    assert re.findall(r"SP(\d)", text) == ["1", "2", "0"]
+
+
+def test_svg_is_read_by_vpype_in_its_place() -> None:
+    import vpype
+
+    exported("--format", "svg")
+    document = vpype.read_multilayer_svg("painting.plot.svg", quantization=0.1)
+    metre = 96 / 0.0254
+    lines = [each / metre for layer in document.layers.values() for each in layer]
+    found = {_row((each[0].real, HEIGHT - each[0].imag), (each[-1].real, HEIGHT - each[-1].imag)) for each in lines}
+    assert found == rows_of(ROUND)
+    assert len(document.layers) == 2
+
+
+def test_json_is_a_motion_a_line() -> None:
+    entries = [json.loads(row) for row in exported("--format", "json").splitlines()]
+    draws = [entry for entry in entries if entry["do"] == "draw"]
+    assert {_row(entry["path"][0][:2], entry["path"][-1][:2]) for entry in draws} == rows_of(ROUND)
+    assert {entry["stroke"] for entry in draws} == set(range(10, 16))
+
+
+def test_a_pen_that_only_lifts_is_told_how_to_plan_for_it() -> None:
+    write_painting(VARIED, Path("painting.json"))
+    for words in (("--format", "hpgl"), ("--servo", "30,90")):
+        assert run("export", "painting.json", *words).mistake == (
+            "stroke 0 varies its press by 0.80, and this machine only lifts its pen; "
+            "plan it again with maulstick paint --press 0.5"
+        )
+
+
+def test_without_any_depth_gcode_by_height_is_refused() -> None:
+    write_painting(SIX, Path("painting.json"))
+    ran = run("export", "painting.json")
+    assert ran.code == 2
+    assert "neither the brush marker nor the easel says how deep it may be pressed" in ran.mistake
+
+
+def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
+    Path("there.gcode").write_text("mine")
+    ran = run("export", "painting.json", "--out", "there.gcode")
+    assert (ran.code, ran.mistake) == (
+        1, "there.gcode is already there; choose another --out, or add --overwrite",
+    )  # fmt: skip
+    assert Path("there.gcode").read_text() == "mine"
+    assert exported("--out", "there.gcode", "--overwrite").startswith("G21")
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("--speed", "0"), "--speed is 0; it must be from 0.1 to 10000 mm/s"),
+        (("--speed", "nan"), "--speed is nan; it must be from 0.1 to 10000 mm/s"),
+        (("--servo", "up"), "--servo is 'up'; it must be two numbers, for up and down, as in 30,90"),
+        (("--servo", "nan,90"), "--servo is 'nan,90'; it must be two numbers, for up and down, as in 30,90"),
+        (("--servo", "30,90", "--format", "hpgl"), "--servo and --dialect are for G-code; leave them out"),
+        (("--tray", "t", "--format", "svg"), "SVG is of the sheet alone; leave out --easel, --tray and --speed"),
+        (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),
+        (("--tray", "none.json"), "there is no tray none.json; check its name and folder"),
+    ],
+)
+def test_what_cannot_be_exported_is_one_sentence(words: tuple[str, ...], text: str) -> None:
+    ran = run("export", "painting.json", *words)
+    assert (ran.code, ran.mistake) == (2, text)
+    assert sorted(path.name for path in Path().iterdir()) == ["painting.json"]
+
+
+def test_a_painting_that_is_not_there_and_a_format_that_is_none_are_refused() -> None:
+    assert run("export", "none.json").mistake == "there is no painting none.json; check its name and folder"
+    ran = run("export", "painting.json", "--format", "dxf")
+    assert ran.code == 2
+    assert "'dxf'" in ran.stderr
+
+
+def test_a_tray_has_no_place_in_hpgl() -> None:
+    brush = nominal("round")
+    lifted = Brush.model_validate({**brush.model_dump(), "alpha": 0.0, "depth": (0.0, 0.0)})
+    write_painting(ROUND.model_copy(update={"brushes": {"round": lifted}}), Path("painting.json"))
+    Path("tray.json").write_text(json.dumps(WORDS))
+    ran = run("export", "painting.json", "--format", "hpgl", "--tray", "tray.json")
+    assert ran.mistake == "HPGL knows pens and no wells; leave out the tray, or export gcode"

@@ -1,0 +1,79 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maulstick.painting import write_painting
+from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.routine import Ask, Draw, Hand
+from maulstick.robot.workplace import Workplace
+from tests.robot.recorder import EASEL, Recorder
+from tests.robot.small_paintings import SIX
+from tests.robot.trays import TRAY
+from tests.tolerances import FLOAT64_METRES_NEAR
+
+IDS = list(range(10, 16))
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Workplace:
+    """With a journal that says that stroke 11 is painted; its machine is not entered yet."""
+    write_painting(SIX, tmp_path / "painting.json")
+    with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
+        journal.revise(tmp_path / "painting.json", painted=[11])
+    journal.painted.add(11)
+    return Workplace(Recorder(), EASEL, journal, lambda ask: None)
+
+
+def test_what_is_left_are_the_strokes_that_the_journal_does_not_know(place: Workplace) -> None:
+    actions = place.left_of(SIX)
+    assert [action.stroke for action in actions if isinstance(action, Draw)] == [10, 12, 13, 14, 15]
+    assert [action.paint for action in actions if isinstance(action, Ask)] == [0, 1]
+    assert [action.paint for action in place.left_of(SIX, Hand(0)) if isinstance(action, Ask)] == [1]
+
+
+def test_what_is_left_is_ordered_from_where_the_tip_is_and_what_is_painted_stays_first(place: Workplace) -> None:
+    with place.robot:
+        place.robot.move(np.array([0.01, -0.02, 0.01]))
+        ordered = place.in_order(SIX)
+    ids = [stroke.id for stroke in ordered.strokes]
+    assert ids[0] == 11
+    assert sorted(ids) == IDS
+    assert ids[1] == 12, "the red stroke that is nearest"
+
+
+def test_with_all_painted_there_is_nothing_to_order_and_nothing_to_do(place: Workplace) -> None:
+    place.journal.painted.update(IDS)
+    with place.robot:
+        assert place.in_order(SIX) == SIX
+        assert place.do(place.left_of(SIX), Hand(1, 0.02)) == Hand(1, 0.02)
+
+
+def test_the_tip_steps_aside_lifted_and_never_lower_than_it_is(place: Workplace) -> None:
+    with place.robot:
+        place.robot.move(np.array([0.02, -0.02, 0.01]))
+        place.step_aside(np.array([0.1, 0.05, 0.06]))
+        assert place.robot.place == pytest.approx([0.1, 0.05, 0.06])
+        place.step_aside(np.array([0.0, 0.0, 0.02]))
+        assert place.robot.place == pytest.approx([0.0, 0.0, 0.06])
+        place.step_aside(np.array([9.0, 0.0, 0.0]))
+        assert place.robot.place[0] == place.robot.limits.upper[0]
+
+
+def test_when_the_sheet_is_moved_the_tray_stands_where_it_stood(place: Workplace) -> None:
+    with_tray = Workplace(place.robot, EASEL, place.journal, place.ask, tray=TRAY)
+    moved = with_tray.moved_to(EASEL.shifted(0.008, -0.002, 0.05))
+    assert moved.easel != EASEL
+    assert moved.tray is not None
+    for before, after in (
+        *zip(TRAY.paints.values(), moved.tray.paints.values(), strict=True),
+        (TRAY.water, moved.tray.water),
+        (TRAY.cloth, moved.tray.cloth),
+    ):
+        assert after.x != pytest.approx(before.x, abs=1e-3)
+        there = moved.easel.canvas_to_machine(np.array([after.x, after.y, after.height]))
+        assert there == pytest.approx(
+            EASEL.canvas_to_machine(np.array([before.x, before.y, before.height])), abs=FLOAT64_METRES_NEAR
+        )
+        assert (after.radius, after.turns) == (before.radius, before.turns)
+    assert place.moved_to(moved.easel).tray is None
