@@ -151,3 +151,9 @@ def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
     assert words == ["grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB1"]
     asked = [json.loads(line)["words"] for line in journal_of(painting).read_text().splitlines() if "words" in line]
     assert asked[0] == {"robot": "grbl:/dev/ttyUSB0", "speed": 0.04}
+
+
+def test_what_was_begun_in_the_simulator_does_not_go_on_elsewhere(painting: Path) -> None:
+    assert run("run", painting).code == 0
+    ran = run("run", painting, "--resume", "--robot", "grbl:/dev/ttyUSB0")
+    assert (ran.code, "this painting was begun on sim" in ran.mistake) == (2, True)

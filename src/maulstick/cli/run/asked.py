@@ -57,7 +57,7 @@ class Asked(BaseModel):
     @property
     def words(self) -> dict[str, JsonValue]:
         """For the journal."""
-        said = self.model_dump(exclude_none=True)
+        said = {**self.model_dump(exclude_none=True), "robot": self.machine}
         return {name: str(word.absolute()) if isinstance(word, Path) else word for name, word in said.items()}
 
     @property
