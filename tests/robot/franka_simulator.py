@@ -1,7 +1,8 @@
 """A simulated Franka: franky-sim, which speaks libfranka's protocol, in a process of its own.
 
-While it is driven, it takes a step as soon as the driver has answered the last one, so a busy computer makes it slow,
-and nothing else: its milliseconds are those of an arm whose driver is never late.
+While it is driven, it takes a step once the driver has answered the last one, so a busy computer makes it slow, and
+nothing else: its milliseconds are those of an arm whose driver is never late. They are no shorter than those of clocks
+on the wall.
 """
 
 import json
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from types import TracebackType
 from typing import Self
 
@@ -71,8 +73,10 @@ def _serve() -> None:
         with SimulationServer(simulator) as server:
 
             def run() -> None:
-                answering = False
+                answering, stepped = False, time.monotonic()
                 while not over.is_set():
+                    time.sleep(max(stepped + SECONDS_A_STEP - time.monotonic(), 0.0))
+                    stepped = time.monotonic()
                     server.run_once(realtime=not answering)
                     if arm.server.current_motion_id:
                         patience = _UNANSWERED if answering else 0.0  # a driver takes some steps to begin

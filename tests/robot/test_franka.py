@@ -2,7 +2,8 @@
 
 import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -67,33 +68,42 @@ def test_a_stroke_follows_its_path(simulator: FrankaSimulator) -> None:
     assert np.linalg.norm(rose[-1] - lifted) < tolerances.ARM_SETTLED
 
 
+def on_the_way(simulator: FrankaSimulator, act: Callable[[], None]) -> list[Floats]:
+    """Act, in a thread, when the tip is a third of the way from START to END; where it went until then, step by step.
+
+    By the simulator's clock: it runs as fast as the computer lets it, and not as clocks on the wall.
+    """
+    went = [simulator.path()]
+
+    def watch() -> None:
+        while len(went[-1]) == 0 or went[-1][-1, 1] > START[1] + (END - START)[1] / 3:
+            time.sleep(0.005)
+            went.append(simulator.path())
+        act()
+
+    threading.Thread(target=watch, daemon=True).start()
+    return went
+
+
 def test_stop_from_another_thread_ends_a_stroke_within_a_fifth_of_a_second_and_lifts(
     simulator: FrankaSimulator,
 ) -> None:
-    until: list[Floats] = []
     with Franka(simulator.address) as robot:
         robot.move(ABOVE)
-
-        def stop() -> None:
-            until.append(simulator.path())
-            robot.stop()
-
-        other = threading.Timer(0.7, stop)
-        other.start()
+        went = on_the_way(simulator, robot.stop)
         with pytest.raises(StoppedError):
             robot.stroke(np.stack([START, END]), np.full(2, 0.1))
         since = simulator.path()
-    moving = np.abs(np.diff(since[:, 1])) > 0.1 * np.abs(np.diff(until[0][:, 1])).max()
+    moving = np.abs(np.diff(since[:, 1])) > 0.1 * np.abs(np.diff(np.concatenate(went)[:, 1])).max()
     assert np.flatnonzero(moving)[-1] * SECONDS_A_STEP < AT_ONCE
-    assert 0.005 < START[1] - since[-1, 1] < 0.095, "it was stopped in the middle"
+    assert 0.03 < START[1] - since[-1, 1] < 0.095, "it was stopped in the middle"
     assert since[-1, 2] - START[2] > 5e-3, "it is lifted"
 
 
 def test_it_lifts_after_an_error_of_the_arm_names_it_and_can_be_entered_again(simulator: FrankaSimulator) -> None:
     with Franka(simulator.address) as robot:
         robot.move(ABOVE)
-        other = threading.Timer(0.5, lambda: robot._arm.stop())  # as when somebody stops it in Desk
-        other.start()
+        on_the_way(simulator, lambda: robot._arm.stop())  # as when somebody stops it in Desk
         with pytest.raises(MachineError, match="the Franka stopped: Move command preempted"):
             robot.stroke(np.stack([START, END]), np.full(2, 0.05))
         assert robot._where()[2] > START[2] + 5e-3
