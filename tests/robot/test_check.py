@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from maulstick.arrays import Floats
+from maulstick.canvas import Canvas
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.check import check_robot
+from maulstick.robot.sheets import StampedSheet
+from maulstick.robot.simulator import ARM, SimulatedEasel
 from tests.robot.obedient_robot import EASEL, LIMITS, Obedient
 
 MIDDLE = (0.05, 0.05)
@@ -139,6 +142,13 @@ def test_a_trial_that_does_not_fit_the_limits_is_refused_before_the_machine_is_e
         check_robot(robot, EASEL, (LIMITS.upper[0], 0.05))
     with pytest.raises(InputError, match="not connected"):
         _ = robot.place
+
+
+def test_a_machine_with_a_usual_place_needs_no_more_than_itself() -> None:
+    sheet = StampedSheet(Canvas(0.1, 0.1, 1000), (1e-3, 2e-3), 2e-3)
+    assert [check.name for check in check_robot(SimulatedEasel(sheet, limits=ARM, pace=1)) if not check.passed] == []
+    with pytest.raises(InputError, match="it stands nowhere"):
+        check_robot(Obedient())
 
 
 def test_an_interrupted_trial_leaves_the_machine() -> None:

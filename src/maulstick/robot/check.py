@@ -16,6 +16,7 @@ from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.timing import Profile
 
+_SHEET = 0.1  # metres: its sides
 _HALF = 0.01  # metres: of the square's side
 _RESOLUTION = 1e-4  # metres, that steps or decimals may round
 _BEYOND = 0.01  # metres outside the workspace
@@ -35,14 +36,17 @@ class Check:
     finding: str
 
 
-def check_robot(robot: Robot, easel: Easel, middle: tuple[float, float]) -> tuple[Check, ...]:
+def check_robot(
+    robot: Robot, easel: Easel | None = None, middle: tuple[float, float] = (_SHEET / 2, _SHEET / 2)
+) -> tuple[Check, ...]:
     """Move a machine, not yet entered, 10 mm about a place x, y of the sheet, metres, and say what it did.
 
     Its strokes end halfway between the paper and the height of travel: arms draw in the air, and a machine that only
-    lifts its pen draws a short line, three times. Raises InputError where that does not fit its limits; whatever fails
-    afterwards is a finding.
+    lifts its pen draws a short line, three times.
+    easel: where the sheet lies; left out, where one of 100 x 100 mm usually does, which an arm cannot know.
+    Raises InputError where that does not fit its limits; whatever fails afterwards is a finding.
     """
-    trial = _Trial(robot, easel, middle)
+    trial = _Trial(robot, easel or robot.easel(_SHEET, _SHEET), middle)
     entered = _checked("it can be entered", trial.enters)
     if not entered.passed:
         return (entered,)
