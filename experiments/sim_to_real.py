@@ -57,6 +57,9 @@ from maulstick.style import load_style
 
 Image = NDArray[np.float32]
 
+ROOM = 0.3
+"""Metres: what a sheet of strokes to learn from needs at least."""
+
 INK, FLAT = 8000.0, 5000.0
 """Pixels a metre of the simulated sheet, finer than any photograph, and of photographs that are made flat."""
 
@@ -96,7 +99,7 @@ class Trial:
 
 
 WHOLE = Trial(0.16, 320, 400, 800, 60, 100)
-QUICK = Trial(0.10, 160, 120, 300, 24, 40)
+QUICK = Trial(0.10, 160, 120, 300, 40, 40)
 
 
 def main() -> None:
@@ -197,7 +200,7 @@ class Study:
     def calibrated(self, nominal: Brush) -> Brush:
         """The brush, from one sheet of strokes and a photograph before and after."""
         style = load_style("loops", self.canvas)
-        side = 2 * self.trial.side
+        side = max(2 * self.trial.side, ROOM)
         sheet = practice(style, nominal, Sheet(width=side, height=side), self.trial.practice)
         easel = Easel(self, 2, side)
         with easel.at_work(sheet) as workplace, TemporaryDirectory() as folder:
