@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from skimage.color import deltaE_ciede94, deltaE_ciede2000, rgb2lab
 
 from maulstick.errors import InputError
+from maulstick.light import colours_of, light_of
 from maulstick.paints import NamedPaint
 
 Floats = NDArray[np.float64]
@@ -64,11 +65,11 @@ def mixed_colours(colours: Floats, parts: NDArray[np.int64]) -> Floats:
 
     Kubelka and Munk (1931): a paint of reflectance R has K/S = (1 - R)² / 2R, which mixes in proportion to the parts.
     """
-    reflectance = _VEIL + (1 - _VEIL) * _linear(colours)
+    reflectance = _VEIL + (1 - _VEIL) * light_of(colours)
     absorption = (1 - reflectance) ** 2 / (2 * reflectance)
     mixed = parts @ absorption / parts.sum(axis=-1, keepdims=True)
     reflected = 1 / (1 + mixed + np.sqrt(mixed * (mixed + 2)))
-    return _companded(((reflected - _VEIL) / (1 - _VEIL)).clip(0, 1))
+    return colours_of((reflected - _VEIL) / (1 - _VEIL))
 
 
 def mixing_advice(wanted: Floats, base: Sequence[NamedPaint]) -> tuple[Recipe, ...]:
@@ -141,12 +142,3 @@ def _verdict(error: float) -> str:
 def _effort(mixes: _Mixes, index: int) -> tuple[int, int]:
     """Its paints and its parts."""
     return mixes.parts.shape[1], int(mixes.parts[index % len(mixes.parts)].sum())
-
-
-def _linear(srgb: Floats) -> Floats:
-    """IEC 61966-2-1."""
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-
-
-def _companded(linear: Floats) -> Floats:
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

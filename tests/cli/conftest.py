@@ -69,12 +69,13 @@ def run_command(*words: str | Path, stdout: int = subprocess.PIPE, **environment
 
 
 class Running:
-    """``maulstick`` in a terminal, by these words or as that `command`."""
+    """``maulstick`` in a terminal, by these words or as that `command`; keys: whether it hears what is typed there."""
 
-    def __init__(self, *words: str | Path, command: Sequence[str | Path] = (COMMAND,)) -> None:
+    def __init__(self, *words: str | Path, command: Sequence[str | Path] = (COMMAND,), keys: bool = False) -> None:
         self._terminal, theirs = os.openpty()
         self._process = subprocess.Popen(
             [*command, *words],
+            stdin=theirs if keys else None,
             stdout=subprocess.DEVNULL,
             stderr=theirs,
             env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "COLUMNS": "100"},
@@ -83,10 +84,14 @@ class Running:
         os.close(theirs)
         self.said = ""
 
-    def interrupt_after(self, text: str) -> None:
-        """Press Ctrl-C once it has said so; a terminal tells all its processes."""
+    def wait_for(self, text: str) -> None:
+        """Return once it has said so."""
         while not re.search(text, self.said):
             assert self.listen(), self.said
+
+    def interrupt_after(self, text: str) -> None:
+        """Press Ctrl-C once it has said so; a terminal tells all its processes."""
+        self.wait_for(text)
         os.killpg(self._process.pid, signal.SIGINT)
 
     def kill(self) -> None:

@@ -29,8 +29,8 @@ class Obedient(Robot):
     def easel(self, width: float, height: float) -> Easel:
         raise InputError("it stands nowhere")
 
-    def _ask_limits(self) -> Limits:
-        return self.limits
+    def _connect(self) -> None:
+        pass
 
     def _open(self) -> Floats:
         return self.at

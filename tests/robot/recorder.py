@@ -31,8 +31,8 @@ class Recorder(Robot):
     def easel(self, width: float, height: float) -> Easel:
         return EASEL
 
-    def _ask_limits(self) -> Limits:
-        return self.limits
+    def _connect(self) -> None:
+        pass
 
     def _open(self) -> Floats:
         self.down = False

@@ -12,8 +12,8 @@ from scipy.optimize import least_squares
 from maulstick.calibration.tags import found_tags
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
+from maulstick.light import Image
 from maulstick.records import read_record, write_record
-from maulstick.robot.light import Image
 from maulstick.robot.opencv import opencv
 from maulstick.robot.tag_frame import TAGS, TagFrame
 

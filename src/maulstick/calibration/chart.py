@@ -9,7 +9,7 @@ from skimage.color import deltaE_ciede2000, rgb2lab
 from maulstick.calibration.colour import Colours, Whites
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.robot.light import Image, colours_of, light_of
+from maulstick.light import Image, colours_of, light_of
 from maulstick.robot.opencv import opencv
 
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from maulstick.calibration.camera import View
 from maulstick.calibration.tags import sampled
 from maulstick.errors import InputError
+from maulstick.light import Image, colours_of, light_of
 from maulstick.records import read_record, write_record
-from maulstick.robot.light import Image, colours_of, light_of
 from maulstick.robot.tag_frame import TagFrame
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from maulstick.calibration.camera import margin_px
 from maulstick.calibration.tags import sampled
 from maulstick.canvas import Canvas
-from maulstick.robot.light import Image
+from maulstick.light import Image
 from maulstick.robot.opencv import opencv
 
 Floats = NDArray[np.float64]

@@ -13,10 +13,10 @@ from maulstick.calibration.colour import Colours, lamp_of, whites_of
 from maulstick.calibration.drift import MARGIN, Shift, sheet_place, shift_between
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError, MachineError
+from maulstick.light import Image
 from maulstick.medium import first_fault
 from maulstick.robot.camera import Camera
 from maulstick.robot.easel import Easel
-from maulstick.robot.light import Image
 from maulstick.robot.tag_frame import TagFrame
 
 KIND: Final = "eye"

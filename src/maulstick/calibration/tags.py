@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.robot.light import Image, light_of
+from maulstick.light import Image, light_of
 from maulstick.robot.opencv import opencv
 from maulstick.robot.tag_frame import MODULES, TAGS
 

@@ -36,10 +36,6 @@ class Arm(Robot):
         raise InputError("an arm must be told where the sheet lies; run: maulstick calibrate touch --robot ...")
 
     @abstractmethod
-    def _connect(self) -> None:
-        """Connect and be ready to move, without moving."""
-
-    @abstractmethod
     def _disconnect(self) -> None:
         """Stand still, and disconnect whatever `_connect` has connected, all of it or nothing."""
 
@@ -59,17 +55,7 @@ class Arm(Robot):
         """Stand still, clear what errors may be cleared without a person, and be ready to move."""
 
     @final
-    def _ask_limits(self) -> Limits:
-        try:
-            self._connect()
-            self._where()
-        finally:
-            self._close()
-        return self.limits
-
-    @final
     def _open(self) -> Floats:
-        self._connect()
         self._rise()
         return self._where()
 

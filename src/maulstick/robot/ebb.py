@@ -66,20 +66,12 @@ class AxiDraw(Robot):
         self.limits.check_path(np.array([(0, 0, 0), (width, -height, 0)]))
         return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
-    def _ask_limits(self) -> Limits:
-        try:
-            self._connect()
-        finally:
-            self._close()
-        return self.limits
-
     def _connect(self) -> None:
         self._line = open_board_line(self._port)
         self._board = EbbBoard(self._line, self._patience, self._stopping)
         self._board.greet()
 
     def _open(self) -> Floats:
-        self._connect()
         if self._board.position() == (0, 0):  # a board that has counted steps still holds its motors, and its place
             self._board.enable()
         self._board.set_pen(self._pen.up, self._pen.down)

@@ -53,15 +53,7 @@ class Grbl(Robot):
         """As `Robot.easel`: flat, its lower left corner at the work's origin."""
         return Easel(corner=(0, height, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
-    def _ask_limits(self) -> Limits:
-        try:
-            self._connect()
-        finally:
-            self._close()
-        return self.limits
-
     def _open(self) -> Floats:
-        self._connect()
         self._gcode = Gcode("grbl", self.limits, self._pen)
         return self._lift_from_where_it_is(self._stream, _CLEAR)
 

@@ -48,6 +48,7 @@ class Robot(ABC):
         self._stopping.clear()
         self._out_of_use = False
         try:
+            self._connect()
             self._place, self._down = self._open(), False
         except BaseException:
             self._close()
@@ -65,7 +66,10 @@ class Robot(ABC):
     @final
     def ask_limits(self) -> None:
         """See that `limits` are the machine's own even before it is entered; nothing moves."""
-        self.limits = self._ask_limits()
+        try:
+            self._connect()
+        finally:
+            self._close()
 
     @property
     @final
@@ -133,16 +137,16 @@ class Robot(ABC):
         """
 
     @abstractmethod
-    def _ask_limits(self) -> Limits:
-        """What it can do, which the machine may have to be asked for without moving it."""
+    def _connect(self) -> None:
+        """Connect without moving, and see that `limits` are the machine's own."""
 
     @abstractmethod
     def _open(self) -> Floats:
-        """Connect, and lift the pen without moving it sideways; where the tip is, (3,)."""
+        """Once it is connected, lift the pen without moving it sideways; where the tip is, (3,)."""
 
     @abstractmethod
     def _close(self) -> None:
-        """Disconnect; called after every `_open`, even if it failed."""
+        """Disconnect; called after every `_connect`, even if that or `_open` failed."""
 
     @abstractmethod
     def _move(self, place: Floats) -> Floats:

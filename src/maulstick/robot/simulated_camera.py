@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
+from maulstick.light import colours_of, light_of
 from maulstick.robot.camera import Camera, CameraError
-from maulstick.robot.light import colours_of, light_of
 from maulstick.robot.opencv import opencv
 from maulstick.robot.tag_frame import TAGS, TagFrame
 

@@ -82,8 +82,8 @@ class SimulatedEasel(Robot):
         """Leave the ink of a stroke along a path (n, 3) that an earlier run drew; nothing moves."""
         self._ink(path, self._offset)
 
-    def _ask_limits(self) -> Limits:
-        return self.limits
+    def _connect(self) -> None:
+        pass
 
     def _open(self) -> Floats:
         if self._at[2] < _REST[2]:

@@ -21,7 +21,7 @@ def test_a_dry_run_says_how_long_it_takes_and_neither_moves_nor_writes(painting:
         ran = run("run", painting, "--dry-run", "--robot", machine)
         assert (ran.code, ran.stdout) == (0, "")
         assert ran.stderr.strip() == MESSAGE
-    assert not recorder.said
+    assert recorder.said == ["close"], "it was asked for its limits, and no more"
     assert contents(painting.parent) == before
 
 

@@ -2,9 +2,7 @@
 
 import json
 import os
-import re
 import signal
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,7 +10,7 @@ import pytest
 
 from maulstick.painting import write_painting
 from maulstick.robot.journal import Journal, journal_of
-from tests.cli.conftest import COMMAND, run
+from tests.cli.conftest import Running, run
 from tests.robot.small_paintings import line, painting_of
 
 SLOW = ("--robot", "sim:real", "--speed", "20")
@@ -20,26 +18,11 @@ LONG = painting_of([line(i, (0.005, 0.005 * i), (0.035, 0.005 * i)) for i in ran
 """Three strokes of 30 mm, 1.5 s each at 20 mm/s."""
 
 
-class Terminal:
+class Terminal(Running):
     """``maulstick run`` in a terminal of its own, whose keys are pressed here."""
 
     def __init__(self, *words: str | Path) -> None:
-        self._terminal, theirs = os.openpty()
-        self._process = subprocess.Popen(
-            [COMMAND, "run", *words],
-            stdin=theirs,
-            stdout=subprocess.DEVNULL,
-            stderr=theirs,
-            env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "COLUMNS": "100"},
-            start_new_session=True,
-        )
-        os.close(theirs)
-        self.said = ""
-
-    def wait_for(self, text: str) -> None:
-        """Return once it has said so."""
-        while not re.search(text, self.said):
-            assert self.listen(), self.said
+        super().__init__("run", *words, keys=True)
 
     def press(self, keys: str) -> None:
         os.write(self._terminal, keys.encode())
@@ -48,25 +31,10 @@ class Terminal:
         """A signal, to the process and to no other."""
         self._process.send_signal(number)
 
-    def leave(self) -> int:
-        """The exit code, at the end."""
-        while self.listen():
-            pass
-        return self._process.wait(60)
-
     def close(self) -> None:
         if self._process.poll() is None:
             self._process.kill()
-            self._process.wait()
-        os.close(self._terminal)
-
-    def listen(self) -> bool:
-        try:
-            heard = os.read(self._terminal, 4096)
-        except OSError:  # the other end is closed
-            return False
-        self.said += heard.decode(errors="replace")
-        return bool(heard)
+            self.leave()
 
 
 Begun = Callable[..., Terminal]
