@@ -5,10 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from typer import Exit
 
 from maulstick.canvas import Canvas, parse_size
-from maulstick.cli import STOPPED
 from maulstick.cli.brush.fit import fit as fit_trials
 from maulstick.cli.calibrate.camera import canvas_of
 from maulstick.cli.folder import all_or_nothing
@@ -21,20 +19,15 @@ from maulstick.painting import Painting, Sheet, read_painting, write_painting
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.machines import WORDS, machine
-from maulstick.robot.robot import StoppedError
 from maulstick.robot.workplace import Workplace
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from maulstick.robot.camera import Camera
     from maulstick.robot.easel import Easel
-    from maulstick.robot.tag_frame import TagFrame
 
 _FEWEST, _MOST = 5, 1000
-
-
 _PHOTOGRAPHS = ("each", "one")
 
 
@@ -83,19 +76,23 @@ def brush(
         raise InputError.of_range("--strokes", strokes, f"{_FEWEST} to {_MOST}")
     if photographs not in _PHOTOGRAPHS:
         raise InputError.of_choice("way to photograph", photographs, _PHOTOGRAPHS)
-    Asked(speed=None if speed is None else speed * 1e-3).check()
+    asked = Asked(
+        robot=robot,
+        easel=easel,
+        speed=None if speed is None else speed * 1e-3,
+        camera=camera,
+        view=view,
+        tag=tag * 1e-3,
+    )
+    asked.check()
     if robot.startswith("sim"):
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
     elif camera is None:
         raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
-    console = Console(stderr=True, markup=False, highlight=False)
     sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
-    from maulstick.robot.tag_frame import TagFrame
-
-    tags = TagFrame(sheet.canvas.width, sheet.canvas.height, side=tag * 1e-3)
-    _collect(sheet, out, robot, camera, place, tags, view, photographs == "each", speed, console)
+    _collect(sheet, out, asked, place, each=photographs == "each")
     fit_trials(out / "trials", name, None, overwrite)
 
 
@@ -127,42 +124,35 @@ def _sheet(
     return sheet
 
 
-def _collect(
-    sheet: Painting,
-    out: Path,
-    word: str,
-    camera: str | None,
-    place: "Easel | None",
-    tags: "TagFrame",
-    view: Path | None,
-    each: bool,
-    speed: float | None,
-    console: Console,
-) -> None:
+def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *, each: bool) -> None:
     """Draw what is left, take the photographs, and cut the trials out of them."""
     from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
     from maulstick.calibration.eye import Eye
     from maulstick.loop import room_of
     from maulstick.robot.camera import open_camera
+    from maulstick.robot.tag_frame import TagFrame
+
+    console = Console(stderr=True, markup=False, highlight=False)
 
     def look() -> "NDArray[np.float32]":
         with operator.beside_a_machine_that_rests():
             sight = eye.look()
         for note in sight.notes:
-            console.print(f"note: {note}", soft_wrap=True)
+            operator.say(f"note: {note}")
         if sight.shift is not None:
             raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
         return sight.image
 
+    tags = TagFrame(sheet.canvas.width, sheet.canvas.height, side=asked.tag_side)
     if (out / "trials").exists():
         return
-    fixed = None if view is None else read_view(view)
+    view = None if asked.view is None else read_view(asked.view)
     path, (brush,) = out / "practice.json", sheet.brushes.values()
-    simulation = Simulation.of(word, sheet, place, None) if word.startswith("sim") else None
-    robot = machine(word, place) if simulation is None else simulation.robot
+    simulation = Simulation.of(asked.machine, sheet, place, None) if asked.simulated else None
+    robot = machine(asked.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.canvas.width, sheet.canvas.height)
-    seeing: Camera = simulation.camera(tags) if simulation is not None else open_camera(camera or "")
+    seeing = open_camera(asked.camera or "") if simulation is None else simulation.camera(tags)
     with Journal.open(journal_of(path)) as journal, robot, seeing:
         if journal.revision is None:
             journal.revise(path)
@@ -173,23 +163,15 @@ def _collect(
             simulation.paint_again(easel, journal.painted)
         canvas, kept = canvas_of((sheet.canvas.width, sheet.canvas.height)), out / "practice.eye.npz"
         if kept.exists():
-            eye = Eye.opened_again(seeing, canvas, tags, kept, fixed)
+            eye = Eye.opened_again(seeing, canvas, tags, kept, view)
         else:
-            eye = Eye.opened(seeing, canvas, tags, view=fixed)
+            eye = Eye.opened(seeing, canvas, tags, view=view)
             eye.write(kept)
         operator = Operator(console, sheet, robot, len(journal.painted))
         ask = operator.ask if simulation is None else simulation.ask
-        metres = None if speed is None else speed * 1e-3
-        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=metres)
-        try:
-            with operator.on_duty():
-                taken = collect(sheet, workplace, look, out, each=each)
-        except (MachineError, KeyboardInterrupt) as error:
-            pen = "with the pen lifted" if robot.lifted else "and the pen may still be down: lift it by hand"
-            console.print(f"stopped, {pen}; the same words go on", soft_wrap=True)
-            if isinstance(error, StoppedError | KeyboardInterrupt) and operator.stopped:
-                raise Exit(STOPPED) from None
-            raise
+        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=asked.speed)
+        with operator.on_duty("the same words go on"):
+            taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     with all_or_nothing(out) as staging:
         trials_of(sheet, taken, staging / "trials", medium=brush.name, depth=depth, room=room_of(brush))

@@ -65,6 +65,16 @@ class Asked(BaseModel):
         """Which machine; the simulated easel, unless another was named."""
         return self.robot or "sim"
 
+    @property
+    def simulated(self) -> bool:
+        """Whether that is the simulated easel."""
+        return self.machine.startswith("sim")
+
+    @property
+    def tag_side(self) -> float:
+        """Of the tags' black squares, metres."""
+        return _TAG if self.tag is None else self.tag
+
     def watching(self) -> "Watching | None":
         """How the sheet is looked at on the way, if it is. Raises InputError where words for that are missing."""
         if not self.replan:
@@ -75,15 +85,14 @@ class Asked(BaseModel):
             return None
         if self.picture is None:
             raise InputError("--replan goes by the picture that the painting is of; name it with --picture")
-        if self.machine.startswith("sim"):
+        if self.simulated:
             if self.camera is not None:
                 raise InputError("the simulated easel has a camera of its own; leave out --camera")
         elif self.camera is None:
             raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
         from maulstick.cli.run.eyes import Watching
 
-        tag = _TAG if self.tag is None else self.tag
-        return Watching(self.camera, self.replan, self.picture, self.view, tag, self.colours)
+        return Watching(self.camera, self.replan, self.picture, self.view, self.tag_side, self.colours)
 
 
 def _kind(robot: str) -> str:

@@ -9,17 +9,14 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from typer import Exit
 
 from maulstick.arrays import Floats
-from maulstick.cli import STOPPED
 from maulstick.cli.run.asked import Asked
 from maulstick.cli.run.operator import Operator, confirm
 from maulstick.cli.run.scene import Scene
-from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.errors import InputError, OutputError
 from maulstick.painting import read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
-from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Action, Draw, drawn_metres, routine, seconds_of
 from maulstick.robot.workplace import Workplace
 
@@ -124,24 +121,14 @@ def _paint(job: Job, scene: Scene, journal: Journal, console: Console) -> None:
             robot, scene.easel, journal, ask, operator.watch, operator.pause, scene.tray, scene.asked.speed
         )
         try:
-            with operator.on_duty():
+            with operator.on_duty(f"maulstick run {job.painting} --resume goes on"):
                 if scene.watching is None or eye is None:
                     place.do(actions)
                 else:
                     scene.watching.paint(scene.plan, place, eye, operator)
-        except (MachineError, KeyboardInterrupt) as error:
-            _say_what_now(job, operator, console)
-            if isinstance(error, StoppedError | KeyboardInterrupt) and operator.stopped:
-                raise Exit(STOPPED) from None
-            raise
         finally:
             if scene.simulation is not None:
                 print(scene.simulation.write_photograph(job.painting), flush=True)
-
-
-def _say_what_now(job: Job, operator: Operator, console: Console) -> None:
-    pen = "with the pen lifted" if operator.lifted else "and the pen may still be down: lift it by hand"
-    console.print(f"stopped, {pen}; maulstick run {job.painting} --resume goes on", soft_wrap=True)
 
 
 def _say(console: Console, actions: Sequence[Action], scene: Scene, seconds: Floats) -> None:

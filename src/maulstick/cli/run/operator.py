@@ -9,11 +9,13 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 from rich.progress import Progress as Bars
+from typer import Exit
 
-from maulstick.errors import InputError
+from maulstick.cli import STOPPED
+from maulstick.errors import InputError, MachineError
 from maulstick.painting import Painting
 from maulstick.robot.execute import Pause, Progress
-from maulstick.robot.robot import Robot
+from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Ask, Care, Draw
 
 _LOOK = 0.05  # seconds between two looks at the keyboard
@@ -24,7 +26,7 @@ class Operator:
 
     def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int) -> None:
         self.pause = Pause()
-        self.stopped = False
+        self._stopped = False
         self._console, self._paints, self._robot = console, painting.paints, robot
         self._strokes = painted
         self._drawn = 0.0  # metres, before the last photograph
@@ -41,8 +43,11 @@ class Operator:
         self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
 
     @contextmanager
-    def on_duty(self) -> Iterator[None]:
-        """While it lasts there is a progress bar, and keys and signals reach the machine."""
+    def on_duty(self, what_next: str) -> Iterator[None]:
+        """While it lasts there is a progress bar, and keys and signals reach the machine.
+
+        Where it ends early, the person is told `what_next`; where they wanted that, the command ends there.
+        """
         over = threading.Event()
         keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
         before = {
@@ -52,6 +57,12 @@ class Operator:
         try:
             with self._bars:
                 yield
+        except (MachineError, KeyboardInterrupt) as error:
+            pen = "with the pen lifted" if self._robot.lifted else "and the pen may still be down: lift it by hand"
+            self.say(f"stopped, {pen}; {what_next}")
+            if isinstance(error, StoppedError | KeyboardInterrupt) and self._stopped:
+                raise Exit(STOPPED) from None
+            raise
         finally:
             over.set()
             keys.join()
@@ -109,20 +120,15 @@ class Operator:
         """While it lasts a stop interrupts whatever else is done."""
         self._resting = True
         try:
-            if self.stopped:
+            if self._stopped:
                 raise KeyboardInterrupt
             yield
         finally:
             self._resting = False
 
-    @property
-    def lifted(self) -> bool:
-        """Whether the pen is, as far as the machine knows."""
-        return self._robot.lifted
-
     def stop(self) -> None:
         """Stop the machine."""
-        self.stopped = True
+        self._stopped = True
         self._robot.stop()
         if self.pause.held:
             self.pause.toggle()

@@ -38,8 +38,7 @@ class Scene:
         easel = read_easel(asked.easel) if asked.easel is not None else None
         tray = read_tray(asked.tray) if asked.tray is not None else None
         plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
-        simulated = asked.machine.startswith("sim")
-        simulation = Simulation.of(asked.machine, plan, easel, tray) if simulated else None
+        simulation = Simulation.of(asked.machine, plan, easel, tray) if asked.simulated else None
         robot = machine(asked.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.canvas.width, plan.canvas.height)
         return cls(asked, plan, robot, easel, tray, simulation, watching)
