@@ -21,7 +21,7 @@ from maulstick.plan.commission import PlanOptions
 from maulstick.plan.layout import LONGEST_PX, canvas_for, lay_out_for
 from maulstick.plan.parameters import StrokeParameters
 from maulstick.plan.photograph import as_painting, commission_of
-from maulstick.plan.planner import Progress, plan
+from maulstick.plan.planner import plan
 from maulstick.plan.schedule import AGAIN
 from maulstick.plan.terms import Wishes
 from maulstick.robot.easel import Easel
@@ -86,7 +86,6 @@ def replanned(
     picture: Image,
     *,
     steps: int = _STEPS,
-    watch: Callable[[Progress], bool] = lambda progress: True,
 ) -> Painting:
     """The painting with the strokes that are not yet painted planned again, in their style, on the sheet as it is.
 
@@ -110,7 +109,7 @@ def replanned(
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
     asked = PlanOptions(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
     commission = commission_of(layout, brush, style, asked, Wishes(weights=weights))
-    planned = plan(commission, asked, watch, schedule=AGAIN, start=_parameters(left, painting))
+    planned = plan(commission, asked, schedule=AGAIN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.made)
     return _joined(painting, painted, again)
 

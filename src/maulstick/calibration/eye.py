@@ -49,8 +49,8 @@ class Eye:
     """Looks at a sheet through a camera.
 
     canvas: of the images.  tags: beside the sheet.  view: of a camera that does not move, in their stead.
-    colours: of the light.  start: the first photograph, flat and with
-    a margin, which later ones are compared with; where edges cannot be seen, the one before, as if it had lain there.
+    colours: of the light.  start: the first photograph, flat and with a margin, which later ones are compared with;
+    where edges cannot be seen, the one before, as if it had lain there.
     """
 
     def __init__(

@@ -12,6 +12,7 @@ from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.medium import Brush
 from maulstick.mypaint import Paper
+from maulstick.robot.opencv import opencv
 from maulstick.strokes import path_lengths, resample
 
 Image = NDArray[np.float32]
@@ -81,20 +82,21 @@ class StampedSheet(InkedSheet):
     """A sheet on which OpenCV stamps discs along a path. half_width: of the mark at press 0 and 1, metres."""
 
     def __init__(self, canvas: Canvas, half_width: tuple[float, float], depth: float) -> None:
+        """Raises InputError where OpenCV is not installed."""
         self.canvas, self.depth, self._half_width = canvas, depth, half_width
+        self._cv2 = opencv()
         self._image: Image = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32)
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""
-        import cv2
-
         step = _STEP * self._half_width[0]
         path = resample(trajectory, 1 + int(np.ceil(path_lengths(trajectory[:, :2]) / step)))
         radii = np.interp(path[:, 2], (0, 1), self._half_width) * self.canvas.pixels_per_metre
         mask = np.zeros(self._image.shape[:2], dtype=np.uint8)
         for (x, y), radius in zip(path[:, :2] * self.canvas.pixels_per_metre - 0.5, radii, strict=True):
             centre = round(x * 2**_FINE), round(y * 2**_FINE)
-            cv2.circle(mask, centre, round(radius * 2**_FINE), 255, cv2.FILLED, cv2.LINE_AA, _FINE)
+            size = round(radius * 2**_FINE)
+            self._cv2.circle(mask, centre, size, 255, self._cv2.FILLED, self._cv2.LINE_AA, _FINE)
         share = mask[..., None].astype(np.float32) / 255
         self._image = (self._image * (1 - share) + np.array(colour) * share).astype(np.float32)
 
