@@ -48,7 +48,7 @@ $(VENV)/installed: $(SOURCES)
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,film,franka,mocap,ur,wacom,xarm]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,film,franka,mocap,studio,ur,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

@@ -33,8 +33,9 @@ from maulstick.plan.commission import PlanOptions
 from maulstick.plan.layout import Layout, lay_out_for
 from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
 from maulstick.plan.planner import plan
+from maulstick.style.cards import style_path
 from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
-from maulstick.style.store import read_style, style_path
+from maulstick.style.store import read_style
 
 Floats = NDArray[np.float64]
 

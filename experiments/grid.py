@@ -19,7 +19,8 @@ from PIL import Image, ImageDraw, ImageFont
 from skimage import data
 
 from maulstick.plates.rows import Row, largest_scale, rows_of
-from maulstick.style.store import read_style, style_path
+from maulstick.style.cards import style_path
+from maulstick.style.store import read_style
 
 Pixels = NDArray[np.float32]
 

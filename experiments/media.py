@@ -9,8 +9,9 @@ from maulstick.arrays import Floats
 from maulstick.canvas import Canvas
 from maulstick.mypaint import Paper
 from maulstick.strokes import POINTS
+from maulstick.style.cards import STYLES
 from maulstick.style.press import press_along
-from maulstick.style.store import STYLES, read_style
+from maulstick.style.store import read_style
 from maulstick.trials import Trial
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"

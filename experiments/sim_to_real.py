@@ -189,7 +189,13 @@ class Study:
                 shown.append(_over(photograph, after.model_copy(update={"strokes": rest}), self.canvas))
                 return after
 
-            paint_by_eye(painting, workplace, lambda: (easel.photograph(), easel.told), again, every=self.trial.every)
+            paint_by_eye(
+                painting,
+                workplace,
+                lambda: (easel.photograph(), easel.told),
+                again,
+                lambda painted: painted == self.trial.every,
+            )
         return shown[-1], self.small(easel.photograph())
 
     def small(self, photograph: Image) -> Image:

@@ -11,9 +11,9 @@ from unittest.mock import patch
 import pytest
 
 from maulstick import loop
-from maulstick.cli.run.simulation import Simulation
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.files import file_sum
+from maulstick.jobs.run.simulation import Simulation
 from maulstick.painting import Painting, read_painting, write_painting
 from maulstick.picture import encode_png
 from maulstick.robot.easel import Pen, write_easel

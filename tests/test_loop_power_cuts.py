@@ -44,7 +44,7 @@ def paint(folder: Path, cut: Cut) -> list[int]:
             (journal.end if stroke % 100 in world.painted() else journal.again)(stroke)
         with Painter(world, cut) as robot:
             place = Workplace(robot, EASEL, journal, ask=lambda ask: None)
-            paint_by_eye(plan, place, look, again, every=2)
+            paint_by_eye(plan, place, look, again, lambda painted: painted == 2)
     return asked
 
 

@@ -124,3 +124,11 @@ FOUND_OFFSET = 0.15e-3  # metres that strokes land beside their places, from one
 FOUND_WIDTH = 0.2e-3  # metres of half-width, likewise
 CHART_SEEN = 0.03  # of a chart that was photographed, made flat and corrected by itself, mean
 LANDED = 0.3e-3  # metres that a stroke lands beside its place on a sheet that was moved, with 480 x 360 pixels
+
+# Surveys. Shares that the literature prints with four digits; and how far counts of 2000 seeds lie from equal shares.
+FOUR_DIGITS = 5e-5
+SURVEY_BALANCE = 0.045  # four standard deviations of a fair coin
+
+# Ink of the studio's sheets: thousandths of a millimetre, taken to metres.
+INK_FILE_METRES = 1e-12
+PEN_METRES = 0.02e-3  # of a place that a test points at on the page, where a browser counts in parts of a pixel

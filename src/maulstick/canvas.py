@@ -17,6 +17,9 @@ _PAPERS = {  # portrait, millimetres (ISO 216; US letter)
 }
 _SMALLEST, _LARGEST = 5e-3, 100.0
 
+FINE, MOST_PX = 5000, 2048
+"""Pixels a metre of a photographed sheet that is made flat, and on its longer side at most."""
+
 
 @dataclass(frozen=True)
 class Canvas:
@@ -45,6 +48,11 @@ class Canvas:
     def height_px(self) -> int:
         """Whole pixels down."""
         return max(1, round(self.height * self.pixels_per_metre))
+
+
+def flat_canvas(width: float, height: float) -> Canvas:
+    """The pixels of a photographed sheet of that size, metres, that is made flat."""
+    return Canvas(width, height, min(FINE, MOST_PX / max(width, height)))
 
 
 def parse_length(text: str) -> float:

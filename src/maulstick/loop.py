@@ -119,17 +119,15 @@ def paint_by_eye(
     workplace: Workplace,
     look: Callable[[], tuple[Image, Easel]],
     again: Callable[[Painting, Image], Painting],
-    *,
-    every: int,
+    enough: Callable[[int], bool],
 ) -> None:
-    """Paint what is left; after `every` strokes look at the sheet, and plan the others `again`.
+    """Paint what is left; once it is `enough` for now look at the sheet, and plan the others `again`.
 
     Where something is painted already, it begins with a look: nobody knows where the sheet has gone meanwhile.
+    enough: asked after each stroke, with the number painted since the last look.
     look: takes a photograph, (h, w, 3) of the flat sheet, and says where it now lies.
     Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
     """
-    if every < 1:
-        raise InputError.of_range("the number of strokes between two photographs", every, "at least 1")
     hand, home, journal = NOTHING, workplace.robot.place, workplace.journal
     while workplace.left_of(painting):
         if journal.painted:
@@ -141,7 +139,7 @@ def paint_by_eye(
             write_painting(painting, path)
             journal.revise(path)
         painting = workplace.in_order(painting)
-        hand = workplace.do(workplace.left_of(painting, hand), hand, strokes=every)
+        hand = workplace.do(workplace.left_of(painting, hand), hand, enough)
 
 
 def revision_of(journal: Journal, number: int) -> Path:

@@ -8,9 +8,9 @@ import signal
 import sys
 
 from maulstick.cli import main
-from maulstick.cli.paint import tries
+from maulstick.jobs.plan import keeping
 
-_write_state = tries.write_state
+_write_state = keeping.write_state
 _left = int(sys.argv.pop(1)) if __name__ == "__main__" else 0  # processes that it makes itself are not killed
 
 
@@ -22,9 +22,9 @@ def _write_and_die(*what: object) -> None:
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-tries._EVERY = 0.0
-tries._SHARE = 0
-tries.write_state = _write_and_die
+keeping._EVERY = 0.0
+keeping._SHARE = 0
+keeping.write_state = _write_and_die
 
 if __name__ == "__main__":
     main()

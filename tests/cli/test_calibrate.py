@@ -28,7 +28,7 @@ SIZE = ("--size", "A4-landscape")
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which the commands run, and make flat pictures of few pixels."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(import_module("maulstick.cli.calibrate.camera"), "FINE", FINE)
+    monkeypatch.setattr("maulstick.canvas.FINE", FINE)
     return tmp_path
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.cli import folder
 from maulstick.cli.paint import run as paint_run
+from maulstick.jobs import folder
 from maulstick.painting import read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run_command
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from maulstick.arrays import read_arrays, write_arrays
-from maulstick.cli.paint import tries
+from maulstick.jobs.plan import keeping
 from maulstick.medium import load_brush, write_brush
 from maulstick.plan.state import KIND
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, contents, paint, run
@@ -166,9 +166,9 @@ def test_a_brush_that_has_changed_since_is_refused(tmp_path: Path, monkeypatch: 
     brush, mine = load_brush("round"), tmp_path / "mine.json"
     write_brush(brush, mine)
     with monkeypatch.context() as patch:
-        patch.setattr(tries, "_EVERY", 0.0)
-        patch.setattr(tries, "_SHARE", 0)
-        patch.setattr("maulstick.cli.paint.tries.with_figures", cut)
+        patch.setattr(keeping, "_EVERY", 0.0)
+        patch.setattr(keeping, "_SHARE", 0)
+        patch.setattr("maulstick.jobs.plan.keeping.with_figures", cut)
         with pytest.raises(PowerCutError):
             paint(tmp_path / "out", "--brush", mine)
     write_brush(brush.model_copy(update={"lag": brush.lag + FILE_METRES}), mine)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli.paint import tries
-from maulstick.cli.paint.job import state_files
+from maulstick.jobs.plan.job import state_files
 from maulstick.painting import Making, Painting, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 

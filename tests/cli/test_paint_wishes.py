@@ -247,14 +247,14 @@ def test_a_photograph_of_the_sheet_shows_the_paper_s_colour_by_itself(tmp_path: 
 def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("maulstick.cli.paint.prepare.LONGEST_PX", 40)
+    monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
     windows: list[int] = []
 
     def small(*words: Any, **more: Any) -> Plan:
         windows.append(24)
         return plan_mural(*words, **more, window_px=24)
 
-    monkeypatch.setattr("maulstick.cli.paint.prepare.plan_mural", small)
+    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", small)
     ran = paint(tmp_path / "out", "--px", "48")
     assert ran.code == 0
     assert windows

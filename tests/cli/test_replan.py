@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from maulstick import loop
 from maulstick.arrays import Floats
-from maulstick.cli.run.simulation import Simulation
 from maulstick.files import file_sum
+from maulstick.jobs.run.simulation import Simulation
 from maulstick.painting import Painting, read_painting, write_painting
 from maulstick.picture import encode_png, read_picture
 from maulstick.robot.simulated_camera import SimulatedCamera

@@ -8,7 +8,7 @@ from PIL import Image
 
 from maulstick.ink import Ink, write_ink
 from maulstick.strokes import Strokes, write_strokes
-from maulstick.style import store, train, trajvae
+from maulstick.style import cards, train, trajvae
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import ActiveLatents, TrajVAE, Weights, shapes
@@ -77,7 +77,7 @@ def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     told = rows(ran.stdout)
     assert told["strokes"] == "26 (and 2 left out, shorter than 1 mm)"
     assert told["press"] == "recorded in 12 of them"
-    assert store.read_card(store.style_path("both")).source == "cat.ink.npz, dog.strokes.npz"
+    assert cards.read_card(cards.style_path("both")).source == "cat.ink.npz, dog.strokes.npz"
 
 
 @pytest.mark.parametrize(("active", "words"), [(16, ""), (15, ": the strokes are much alike; draw more varied ones")])
@@ -99,16 +99,16 @@ def test_a_network_is_trained_where_it_is_asked_for(
     ran = run("style", "fit", "cat.ink.npz", "--name", "net", "--kind", "trajvae")
     assert ran.code == 0
     assert rows(ran.stdout)["latents"] == f"{active} active, of an effective rank of 7.2{words}"
-    assert store.read_card(store.style_path("net")).settings.kind == "trajvae"
+    assert cards.read_card(cards.style_path("net")).settings.kind == "trajvae"
 
 
 def test_a_style_is_replaced_only_when_told_to(here: Path, cat: str) -> None:
     ran = run("style", "fit", "dog.strokes.npz", "--name", "cat")
     assert ran.code == 1
     assert ran.mistake == "there is a style cat already; choose another --name, or add --overwrite"
-    assert store.read_card(store.style_path("cat")).strokes == 12
+    assert cards.read_card(cards.style_path("cat")).strokes == 12
     assert run("style", "fit", "dog.strokes.npz", "--name", "cat", "--overwrite").code == 0
-    assert store.read_card(store.style_path("cat")).strokes == 14
+    assert cards.read_card(cards.style_path("cat")).strokes == 14
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_a_file_name_of_any_bytes_can_be_learned_from(here: Path) -> None:
     odd = os.fsdecode(b"c\xff\x1b[31mat.ink.npz")
     os.rename("cat.ink.npz", odd)
     assert run("style", "fit", odd, "--name", "cat").code == 0
-    assert store.read_card(store.style_path("cat")).source == "c??[31mat.ink.npz"
+    assert cards.read_card(cards.style_path("cat")).source == "c??[31mat.ink.npz"
 
 
 def test_the_list_has_the_styles_that_come_along_and_the_own_ones(here: Path, cat: str) -> None:
@@ -164,7 +164,7 @@ def test_the_list_has_the_styles_that_come_along_and_the_own_ones(here: Path, ca
 
 
 def test_a_broken_style_does_not_hide_the_others(here: Path, cat: str) -> None:
-    store.style_path("cat").write_text("{}")
+    cards.style_path("cat").write_text("{}")
     ran = run("style", "list")
     assert ran.code == 0
     assert "cannot be used:" in rows(ran.stdout)["cat"]
@@ -185,7 +185,7 @@ def test_a_map_shows_several_styles_and_a_sheet_does_not(here: Path, cat: str) -
     ran = run("style", "show", "cat", BUILT_IN)
     assert ran.code == 2
     assert ran.mistake == "a sheet shows one style, and 2 are named; name one, or add --map"
-    json = store.style_path("cat")
+    json = cards.style_path("cat")
     ran = run("style", "show", json, BUILT_IN, "--map", "--px", "240", "--out", "a.png")
     assert ran == (0, "a.png\n", "")
 
@@ -239,7 +239,7 @@ def test_recordings_of_one_hand_are_told_to_be_alike(here: Path, cat: str) -> No
 
 
 def test_a_style_is_not_compared_with_itself_or_nobody(here: Path, cat: str) -> None:
-    path = store.style_path("cat")
+    path = cards.style_path("cat")
     assert run("style", "compare", "cat", "cat").mistake == "cat is named twice; name each style once"
     assert run("style", "compare", "cat", path).mistake == f"{path} is named twice; name each style once"
     assert run("style", "compare", "cat", "free").mistake.startswith("the style free is nobody's")
@@ -255,5 +255,5 @@ def test_hands_with_strokes_in_common_are_told_to_have_them(here: Path, cat: str
 
 
 def test_a_style_without_its_arrays_says_what_is_missing(here: Path, cat: str) -> None:
-    Path("alone.json").write_bytes(store.style_path("cat").read_bytes())
+    Path("alone.json").write_bytes(cards.style_path("cat").read_bytes())
     assert run("style", "show", "alone.json").mistake == "alone.json has no alone.safetensors beside it; copy both"

@@ -1,13 +1,12 @@
 """A coarse webcam over the simulated easel of the commands, and what can happen to it."""
 
 from collections.abc import Callable
-from importlib import import_module
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maulstick.cli.run.simulation import Simulation
+from maulstick.jobs.run.simulation import Simulation
 from maulstick.robot.simulated_camera import Optics, SimulatedCamera
 from maulstick.robot.tag_frame import TagFrame
 
@@ -29,7 +28,7 @@ def put_webcam(monkeypatch: pytest.MonkeyPatch, event: Event = nothing) -> None:
         return made
 
     monkeypatch.setattr(Simulation, "camera", camera)
-    monkeypatch.setattr(import_module("maulstick.cli.calibrate.camera"), "FINE", FINE)
+    monkeypatch.setattr("maulstick.canvas.FINE", FINE)
 
 
 def after(photographs: int, event: Event) -> Event:

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from maulstick import strokes
 from maulstick.plan.parameters import StrokeParameters
-from maulstick.style import FreeStyle
+from maulstick.style.free import FreeStyle
 from maulstick.style.press import press_along
 from tests.tolerances import FLOAT32_METRES
 

@@ -17,7 +17,8 @@ from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.planner import Plan, Progress, plan
 from maulstick.plan.schedule import GIVEN_PAINTS, Schedule
 from maulstick.plan.start import Places, start_strokes
-from maulstick.style import FreeStyle, Style
+from maulstick.style import Style
+from maulstick.style.free import FreeStyle
 from tests.nominal import nominal
 from tests.plan.conftest import QUICK, commission, mse, options
 from tests.style.synthetic_hands import exemplar_of, zigzag

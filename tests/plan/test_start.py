@@ -8,8 +8,9 @@ from maulstick.brush.traj2stroke import Traj2Stroke, paint
 from maulstick.medium import Brush
 from maulstick.plan.photograph import Image as Picture
 from maulstick.plan.start import Floats, Places, detail, find_places, ink_density, start_strokes
-from maulstick.style import FreeStyle, load_style
+from maulstick.style import load_style
 from maulstick.style.exemplar import Exemplar
+from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
 from tests.nominal import nominal
 from tests.plan.conftest import commission, mse

@@ -11,7 +11,7 @@ from PIL import Image
 
 from maulstick.errors import InputError
 from maulstick.plates import latent_map as module
-from maulstick.plates.latent_map import COLOURS, latent_map
+from maulstick.plates.latent_map import COLOURS, latent_map, places_of
 from maulstick.plates.sheet import PAPER
 from maulstick.plates.style import style_plate
 from maulstick.style.exemplar import Exemplar
@@ -114,6 +114,16 @@ def test_every_style_of_a_map_has_a_colour_and_there_are_six(circles: Exemplar, 
         assert near(plate[PX * 3 // 4 :], colour).any(), "a name"
     with pytest.raises(InputError, match="the number of styles on a map is 7; it must be from 1 to 6"):
         latent_map([*styles, circles], "", PX)
+
+
+def test_the_places_of_a_map_say_whose_stroke_lies_where(circles: Exemplar, zigzags: Exemplar) -> None:
+    at = places_of([circles, zigzags])
+    assert at.rows.tolist() == [*range(len(circles.hand)), *range(len(zigzags.hand))]
+    assert np.bincount(at.whose).tolist() == [len(circles.hand), len(zigzags.hand)]
+    assert np.ptp(at.places, axis=0) == pytest.approx([1, 1])
+    assert np.ptp(at.glyphs, axis=1).max() == pytest.approx(1)
+    first, second = (at.places[at.whose == number] for number in (0, 1))
+    assert np.linalg.norm(first.mean(axis=0) - second.mean(axis=0)) > first.std(axis=0).max()
 
 
 def test_of_many_strokes_a_map_shows_some_of_each_style(

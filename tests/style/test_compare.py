@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from maulstick.strokes import place
 from maulstick.style.compare import (
     CURVINESS,
+    Comparison,
     describe,
     distance_to_nearest,
     energy_distance,
@@ -150,3 +151,28 @@ def test_the_distance_to_the_nearest_is_0_for_copies_and_grows_with_what_is_new(
     assert distance_to_nearest(a, b) == pytest.approx(expected)
     assert distance_to_nearest(a[:5], a) == 0
     assert distance_to_nearest(a + 10, b) > 10
+
+
+def test_a_comparison_says_what_the_second_hand_does_otherwise() -> None:
+    circles, lines = drawn(circle, 20), drawn(line, 20)
+    apart = Comparison.of(circles, lines, np.random.default_rng(0))
+    assert apart.distance > 1 > apart.of_halves
+    assert (apart.shared, apart.accuracy) == (0, 1)
+    assert "bend less" in apart.told
+    assert "bend more" in Comparison.of(lines, circles, np.random.default_rng(0)).told
+
+
+def test_a_comparison_says_how_many_strokes_are_both_hands() -> None:
+    strokes = drawn(circle, 20)
+    for first, second, shared in (
+        (strokes, strokes, 1),
+        (strokes[:10], strokes, 1 / 2),
+        (strokes[:10], strokes[5:15], 1 / 3),
+    ):
+        assert Comparison.of(first, second, np.random.default_rng(0)).shared == pytest.approx(shared)
+
+
+def test_strokes_that_are_as_long_and_as_bent_are_told_of_as_such() -> None:
+    same = Comparison.of(drawn(circle, 40, seed=1), drawn(circle, 40, seed=2), np.random.default_rng(0))
+    assert same.told == "are as long, as bent and as rough"
+    assert abs(same.distance) < 1

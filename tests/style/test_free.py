@@ -9,7 +9,8 @@ from torch import Tensor
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError
 from maulstick.strokes import resample, standardise
-from maulstick.style import FreeStyle, Style, load_style
+from maulstick.style import Style, load_style
+from maulstick.style.free import FreeStyle
 from tests.tolerances import FLOAT32_METRES, FLOAT64_METRES
 
 STYLE = FreeStyle(shortest=0.004, longest=0.1)

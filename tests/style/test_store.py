@@ -13,8 +13,9 @@ from safetensors.numpy import load, save
 
 from maulstick.canvas import Canvas
 from maulstick.errors import InputError, OutputError
-from maulstick.style import FreeStyle, load_style, store
+from maulstick.style import cards, load_style, store
 from maulstick.style.exemplar import Exemplar, Hands
+from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE, shapes
@@ -101,22 +102,22 @@ def test_a_style_is_read_as_it_was_written(made: store.Fitted, tmp_path: Path) -
 
 
 def test_a_card_says_what_a_style_is(style: Path) -> None:
-    card = store.read_card(style)
+    card = cards.read_card(style)
     assert (card.name, card.source, card.strokes) == ("arcs", "a drawing of arcs", 7)
-    assert card.settings == store.ExemplarSettings(freedom=0.33)
+    assert card.settings == cards.ExemplarSettings(freedom=0.33)
 
 
 def test_what_many_hands_have_in_common_is_read_as_it_was_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store.write_hands(HANDS, tmp_path)
-    monkeypatch.setattr(store, "_BUILT_IN", tmp_path)
+    monkeypatch.setattr(store, "BUILT_IN", tmp_path)
     assert np.array_equal(store.load_hands().covariance, HANDS.covariance)
     assert np.array_equal(store.load_hands().residual, HANDS.residual)
 
 
 def test_every_style_that_comes_along_draws(own: Path) -> None:
-    names = list(store.STYLES.paths())
+    names = list(cards.STYLES.paths())
     assert len(names) >= 5
     for name in names:
         style = load_style(name, CANVAS)
@@ -135,7 +136,7 @@ def test_a_style_is_found_by_its_name_or_by_the_path_of_its_file(own: Path) -> N
 
 def test_a_style_that_is_not_there_is_refused_with_all_that_are(own: Path) -> None:
     store.write_style(an_exemplar(), "", own)
-    built_in = sorted(set(store.STYLES.paths()) - {"arcs"})
+    built_in = sorted(set(cards.STYLES.paths()) - {"arcs"})
     with pytest.raises(InputError) as caught:
         load_style("rococo", CANVAS)
     there = ", ".join(sorted(["FILE.json", "arcs", "free", *built_in]))
@@ -152,20 +153,20 @@ def test_a_name_is_never_a_path(name: str, tmp_path: Path) -> None:
 
 
 def test_a_built_in_style_keeps_its_name_and_an_own_one_unless_told_otherwise(own: Path) -> None:
-    built_in = next(iter(store.STYLES.paths()))
+    built_in = next(iter(cards.STYLES.paths()))
     with pytest.raises(InputError, match=f"the style {built_in} comes with Maulstick; choose another --name"):
-        store.STYLES.check_own_name(built_in, overwrite=True)
-    assert store.STYLES.check_own_name("arcs", overwrite=False) == "arcs"
+        cards.STYLES.check_own_name(built_in, overwrite=True)
+    assert cards.STYLES.check_own_name("arcs", overwrite=False) == "arcs"
     store.write_style(an_exemplar(), "", own)
     with pytest.raises(OutputError, match="there is a style arcs already; choose another --name, or add --overwrite"):
-        store.STYLES.check_own_name("arcs", overwrite=False)
-    assert store.STYLES.check_own_name("arcs", overwrite=True) == "arcs"
+        cards.STYLES.check_own_name("arcs", overwrite=False)
+    assert cards.STYLES.check_own_name("arcs", overwrite=True) == "arcs"
 
 
 def test_an_own_style_does_not_hide_a_built_in_one(own: Path) -> None:
-    built_in = next(iter(store.STYLES.paths()))
+    built_in = next(iter(cards.STYLES.paths()))
     store.write_style(an_exemplar(built_in), "", own)
-    assert store.STYLES.is_built_in(store.STYLES.paths()[built_in])
+    assert cards.STYLES.is_built_in(cards.STYLES.paths()[built_in])
 
 
 @pytest.mark.parametrize("fails_at", range(7))

@@ -76,7 +76,7 @@ def collect(
             atomic_write(folder / f"{_SHEET}{number:0{_DIGITS}}.png", encode_png(photographs[number]))
         if not actions:
             return photographs
-        workplace.do(actions, strokes=1 if each else None)
+        workplace.do(actions, enough=lambda painted: each)
 
 
 def trials_of(

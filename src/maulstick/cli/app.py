@@ -15,7 +15,9 @@ from maulstick.cli.record import record
 from maulstick.cli.render import render
 from maulstick.cli.run import run
 from maulstick.cli.show import show
+from maulstick.cli.studio import studio
 from maulstick.cli.style import style
+from maulstick.cli.survey import survey
 
 app = typer.Typer(
     rich_markup_mode="markdown", add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
@@ -27,6 +29,8 @@ app.command()(compare)
 app.command()(mix)
 app.command()(run)
 app.command()(export)
+app.command()(studio)
+app.command()(survey)
 app.add_typer(record, name="record")
 app.add_typer(style, name="style")
 app.add_typer(brush, name="brush")

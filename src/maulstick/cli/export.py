@@ -7,9 +7,9 @@ import numpy as np
 import typer
 
 from maulstick.cli.folder import check_absent
-from maulstick.cli.run.asked import Asked
 from maulstick.errors import InputError
 from maulstick.files import atomic_write
+from maulstick.jobs.run.asked import Asked
 from maulstick.painting import Painting, read_painting
 from maulstick.robot.easel import Easel, Pen, read_easel
 from maulstick.robot.export import as_gcode, as_hpgl, as_json

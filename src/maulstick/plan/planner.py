@@ -174,7 +174,7 @@ class _Planning:
         if "paints" in state and self._work.paints is None:
             self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
-        if self._judgement is not None:
+        if self._judgement is not None and "slope" in state:  # there may have been no judges before
             self._judgement.restore(state)
         restore_chance(state, self._rng, self._chance)
 

@@ -1,11 +1,13 @@
 """The map of a latent space: each stroke of a hand at its place in it, the paper's figure of t-SNE."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import torch
 from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from maulstick.arrays import Floats
@@ -23,39 +25,62 @@ _WIDTH = 0.075  # lines
 _LEGEND = 13  # lines: width of a column of it
 
 
-def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: strokes of the styles' hands, placed by the t-SNE of their codes in the first style.
+@dataclass(frozen=True)
+class Places:
+    """Where N strokes of some styles' hands lie on the map.
+
+    whose: (N,), the number of the style.  rows: (N,), which stroke of its hand.
+    glyphs: (N, 32, 2), about the origin; the largest is 1 wide or high, the others by the root of their size.
+    places: (N, 2), over the square of side 1 about the origin.
+    """
+
+    whose: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    glyphs: Floats
+    places: Floats
+
+
+def places_of(styles: Sequence[Fitted]) -> Places:
+    """Where strokes of the styles' hands lie, by the t-SNE of their codes in the first style.
 
     Strokes lie near each other where the style thinks them alike; directions and distances across the map mean
-    nothing. Each style has a colour. Of more than 400 strokes every so-manieth is shown.
+    nothing. Of more than 400 strokes there is every so-manieth.
 
     Raises InputError where there are more styles than colours.
     """
     if not 1 <= len(styles) <= len(COLOURS):
         raise InputError.of_range("the number of styles on a map", len(styles), f"from 1 to {len(COLOURS)}")
-    plate = Plate(_PROPORTION * px, px)
-    margin, line = plate.margin, plate.line
     share = min(1.0, _MOST / sum(len(style.hand) for style in styles))
     chosen = [np.linspace(0, n - 1, max(round(share * n), 1)).astype(int) for n in (len(s.hand) for s in styles)]
     paths = np.concatenate([style.hand.paths[rows] for style, rows in zip(styles, chosen, strict=True)])
     whose = np.repeat(np.arange(len(styles)), [len(rows) for rows in chosen])
+    places = _spread(_placed(styles[0].encode(torch.from_numpy(paths)).double().numpy()))
+    return Places(whose, np.concatenate(chosen), _glyphs(paths), places)
+
+
+def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
+    """A PNG, `px` pixels high: strokes of the styles' hands at their `places_of`, each style in a colour.
+
+    Raises InputError where there are more styles than colours.
+    """
+    at = places_of(styles)
+    plate = Plate(_PROPORTION * px, px)
+    margin, line = plate.margin, plate.line
     wide, high = plate.width - 2 * margin, px - plate.foot
     axes = plate.paper(margin, margin, wide, high, 1.0)
-    glyphs = _glyphs(paths)
-    size = min(_LARGEST * line, _CLOSE * float(np.sqrt(wide * high / len(paths))))
+    size = min(_LARGEST * line, _CLOSE * float(np.sqrt(wide * high / len(at.whose))))
     room = np.array([wide, high]) - size - 2 * line
-    places = _spread(_placed(styles[0].encode(torch.from_numpy(paths)).double().numpy())) * room
-    drawn = glyphs * size + (places + np.array([wide, high]) / 2)[:, None]
+    drawn = at.glyphs * size + (at.places * room + np.array([wide, high]) / 2)[:, None]
     axes.add_collection(
         LineCollection(
             list(drawn),
-            colors=[COLOURS[number] for number in whose],
+            colors=[COLOURS[number] for number in at.whose],
             linewidths=plate.points(_WIDTH * line),
             capstyle="round",
             joinstyle="round",
         )
     )
-    _legend(plate, [style.name for style in styles], title, len(paths), sum(len(style.hand) for style in styles))
+    _legend(plate, [style.name for style in styles], title, len(at.whose), sum(len(style.hand) for style in styles))
     return plate.png()
 
 

@@ -55,11 +55,12 @@ def execute(
     watch: Callable[[Progress], None] = lambda progress: None,
     pause: Pause | None = None,
     hand: Hand = NOTHING,
-    strokes: int | None = None,
+    enough: Callable[[int], bool] = lambda painted: False,
 ) -> Hand:
     """Do what a `routine` for this machine says; returns what the machine holds in the end.
 
-    strokes: return after so many of them; the others are counted as still to come.
+    enough: asked after each stroke, with the number painted since the call; once it says so, it returns, and the others
+    are counted as still to come.
     ask: shows a person what has to be done, and returns when it is.  watch: is told before each action, and at the end.
     A stroke is in the journal as begun before the tip is lowered for it, and as painted once it is lifted again.
     Raises whatever stopped it: MachineError, OutputError of the journal, KeyboardInterrupt; the pen is then lifted
@@ -86,7 +87,7 @@ def execute(
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
                 hand = Hand(action.paint, hand.painted + motion.length)
-                if painted == strokes:
+                if enough(painted):
                     break
     watch(Progress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
     return hand

@@ -136,6 +136,13 @@ class Journal:
             finally:
                 journal._end()
 
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """The journal at `path` as it is now, whoever continues it. Raises InputError where it is none."""
+        journal = cls(path)
+        journal._take_whole_lines(read_whole(path, "journal", _LARGEST))
+        return journal
+
     def revise(self, file: Path, painted: Iterable[int] = ()) -> None:
         """From now on the painting is that file, beside the journal, and the strokes with these ids are painted."""
         content = read_whole(file, "painting", _LARGEST)
@@ -175,14 +182,19 @@ class Journal:
             self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
             sync_folder(self.path.parent)
             content = self.path.read_bytes()
-            whole = content[: content.rfind(b"\n") + 1]
-            for number, line in enumerate(whole.splitlines(), start=1):
-                self._take(line, number)
-            if len(whole) < len(content):
-                os.ftruncate(self._file, len(whole))
+            whole = self._take_whole_lines(content)
+            if whole < len(content):
+                os.ftruncate(self._file, whole)
                 os.fsync(self._file)
         except OSError as error:
             raise OutputError(f"cannot write {self.path}: {error.strerror}; mend that before painting") from error
+
+    def _take_whole_lines(self, content: bytes) -> int:
+        """How many bytes they are."""
+        whole = content[: content.rfind(b"\n") + 1]
+        for number, line in enumerate(whole.splitlines(), start=1):
+            self._take(line, number)
+        return len(whole)
 
     def _take(self, line: bytes, number: int) -> None:
         fault = f"line {number} of {self.path} is not one of a journal; mend it, or start again with --anew"

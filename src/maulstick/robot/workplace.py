@@ -57,9 +57,11 @@ class Workplace:
         ordered = sequenced(painting.model_copy(update={"strokes": left}), (x, y))
         return painting.model_copy(update={"strokes": (*painted, *ordered.strokes)})
 
-    def do(self, actions: list[Action], hand: Hand = NOTHING, strokes: int | None = None) -> Hand:
-        """Do it, or so many strokes of it; returns what the machine then holds, and raises as `execute` does."""
-        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, hand, strokes)
+    def do(
+        self, actions: list[Action], hand: Hand = NOTHING, enough: Callable[[int], bool] = lambda painted: False
+    ) -> Hand:
+        """Do it, until that is `enough`; returns what the machine then holds, and raises as `execute` does."""
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, hand, enough)
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """The same with the sheet there; the tray stays where it stands."""

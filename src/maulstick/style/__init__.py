@@ -1,11 +1,10 @@
 """Styles: what a hand's strokes look like, as a prior that the planner optimises in."""
 
 from maulstick.canvas import Canvas
-from maulstick.style.free import FreeStyle
-from maulstick.style.store import read_style, style_path
+from maulstick.style.cards import style_path
 from maulstick.style.style import Style
 
-__all__ = ["FreeStyle", "Style", "load_style"]
+__all__ = ["Style", "load_style"]
 
 
 def load_style(name: str, canvas: Canvas) -> Style:
@@ -13,4 +12,7 @@ def load_style(name: str, canvas: Canvas) -> Style:
 
     Raises InputError where there is none, or its files cannot be used.
     """
+    from maulstick.style.free import FreeStyle  # these load torch, which the studio's server does without
+    from maulstick.style.store import read_style
+
     return FreeStyle.for_canvas(canvas) if name == "free" else read_style(style_path(name))

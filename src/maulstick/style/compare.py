@@ -1,5 +1,8 @@
 """How alike two sets of strokes are: a description of each stroke, and distances between their distributions."""
 
+from dataclasses import dataclass
+from typing import Self
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
@@ -13,6 +16,51 @@ CURVINESS = (2, 12, 13)
 _BINS, _POINTS = 6, 5
 _LEAST = 1e-9
 _STRAIGHT = 1e-2  # radians
+_HALVINGS = 20
+_LEAST_APART = 0.4  # of a standard deviation: what is less is not worth saying
+_MOST_SAID = 3
+_LENGTH = 0
+_MORE_AND_LESS = {  # of a description that is larger, and smaller
+    1: ("end farther from where they begin", "end nearer to where they begin"),
+    2: ("bend more", "bend less"),
+    3: ("turn more to the right", "turn more to the left"),
+    12: ("are rougher", "are smoother"),
+    13: ("change the side that they bend to more often", "change the side that they bend to less often"),
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Of the strokes of two hands.
+
+    shared: how many of all their strokes are both hands', in [0, 1].  distance: of energy, 0 where they are the same.
+    of_halves: that of one half of the first to the other.  accuracy: of 1-NN, 0.5 where they are the same.
+    told: what the strokes of the second do, compared with those of the first.
+    """
+
+    shared: float
+    distance: float
+    of_halves: float
+    accuracy: float
+    told: str
+
+    @classmethod
+    def of(cls, first: Floats, second: Floats, chance: np.random.Generator) -> Self:
+        """Of the paths (N, n, 2) and (M, n, 2), metres; distances are between descriptions standardised over both."""
+        of_first, of_second = ({path.tobytes() for path in paths} for paths in (first, second))
+        described = [describe(paths) for paths in (first, second)]
+        together = np.concatenate(described)
+        spread = together.std(axis=0)
+        a, b = ((each - together.mean(axis=0)) / np.where(spread > 0, spread, 1) for each in described)
+        accuracy = nearest_neighbour_accuracy(a, b, chance)
+        ratio = float(np.exp(described[1][:, _LENGTH].mean() - described[0][:, _LENGTH].mean()))
+        return cls(
+            len(of_first & of_second) / len(of_first | of_second),
+            energy_distance(a, b),
+            _of_halves(a, chance),
+            accuracy,
+            _in_words(a, b, ratio),
+        )
 
 
 def describe(paths: Floats) -> Floats:
@@ -86,3 +134,23 @@ def nearest_neighbour_accuracy(a: Floats, b: Floats, rng: np.random.Generator, r
 def distance_to_nearest(a: Floats, b: Floats) -> float:
     """Mean distance from a description of `a` to the nearest of `b`."""
     return float(cdist(a, b).min(axis=1).mean())
+
+
+def _of_halves(described: Floats, chance: np.random.Generator) -> float:
+    """Energy distance of one half of the strokes to the other, on average over several ways to halve them."""
+    halves = [np.array_split(described[chance.permutation(len(described))], 2) for _ in range(_HALVINGS)]
+    return float(np.mean([energy_distance(*pair) for pair in halves]))
+
+
+def _in_words(first: Floats, second: Floats, ratio: float) -> str:
+    """What differs most from the first standardised descriptions to the second, whose strokes are `ratio` as long."""
+    apart = second.mean(axis=0) - first.mean(axis=0)
+    columns = sorted((_LENGTH, *_MORE_AND_LESS), key=lambda column: -abs(apart[column]))
+    said = [
+        f"are {ratio:.2g} times as long" if column == _LENGTH else _MORE_AND_LESS[column][int(apart[column] < 0)]
+        for column in columns[:_MOST_SAID]
+        if abs(apart[column]) >= _LEAST_APART
+    ]
+    if not said:
+        return "are as long, as bent and as rough"
+    return " and ".join([", ".join(said[:-1]), said[-1]] if len(said) > 1 else said)

@@ -10,11 +10,11 @@ from torch import Generator, Tensor
 
 from maulstick.errors import InputError
 from maulstick.strokes import POINTS, Strokes
+from maulstick.style.cards import FEWEST
 from maulstick.style.press import KNOTS, fit_knots
 
 Floats = NDArray[np.float64]
 
-FEWEST = 5
 _SHORTEST = 1e-3  # metres; what is shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres a second
 _PRESS_VARIES = 0.15

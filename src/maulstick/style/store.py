@@ -4,30 +4,23 @@ import hashlib
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, file_to_read
-from maulstick.medium import Name, first_fault
-from maulstick.shelf import NAME, Shelf
+from maulstick.files import atomic_write, read_whole
+from maulstick.records import write_record
 from maulstick.strokes import POINTS, path_lengths
+from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
 from maulstick.style.exemplar import Exemplar, Hands
-from maulstick.style.hand import FEWEST, Hand
+from maulstick.style.hand import Hand
 from maulstick.style.press import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 
-VERSION: Final = 1
-_BUILT_IN = Path(__file__).with_name("built_in")
-_LARGEST_FILE = 256 * 2**20  # bytes
-_FREE = "free"
-STYLES = Shelf("style", "styles", _BUILT_IN, taken=_FREE)
 _HAND = {"paths": (POINTS, 2), "press": (KNOTS,), "speeds": (POINTS,)}
 _HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}
 _SHORTEST, _LONGEST = 1e-4, 100.0  # metres
@@ -35,47 +28,6 @@ _SHORTEST, _LONGEST = 1e-4, 100.0  # metres
 Arrays = dict[str, NDArray[np.generic]]
 Fitted = Exemplar | TrajVAE
 """A style that was learned from a hand."""
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class ExemplarSettings(_Model):
-    """See `Exemplar`."""
-
-    kind: Literal["exemplar"] = "exemplar"
-    freedom: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-
-
-class TrajVAESettings(_Model):
-    """All that a `TrajVAE` is lies in its arrays."""
-
-    kind: Literal["trajvae"] = "trajvae"
-
-
-class StyleCard(_Model):
-    """What the JSON beside a style's arrays says.
-
-    source: what the style was learned from, for people.  strokes: how many of them.  sha256: of the file of arrays.
-    """
-
-    version: Literal[1] = VERSION
-    name: Annotated[str, Field(pattern=f"^{NAME}$")]
-    source: Name
-    strokes: Annotated[int, Field(ge=FEWEST)]
-    settings: Annotated[ExemplarSettings | TrajVAESettings, Field(discriminator="kind")]
-    sha256: str
-
-
-def style_path(name: str) -> Path:
-    """The JSON of the style with this name, or at this path. Raises InputError where there is no such style."""
-    paths = STYLES.paths()
-    if name in paths:
-        return paths[name]
-    if Path(name).suffix == ".json":
-        return file_to_read(name, "style")
-    raise InputError.of_choice("style", name, [*paths, _FREE, "FILE.json"])
 
 
 def write_style(style: Fitted, source: str, folder: Path) -> Path:
@@ -94,16 +46,14 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
         arrays |= style.arrays()
     content = save(arrays)
     digest = hashlib.sha256(content).hexdigest()
-    card = StyleCard(
-        name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest
-    ).model_dump_json(indent=2)
+    card = StyleCard(name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest)
     path = folder / f"{name}.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
             new = Path(staging) / path.name
             atomic_write(new.with_suffix(".safetensors"), content)
-            atomic_write(new, f"{card}\n".encode())
+            write_record(card, new)
             path.unlink(missing_ok=True)
             new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
             new.replace(path)
@@ -114,21 +64,13 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     return path
 
 
-def read_card(path: Path) -> StyleCard:
-    """What a style's JSON says. Raises InputError where it is not one."""
-    try:
-        return StyleCard.model_validate_json(_content(path))
-    except ValidationError as error:
-        raise InputError(f"{path} is not a style: {first_fault(error)}") from error
-
-
 def read_style(path: Path) -> Fitted:
     """The style whose JSON is at `path`. Raises InputError where it, or the arrays beside it, cannot be used."""
     card = read_card(path)
     beside = path.with_suffix(".safetensors")
     if not os.path.lexists(beside):
         raise InputError(f"{path} has no {beside.name} beside it; copy both")
-    content = _content(beside)
+    content = read_whole(beside, "style", LARGEST)
     if hashlib.sha256(content).hexdigest() != card.sha256:
         raise InputError(f"{beside} does not belong to {path}, or it is damaged; copy both files again")
     try:
@@ -149,16 +91,7 @@ def write_hands(hands: Hands, folder: Path) -> Path:
 
 def load_hands() -> Hands:
     """What many hands have in common, as it comes with Maulstick."""
-    return _hands(_arrays(_content(_BUILT_IN / "hands.safetensors")))
-
-
-def _content(path: Path) -> bytes:
-    try:
-        if file_to_read(path, "style").stat().st_size > _LARGEST_FILE:
-            raise InputError(f"{path} is larger than {_LARGEST_FILE >> 20} MiB; no style is")
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read the style {path}: {error.strerror}") from error
+    return _hands(_arrays(read_whole(BUILT_IN / "hands.safetensors", "style", LARGEST)))
 
 
 def _printable(text: str) -> str:

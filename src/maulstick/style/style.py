@@ -1,8 +1,10 @@
 """The abstract style (design §3): decodes a code into a trajectory, samples codes, says how likely one is."""
 
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
 
-from torch import Generator, Tensor
+if TYPE_CHECKING:
+    from torch import Generator, Tensor
 
 
 class Style(ABC):
@@ -23,19 +25,19 @@ class Style(ABC):
         """Changes whenever the same code would decode to another stroke."""
 
     @abstractmethod
-    def encode(self, paths: Tensor) -> Tensor:
+    def encode(self, paths: "Tensor") -> "Tensor":
         """Codes (N, K) of the standardised paths (N, n, 2), metres, nearest to them that the style can draw."""
 
     @abstractmethod
-    def decode(self, codes: Tensor) -> Tensor:
+    def decode(self, codes: "Tensor") -> "Tensor":
         """Standardised paths (N, n, 2), metres, of codes (N, K). Pure and differentiable."""
 
     @abstractmethod
-    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample(self, k: int, generator: "Generator") -> "tuple[Tensor, Tensor]":
         """Codes (k, K) and press knots (k, 4) in [0, 1]; all chance comes from the generator."""
 
     @abstractmethod
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
         """As `sample`, a stroke for each of the places (k,) that have room for these lengths, metres.
 
         A style that belongs to nobody fills the room; a hand keeps its own lengths, and its longest stroke goes where
@@ -43,7 +45,7 @@ class Style(ABC):
         """
 
     @abstractmethod
-    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+    def cost(self, codes: "Tensor", press_knots: "Tensor") -> "Tensor":
         """How unlikely each stroke is, (N,), in nats above about the style's likeliest; differentiable."""
 
     @property
@@ -52,5 +54,5 @@ class Style(ABC):
         """How many times as unlikely as its samples the strokes of a plan may be on average; inf binds nobody."""
 
     @abstractmethod
-    def speeds(self, codes: Tensor) -> Tensor | None:
+    def speeds(self, codes: "Tensor") -> "Tensor | None":
         """How fast the hand draws, metres a second at each of the points, (N, n); None where nobody knows."""

@@ -64,7 +64,7 @@ def answers(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
 def recorder(monkeypatch: pytest.MonkeyPatch) -> Recorder:
     """The machine that is now called grbl."""
     robot = Recorder()
-    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.run.scene.machine", lambda word, easel: robot)
     return robot
 
 

@@ -135,7 +135,7 @@ def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
         words.append(word)
         return recorder
 
-    monkeypatch.setattr("maulstick.cli.run.scene.machine", machine)
+    monkeypatch.setattr("maulstick.jobs.run.scene.machine", machine)
     answers(monkeypatch, "\ns\n")
     ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0", "--speed", "40")
     assert ran.code == 130

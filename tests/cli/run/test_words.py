@@ -64,7 +64,7 @@ def test_press_that_a_plotter_does_not_have_is_refused_with_the_flag_that_plans_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = Recorder(LIMITS.model_copy(update={"presses": False}))
-    monkeypatch.setattr("maulstick.cli.run.scene.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.run.scene.machine", lambda word, easel: robot)
     path = tmp_path / "soft.json"
     write_painting(painting_of([line(1, press=(0, 1))], [nominal("round")]), path)
     ran = run("run", path, "--robot", "grbl:/dev/ttyUSB0")

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from maulstick.canvas import Canvas, parse_size
+from maulstick.canvas import Canvas, flat_canvas, parse_size
 from maulstick.cli.brush.fit import fit as fit_trials
-from maulstick.cli.calibrate.camera import canvas_of
-from maulstick.cli.folder import all_or_nothing
-from maulstick.cli.run.asked import Asked
 from maulstick.cli.run.operator import Operator, confirm
-from maulstick.cli.run.simulation import Simulation
 from maulstick.errors import InputError, MachineError, OutputError
+from maulstick.jobs.folder import all_or_nothing
+from maulstick.jobs.run.asked import Asked
+from maulstick.jobs.run.driven_alone import driven_alone
+from maulstick.jobs.run.simulation import Simulation
 from maulstick.medium import BRUSHES, Brush, load_brush
 from maulstick.painting import Painting, Sheet, read_painting, write_painting
 from maulstick.robot.easel import read_easel
@@ -139,7 +139,7 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
         with operator.beside_a_machine_that_rests():
             sight = eye.look()
         for note in sight.notes:
-            operator.say(f"note: {note}")
+            operator.note(note)
         if sight.shift is not None:
             raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
         return sight.image
@@ -153,7 +153,7 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
     robot = machine(asked.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.canvas.width, sheet.canvas.height)
     seeing = open_camera(asked.camera or "") if simulation is None else simulation.camera(tags)
-    with Journal.open(journal_of(path)) as journal, robot, seeing:
+    with driven_alone(asked.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         if journal.revision is None:
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
@@ -161,16 +161,16 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
         if simulation is not None:
             simulation.paint_again(easel, journal.painted)
-        canvas, kept = canvas_of((sheet.canvas.width, sheet.canvas.height)), out / "practice.eye.npz"
+        canvas, kept = flat_canvas(sheet.canvas.width, sheet.canvas.height), out / "practice.eye.npz"
         if kept.exists():
             eye = Eye.opened_again(seeing, canvas, tags, kept, view)
         else:
             eye = Eye.opened(seeing, canvas, tags, view=view)
             eye.write(kept)
-        operator = Operator(console, sheet, robot, len(journal.painted))
+        operator = Operator(console, sheet, robot, len(journal.painted), "the same words go on")
         ask = operator.ask if simulation is None else simulation.ask
         workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=asked.speed)
-        with operator.on_duty("the same words go on"):
+        with operator.on_duty():
             taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     with all_or_nothing(out) as staging:

@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 from maulstick.arrays import Floats
-from maulstick.canvas import Canvas, parse_size
+from maulstick.canvas import flat_canvas, parse_size
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
 from maulstick.files import atomic_write
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
     from maulstick.calibration.camera import View
     from maulstick.robot.tag_frame import TagFrame
-
-FINE, MOST_PX = 5000, 2048
-"""Pixels a metre of a sheet that is made flat, and on its longer side at most."""
 
 
 def camera(
@@ -60,7 +57,7 @@ def camera(
 
     picture, frame = read_picture(photo), TagFrame(*sheet, side=tag * 1e-3)
     view = view_of(picture, frame, corners)
-    flat = view.rectify(picture, canvas_of(sheet))
+    flat = view.rectify(picture, flat_canvas(*sheet))
     if colours is not None:
         flat = read_colours(colours).correct(flat, whites_of(picture, view, frame))
     atomic_write(path, encode_png(flat))
@@ -72,11 +69,6 @@ def camera(
         usual, worst = (1e3 * error for error in view.error)
         print(f"{len(view.tags)} tags: {usual:.2f} mm, at worst {worst:.2f} mm", flush=True)
     print(path, flush=True)
-
-
-def canvas_of(sheet: tuple[float, float]) -> Canvas:
-    """The pixels of a sheet that is made flat."""
-    return Canvas(*sheet, min(FINE, MOST_PX / max(sheet)))
 
 
 def view_of(picture: "NDArray[np.float32]", frame: "TagFrame", corners: str | None) -> "View":

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from maulstick.canvas import parse_size
-from maulstick.cli.calibrate.camera import canvas_of, four_points
+from maulstick.canvas import flat_canvas, parse_size
+from maulstick.cli.calibrate.camera import four_points
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
 from maulstick.palette import parse_colour
@@ -40,7 +40,7 @@ def colours(
         raise InputError("--chart tells all that --grey does; leave one of them out")
     if (chart is None) != (patches is None):
         raise InputError("--chart needs --patches, and the other way round: where on the sheet the chart lies")
-    sheet, canvas = parse_size(size), canvas_of(parse_size(size))
+    sheet, canvas = parse_size(size), flat_canvas(*parse_size(size))
     check_absent(out, "--out", overwrite)
     from maulstick.calibration.camera import locate
     from maulstick.calibration.chart import with_chart, with_grey_card

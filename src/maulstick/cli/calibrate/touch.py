@@ -13,6 +13,7 @@ from rich.console import Console
 from maulstick.canvas import parse_size
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
+from maulstick.jobs.run.driven_alone import driven_alone
 from maulstick.robot.easel import write_easel
 from maulstick.robot.machines import WORDS, machine
 
@@ -56,7 +57,7 @@ def touch(
         "lower left": (0.0, height),
     }
     keys = _keyboard()
-    with machine(robot, None) as arm:
+    with driven_alone(robot), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []

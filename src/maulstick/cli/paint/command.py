@@ -9,9 +9,9 @@ import typer
 
 from maulstick.canvas import parse_size
 from maulstick.cli.folder import check_free
-from maulstick.cli.paint.job import Job, state_files
 from maulstick.errors import InputError, OutputError
 from maulstick.film import Film
+from maulstick.jobs.plan.job import Job, state_files
 from maulstick.picture import FITS
 
 _PAINTS = 12

@@ -8,14 +8,16 @@ from typer import Exit
 
 from maulstick.brush.preview import preview
 from maulstick.cli import STOPPED
-from maulstick.cli.folder import made_folder
-from maulstick.cli.paint.job import Job, state_files
-from maulstick.cli.paint.prepare import Prepared, prepare
-from maulstick.cli.paint.results import print_summary, write_results
-from maulstick.cli.paint.tries import plan_in_processes, plan_with
+from maulstick.cli.paint.summary import print_summary
+from maulstick.cli.paint.tries import plan_in_processes
 from maulstick.cli.watch import Camera, progress_bar, stop_on_interrupt
 from maulstick.errors import InputError
 from maulstick.film import Film
+from maulstick.jobs.folder import made_folder
+from maulstick.jobs.plan.job import Job, state_files
+from maulstick.jobs.plan.keeping import plan_with
+from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.results import write_results
 from maulstick.plan.planner import Progress
 from maulstick.plan.state import read_state
 

@@ -1,4 +1,4 @@
-"""Plans from one seed or several: each keeps a file to go on from, several run in processes of their own."""
+"""Plans from several seeds, each in a process of its own."""
 
 import os
 import signal
@@ -14,44 +14,14 @@ from multiprocessing.synchronize import Event
 from pathlib import Path
 from queue import Empty
 
-from maulstick.cli.paint.job import Job, state_file
-from maulstick.cli.paint.prepare import Prepared, prepare
 from maulstick.errors import OutputError
+from maulstick.jobs.plan.job import Job
+from maulstick.jobs.plan.keeping import plan_with
+from maulstick.jobs.plan.prepare import prepare
 from maulstick.painting import Painting
-from maulstick.plan.photograph import as_painting, with_figures
 from maulstick.plan.planner import Progress
-from maulstick.plan.state import read_state, write_state
 
-_EVERY = 15.0  # seconds between two states on the disk, at least
-_SHARE = 20  # times as long as writing one takes
 _TOLD_EVERY = 0.2  # seconds between two words of a process
-
-Watch = Callable[[Progress], bool]
-
-
-def plan_with(prepared: Prepared, out: Path, asked: Job, watch: Watch) -> Painting:
-    """Plan, or go on with the plan that its file in the folder `out` holds; the file, which says what was asked, stays.
-
-    Once `watch` returns False the file is left as it is, so that going on from there does not hurry.
-    """
-    file, task = state_file(out, prepared.options.seed), asked.as_json()
-    state = read_state(file)[0] if file.is_file() else None
-    due, going = time.monotonic() + _EVERY, True
-
-    def keep(progress: Progress) -> bool:
-        nonlocal due, going
-        wanted = watch(progress)
-        if going and (not wanted or time.monotonic() > due):
-            started = time.monotonic()
-            write_state(file, progress.state(), task)
-            taken = time.monotonic() - started
-            due = time.monotonic() + max(_EVERY, _SHARE * taken)
-        going = going and wanted
-        return wanted
-
-    planned = prepared.plan(keep, state)
-    painting = as_painting(planned, prepared.layout, prepared.brush, prepared.style, prepared.made, prepared.names)
-    return with_figures(painting, prepared.layout, prepared.commission)
 
 
 def plan_in_processes(

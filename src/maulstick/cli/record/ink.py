@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 from maulstick.canvas import parse_length, parse_size
-from maulstick.cli.folder import made_folder
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
+from maulstick.jobs.folder import made_folder
 
 _SMALLEST, _LARGEST = 1e-3, 50.0  # metres
 

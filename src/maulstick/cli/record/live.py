@@ -8,11 +8,12 @@ import typer
 from rich.console import Console
 from rich.status import Status
 
-from maulstick.cli.folder import check_absent, made_folder
+from maulstick.cli.folder import check_absent
 from maulstick.cli.record import options
 from maulstick.cli.record.writing import beside, check_outs, write_drawing
 from maulstick.cli.watch import stop_on_interrupt
 from maulstick.errors import InputError, MaulstickError
+from maulstick.jobs.folder import made_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from maulstick.cli.folder import made_folder
 from maulstick.cli.record import options
 from maulstick.cli.record.writing import check_outs, write_drawing
+from maulstick.jobs.folder import made_folder
 
 
 def motive(

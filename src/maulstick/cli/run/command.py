@@ -76,8 +76,9 @@ def run(
         raise InputError("--unfinished is about the stroke that an earlier run began; it goes with --resume")
     if unfinished is not None and unfinished not in UNFINISHED:
         raise InputError.of_choice("answer to --unfinished", unfinished, UNFINISHED)
-    from maulstick.cli.run.asked import Asked
     from maulstick.cli.run.job import Job, paint
+    from maulstick.jobs.run.asked import Asked
+    from maulstick.jobs.run.session import Errand
 
     asked = Asked(
         robot=robot,
@@ -85,6 +86,7 @@ def run(
         tray=tray,
         speed=None if speed is None else speed * 1e-3,
         replan=replan,
+        look=None if replan is None else False,
         camera=camera,
         picture=picture,
         view=view,
@@ -93,4 +95,4 @@ def run(
     )
     asked.check()
     answer = None if unfinished is None else UNFINISHED[unfinished]
-    paint(Job(painting, asked, dry_run, from_stroke, resume, answer, anew))
+    paint(Job(Errand(painting, asked, from_stroke, resume, anew), dry_run, answer))

@@ -5,6 +5,9 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import ceil
+from pathlib import Path
+from typing import final
 
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
@@ -13,24 +16,29 @@ from typer import Exit
 
 from maulstick.cli import STOPPED
 from maulstick.errors import InputError, MachineError
+from maulstick.jobs.run.person import Person
+from maulstick.jobs.run.session import Outlook
 from maulstick.painting import Painting
-from maulstick.robot.execute import Pause, Progress
+from maulstick.robot.execute import Progress
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Ask, Care, Draw
 
 _LOOK = 0.05  # seconds between two looks at the keyboard
 
 
-class Operator:
-    """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses."""
+@final
+class Operator(Person):
+    """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses.
 
-    def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int) -> None:
-        self.pause = Pause()
-        self._stopped = False
-        self._console, self._paints, self._robot = console, painting.paints, robot
+    painted: strokes that are there already.  what_next: what they are told where it ends early.
+    """
+
+    def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int, what_next: str) -> None:
+        super().__init__(robot)
+        self._console, self._paints, self._what_next = console, painting.paints, what_next
         self._strokes = painted
         self._drawn = 0.0  # metres, before the last photograph
-        self._asking = self._resting = False
+        self._asking = False
         self._keyboard = threading.Lock()
         columns = (
             TextColumn("{task.description}"),
@@ -42,25 +50,29 @@ class Operator:
         self._bars = Bars(*columns, console=console)
         self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
 
-    @contextmanager
-    def on_duty(self, what_next: str) -> Iterator[None]:
-        """While it lasts there is a progress bar, and keys and signals reach the machine.
+    def expect(self, outlook: Outlook) -> None:
+        """As in `Person`."""
+        self.say(in_words(outlook))
 
-        Where it ends early, the person is told `what_next`; where they wanted that, the command ends there.
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """As in `Person`: there is a progress bar, and keys and signals reach the machine.
+
+        Where it ends early, they are told what is next; where they wanted that, the command ends there.
         """
         over = threading.Event()
         keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
         before = {
-            number: signal.signal(number, self._interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+            number: signal.signal(number, self.interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
         }
         keys.start()
         try:
             with self._bars:
                 yield
         except (MachineError, KeyboardInterrupt) as error:
-            pen = "with the pen lifted" if self._robot.lifted else "and the pen may still be down: lift it by hand"
-            self.say(f"stopped, {pen}; {what_next}")
-            if isinstance(error, StoppedError | KeyboardInterrupt) and self._stopped:
+            pen = "with the pen lifted" if self.robot.lifted else "and the pen may still be down: lift it by hand"
+            self.say(f"stopped, {pen}; {self._what_next}")
+            if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
                 raise Exit(STOPPED) from None
             raise
         finally:
@@ -70,7 +82,7 @@ class Operator:
                 signal.signal(number, handler)
 
     def watch(self, progress: Progress) -> None:
-        """Show where painting is."""
+        """As in `Person`."""
         match progress.action:
             case Draw():
                 self._strokes += 1
@@ -112,31 +124,23 @@ class Operator:
             self._bars.start()
 
     def say(self, sentence: str) -> None:
-        """Tell the person."""
+        """Tell them."""
         self._console.print(sentence, soft_wrap=True)
 
-    @contextmanager
-    def beside_a_machine_that_rests(self) -> Iterator[None]:
-        """While it lasts a stop interrupts whatever else is done."""
-        self._resting = True
-        try:
-            if self._stopped:
-                raise KeyboardInterrupt
-            yield
-        finally:
-            self._resting = False
+    def note(self, sentence: str) -> None:
+        """As in `Person`."""
+        self.say(f"note: {sentence}")
 
-    def stop(self) -> None:
-        """Stop the machine."""
-        self._stopped = True
-        self._robot.stop()
-        if self.pause.held:
-            self.pause.toggle()
+    def show(self, photograph: Path) -> None:
+        """A terminal shows no pictures."""
 
-    def _interrupt(self, *_: object) -> None:
-        self.stop()
-        if self._resting:
-            raise KeyboardInterrupt
+    def leave(self, photograph: Path) -> None:
+        """As in `Person`."""
+        print(photograph, flush=True)
+
+    def wants_a_look(self) -> bool:
+        """Never: the camera looks after every so many strokes."""
+        return False
 
     def _listen(self, over: threading.Event) -> None:
         if not sys.stdin.isatty():
@@ -159,6 +163,19 @@ class Operator:
             elif key == " ":
                 self.pause.toggle()
                 self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
+
+
+def in_words(outlook: Outlook) -> str:
+    """What a run will come to."""
+    if not outlook.strokes:
+        return "all strokes are painted"
+    what = f"{_counted(outlook.strokes, 'stroke')}, {1e3 * outlook.metres:.0f} mm"
+    painted = f"; {outlook.painted} are painted" if outlook.painted else ""
+    return f"{what}, {_counted(outlook.paints, 'paint')}, about {ceil(outlook.seconds / 60)} min{painted}"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _clock(seconds: float) -> str:

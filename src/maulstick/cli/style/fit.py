@@ -14,6 +14,7 @@ from maulstick.arrays import kind_of
 from maulstick.errors import InputError
 from maulstick.ink import read_ink
 from maulstick.strokes import POINTS, Strokes, path_lengths, read_strokes
+from maulstick.style.cards import STYLES
 
 if TYPE_CHECKING:
     from maulstick.style.hand import Floats, Hand
@@ -48,7 +49,7 @@ def fit(
     if len(files) != len({file.resolve() for file in files}):
         raise InputError("a file is named twice, and its strokes would count twice; name each file once")
     from maulstick.style.hand import Hand  # these load torch
-    from maulstick.style.store import STYLES, write_style
+    from maulstick.style.store import write_style
 
     STYLES.check_own_name(name, overwrite)
     started = time.monotonic()

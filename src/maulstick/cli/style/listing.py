@@ -5,12 +5,11 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
+from maulstick.style.cards import STYLES, read_card
 
 
 def list_styles() -> None:
     """List the styles that come with Maulstick, and your own."""
-    from maulstick.style.store import STYLES, read_card  # loads torch
-
     table = Table()
     for column in ("name", "kind", "strokes", "from"):
         table.add_column(column, justify="right" if column == "strokes" else "left", overflow="fold")

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from maulstick.errors import InputError
-from maulstick.style.store import Fitted, read_style, style_path
+from maulstick.style.cards import style_path
+from maulstick.style.store import Fitted, read_style
 
 
 def read_fitted(names: Sequence[str]) -> list[Fitted]:

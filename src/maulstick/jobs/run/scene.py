@@ -4,8 +4,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from maulstick.cli.run.asked import Asked
-from maulstick.cli.run.simulation import Simulation
+from maulstick.jobs.run.asked import Asked
+from maulstick.jobs.run.simulation import Simulation
 from maulstick.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
 from maulstick.robot.machines import machine
@@ -14,7 +14,7 @@ from maulstick.robot.sequence import sequenced
 from maulstick.robot.tray import Tray, read_tray
 
 if TYPE_CHECKING:
-    from maulstick.cli.run.eyes import Watching
+    from maulstick.jobs.run.eyes import Watching
 
 
 @dataclass(frozen=True)

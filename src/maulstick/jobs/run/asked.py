@@ -10,14 +10,17 @@ from maulstick.errors import InputError
 from maulstick.medium import first_fault
 
 if TYPE_CHECKING:
-    from maulstick.cli.run.eyes import Watching
+    from maulstick.jobs.run.eyes import Watching
 
 _TAG = 0.02  # metres
 _SLOWEST, _FASTEST = 1e-4, 10.0  # metres a second
 
 
 class Asked(BaseModel):
-    """The words that were said; lengths in metres. replan: strokes between two photographs, 0 for none any more."""
+    """The words that were said; lengths in metres.
+
+    replan: strokes between two photographs, 0 for none any more.  look: whether a person may ask for one at any time.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -26,6 +29,7 @@ class Asked(BaseModel):
     tray: Path | None = None
     speed: float | None = None
     replan: int | None = None
+    look: bool | None = None
     camera: str | None = None
     picture: Path | None = None
     view: Path | None = None
@@ -77,7 +81,7 @@ class Asked(BaseModel):
 
     def watching(self) -> "Watching | None":
         """How the sheet is looked at on the way, if it is. Raises InputError where words for that are missing."""
-        if not self.replan:
+        if not (self.replan or self.look):
             if self.replan is None and (self.camera, self.picture, self.view, self.colours) != (None,) * 4:
                 raise InputError(
                     "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
@@ -90,9 +94,9 @@ class Asked(BaseModel):
                 raise InputError("the simulated easel has a camera of its own; leave out --camera")
         elif self.camera is None:
             raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
-        from maulstick.cli.run.eyes import Watching
+        from maulstick.jobs.run.eyes import Watching
 
-        return Watching(self.camera, self.replan, self.picture, self.view, self.tag_side, self.colours)
+        return Watching(self.camera, self.replan or 0, self.picture, self.view, self.tag_side, self.colours)
 
 
 def _kind(robot: str) -> str:

@@ -1,7 +1,7 @@
 """From what was asked to what the planner is asked: files are read, and nothing is planned yet."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from maulstick.canvas import Canvas, parse_size
-from maulstick.cli.paint.job import Job, sum_of
 from maulstick.errors import InputError
+from maulstick.jobs.plan.job import Job, sum_of
 from maulstick.medium import Brush, load_brush
 from maulstick.painting import Making, Sheet, hex_colour
 from maulstick.paints import NamedPaint, read_paints
@@ -62,6 +62,14 @@ class Prepared:
             network=self.network,
             resume=resume,
         )
+
+    def weighed(self, weights: Mapping[str, float]) -> "Prepared":
+        """The same with other weights of the terms. Raises InputError for weights that cannot be."""
+        wishes = replace(self.wishes, weights=weights)
+        told = wishes.weights_of_terms(has_picture=self.layout.target is not None)
+        made = self.made.model_copy(update={"options": {**self.made.options, "weights": told}})
+        commission = commission_of(self.layout, self.brush, self.style, self.options, wishes, self.network)
+        return replace(self, wishes=wishes, made=made, commission=commission)
 
 
 def prepare(job: Job) -> Prepared:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from maulstick.calibration.camera import read_view
 from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
-from maulstick.cli.calibrate.camera import canvas_of
-from maulstick.cli.run.operator import Operator
+from maulstick.canvas import flat_canvas
 from maulstick.errors import InputError
 from maulstick.files import atomic_write, file_sum
+from maulstick.jobs.run.person import Person
 from maulstick.painting import Painting
 from maulstick.picture import encode_png, read_picture
 from maulstick.robot.camera import open_camera
@@ -25,7 +25,7 @@ from maulstick.robot.tag_frame import TagFrame
 from maulstick.robot.workplace import Workplace
 
 if TYPE_CHECKING:
-    from maulstick.cli.run.scene import Scene
+    from maulstick.jobs.run.scene import Scene
 
 Image = NDArray[np.float32]
 
@@ -34,8 +34,9 @@ _READ_PX = 4096
 
 @dataclass(frozen=True)
 class Watching:
-    """camera: its word, None for the simulated easel's.  every: strokes between two photographs.
+    """camera: its word, None for the simulated easel's.
 
+    every: strokes between two photographs, 0 for those alone that a person asks for.
     picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.
     tag: the side of a tag's black square, metres.  colours: the file that a chart was learnt into.
     """
@@ -64,7 +65,7 @@ class Watching:
         """The camera, as an eye that has seen the bare sheet, in this run or in the one that this goes on with."""
         plan, tags = scene.plan, self._tags(scene.plan)
         view = None if self.view is None else read_view(self.view)
-        canvas, kept = canvas_of((plan.canvas.width, plan.canvas.height)), _beside(journal, ".eye.npz")
+        canvas, kept = flat_canvas(plan.canvas.width, plan.canvas.height), _beside(journal, ".eye.npz")
         if journal.revision is not None and not kept.exists():
             raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
         with (
@@ -77,7 +78,7 @@ class Watching:
             eye.write(kept)
             yield eye
 
-    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator) -> None:
+    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, person: Person) -> None:
         """Paint what is left of the plan, and plan again on the way."""
         from maulstick.loop import paint_by_eye, replanned
 
@@ -85,18 +86,23 @@ class Watching:
         journal, first = workplace.journal, workplace.easel
 
         def look() -> tuple[Image, Easel]:
-            with operator.beside_a_machine_that_rests():
+            with person.beside_a_machine_that_rests():
                 sight = eye.look()
             for note in sight.notes:
-                operator.say(f"note: {note}")
-            atomic_write(_beside(journal, f".r{journal.revisions}.png"), encode_png(sight.image))
+                person.note(note)
+            photograph = _beside(journal, f".r{journal.revisions}.png")
+            atomic_write(photograph, encode_png(sight.image))
+            person.show(photograph)
             return sight.image, sight.easel(first, eye.canvas)
 
         def again(painting: Painting, photograph: Image) -> Painting:
-            with operator.beside_a_machine_that_rests():
+            with person.beside_a_machine_that_rests():
                 return replanned(painting, journal.painted, photograph, picture)
 
-        paint_by_eye(plan, workplace, look, again, every=self.every)
+        def enough(painted: int) -> bool:
+            return painted == self.every or person.wants_a_look()
+
+        paint_by_eye(plan, workplace, look, again, enough)
 
     def _tags(self, plan: Painting) -> TagFrame:
         return TagFrame(plan.canvas.width, plan.canvas.height, side=self.tag)

@@ -1,0 +1,107 @@
+"""How quick the studio's page is, by itself and while a plan is made: one JSON object a line.
+
+    .venv/bin/python benchmarks/studio.py
+
+name: `start`: from the command to the link.
+`page`: from its address to a page with its panel built and its socket open, a browser that has never seen it; `again`:
+    the same browser once more.
+`stop`: from a click on STOP to the server's answer.
+`busy` is whether a picture of 1,000 strokes is planned meanwhile. seconds: the median of so many `runs`; worst: the
+    longest of them.
+"""
+
+import json
+import re
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
+from tests.studio.conftest import RunningStudio
+
+RUNS = 9
+PANELS = ("/", "/styles", "/plan", "/paints", "/paint", "/survey")
+
+
+def tell(name: str, seconds: list[float], **more: object) -> None:
+    row = {"name": name, **more, "seconds": round(median(seconds), 3), "worst": round(max(seconds), 3)}
+    print(json.dumps({**row, "runs": len(seconds)}), flush=True)
+
+
+def timed(act: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    act()
+    return time.perf_counter() - began
+
+
+def shown(page: Page, address: str) -> float:
+    def come() -> None:
+        page.goto(address)
+        page.wait_for_selector(".panel h1")
+        page.wait_for_function("window.socket && window.socket.connected")
+
+    return timed(come)
+
+
+def pages(studio: RunningStudio, browser: Browser, busy: bool) -> None:
+    for panel in PANELS:
+        first, again = [], []
+        for _ in range(RUNS):
+            context = browser.new_context()
+            page = context.new_page()
+            first.append(shown(page, studio.url + panel))
+            again.append(shown(page, studio.url + panel))
+            context.close()
+        tell("page", first, panel=panel, busy=busy)
+        tell("again", again, panel=panel, busy=busy)
+
+
+def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
+    page = browser.new_page()
+    shown(page, studio.url)
+
+    def stop() -> None:
+        with page.expect_response(re.compile("/stop$")):
+            page.get_by_role("button", name="STOP").click()
+
+    tell("stop", [timed(stop) for _ in range(RUNS)], busy=busy)
+    page.close()
+
+
+@contextmanager
+def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
+    page = browser.new_page()
+    page.goto(f"{studio.url}/plan")
+    page.get_by_role("button", name="Use the portrait").click()
+    expect(page.get_by_role("radio", name="portrait")).to_be_visible(timeout=60_000)
+    page.get_by_label("Strokes", exact=True).fill("1000")
+    page.get_by_label("How long").click()
+    page.get_by_role("option", name=re.compile("Fine")).click()
+    page.get_by_role("button", name="Plan it").click()
+    expect(page.locator(".plan .compare img").first).to_have_attribute("src", re.compile("/live/"), timeout=60_000)
+    page.close()
+    yield
+
+
+if __name__ == "__main__":
+    chromium = shutil.which("chromium")
+    with TemporaryDirectory() as root, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        began = time.perf_counter()
+        studio = RunningStudio(Path(root))
+        tell("start", [time.perf_counter() - began])
+        shown(browser.new_page(), studio.url)  # the first of all also loads the browser
+        pages(studio, browser, busy=False)
+        stops(studio, browser, busy=False)
+        with planning(studio, browser):
+            pages(studio, browser, busy=True)
+            stops(studio, browser, busy=True)
+        studio.close()
+        browser.close()

@@ -1,0 +1,91 @@
+"""``maulstick survey``: links for the participants of a survey, their pages, and what came out."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.errors import InputError
+from maulstick.files import atomic_write
+from maulstick.survey.answers import Answers
+from maulstick.survey.questionnaire import read_survey
+
+
+def survey(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The survey's folder, with survey.json.")],
+    links: Annotated[
+        int | None, typer.Option(metavar="N", help="Make links for N more participants, print them, and end.")
+    ] = None,
+    results: Annotated[
+        bool, typer.Option("--results", metavar="", help="Print the results, write DIR/answers.csv, and end.")
+    ] = False,
+    host: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="This computer's address, as participants reach it.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(metavar="PORT", help="Where it listens, from 1 to 65535.")] = 8338,
+) -> None:
+    """Ask people about drawings: serve a survey's pages until Ctrl-C.
+
+    Every participant needs a link of their own: `--links 20` makes twenty. It leads to their questions and to nothing
+    else. Answers are kept in DIR/answers.sqlite.
+    """
+    if not 1 <= port <= 65535:
+        raise InputError.of_range("the port", port, "from 1 to 65535")
+    if results and links is not None:
+        raise InputError("--links and --results were both given; run one after the other")
+    read_survey(folder)
+    if results:
+        _print_results(folder)
+    elif links is not None:
+        for token in Answers(folder).mint(links):
+            print(_link(host, port, token))
+    else:
+        _serve(folder, host, port)
+
+
+def _serve(folder: Path, host: str, port: int) -> None:
+    try:
+        from maulstick.survey.serve import listening, serve
+    except ImportError:
+        raise InputError("a web server is needed, and not installed; run: pip install 'maulstick[studio]'") from None
+    people = Answers(folder).participants()
+    if not people:
+        raise InputError(f"nobody has a link to {folder} yet; make some with --links 20, then run this again")
+    with listening(host, port) as at:
+        waiting = [person for person in people if not person.finished]
+        for person in waiting:
+            print(_link(host, port, person.token))
+        print(f"{len(people) - len(waiting)} of {len(people)} participants have finished; Ctrl-C ends", flush=True)
+        serve(folder, at)
+
+
+def _print_results(folder: Path) -> None:
+    from maulstick.survey.results import Rows, answers_csv, matching_rows, opinions_rows, right_rows
+    from maulstick.survey.results import results as results_of
+
+    def show(title: str, told: Rows) -> None:
+        table = Table(title=title, title_justify="left")
+        for number, head in enumerate(told.heads):
+            table.add_column(Text(head), justify="right" if number else "left", overflow="fold")
+        for row in told.rows:
+            table.add_row(*map(Text, row))
+        console.print(table)
+
+    found = results_of(folder)
+    console = Console()
+    print(f"{found.links} links, {found.begun} began, {found.finished} finished")
+    if found.matching is not None:
+        show("Which hand was chosen", matching_rows(found.matching))
+        show("How often it was the right one", right_rows(found.matching))
+    if found.systems is not None:
+        show("Opinions", opinions_rows(found.systems, found.opinions))
+    out = folder / "answers.csv"
+    atomic_write(out, answers_csv(Answers(folder).all()))
+    print(out, flush=True)
+
+
+def _link(host: str, port: int, token: str) -> str:
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}/{token}"

@@ -1,0 +1,1 @@
+"""What can be asked in words, and is done by files: planning and painting, whoever asks for it."""

@@ -1,0 +1,1 @@
+"""Painting: what was asked of the machine, and what stands ready for it."""

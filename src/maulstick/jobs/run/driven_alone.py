@@ -1,0 +1,51 @@
+"""One machine is driven by one Maulstick at a time, whichever painting it paints."""
+
+import hashlib
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+from platformdirs import user_data_path
+
+from maulstick.errors import InputError, OutputError
+
+
+@contextmanager
+def driven_alone(word: str) -> Iterator[None]:
+    """While it lasts no other process drives the machine of that word; there are as many simulated ones as one likes.
+
+    Raises InputError where another drives it, OutputError where that cannot be written down.
+    """
+    if word.startswith("sim"):
+        yield
+        return
+    folder = user_data_path("maulstick", appauthor=False) / "machines"
+    name = hashlib.sha256(_place(word).encode()).hexdigest()
+    lock = FileLock(folder / f"{name}.lock", timeout=0)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout:
+        raise InputError(f"another maulstick drives {word}; wait until it has finished, or stop it there") from None
+    except OSError as error:
+        raise OutputError(f"cannot write into {folder}: {error.strerror}; mend that, and try again") from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _place(word: str) -> str:
+    """Where the machine is, by whatever name: its port, or its number in the network."""
+    kind, _, address = word.partition(":")
+    if not address:
+        return kind
+    port = Path(address.partition("@")[0])
+    if port.exists():
+        return str(port.resolve())
+    try:
+        return socket.gethostbyname(address)
+    except (OSError, UnicodeError):
+        return address.lower()

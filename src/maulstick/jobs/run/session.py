@@ -1,0 +1,174 @@
+"""A run: from what was asked to a machine that paints, and what it will come to."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from glob import escape
+from itertools import count
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from maulstick.arrays import Floats
+from maulstick.errors import InputError, OutputError
+from maulstick.jobs.run.asked import Asked
+from maulstick.jobs.run.driven_alone import driven_alone
+from maulstick.jobs.run.person import Person
+from maulstick.jobs.run.scene import Scene
+from maulstick.painting import Painting, read_painting
+from maulstick.robot.journal import Journal, journal_of, locked
+from maulstick.robot.routine import Action, Draw, drawn_metres, routine, seconds_of
+from maulstick.robot.workplace import Workplace
+
+
+@dataclass(frozen=True)
+class Errand:
+    """What is to be painted, and how.
+
+    from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
+    anew: on a new sheet, whatever the journal says, which is kept.
+    """
+
+    painting: Path
+    asked: Asked
+    from_stroke: int | None = None
+    resume: bool = False
+    anew: bool = False
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What a run will come to.
+
+    strokes, metres, seconds: that are left, without what people have to do.  painted: strokes that are there already.
+    paints: of the whole painting.
+    """
+
+    strokes: int
+    metres: float
+    seconds: float
+    painted: int
+    paints: int
+
+    @classmethod
+    def of(cls, actions: Sequence[Action], scene: Scene, place: Floats) -> Self:
+        """Of a routine for a machine whose tip is at `place` (3,)."""
+        strokes = sum(isinstance(action, Draw) for action in actions)
+        seconds = float(seconds_of(actions, scene.robot.limits, place).sum())
+        whole = scene.plan
+        return cls(strokes, drawn_metres(actions), seconds, len(whole.strokes) - strokes, len(whole.paints))
+
+
+def rehearse(errand: Errand) -> Outlook:
+    """Everything but motion: the machine is asked for its limits. Raises what `paint` would."""
+    plan = _plan_of(errand)
+    if not errand.resume:
+        scene = Scene.of(errand.asked, plan)
+        return _rehearsed(scene, scene.first(errand.from_stroke))
+    with _reopened(errand) as (scene, journal):
+        return _rehearsed(scene, journal.painted)
+
+
+def paint(
+    errand: Errand, is_painted: Callable[[int], bool], person_beside: Callable[[Scene, Collection[int]], Person]
+) -> None:
+    """Paint, or go on painting, until nothing is left or somebody stops it.
+
+    is_painted: whether the stroke with this id, which was under the brush when an earlier run ended, is on the paper.
+    person_beside: the machine of a scene on which these strokes are painted.
+    Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
+    """
+    plan, path = _plan_of(errand), journal_of(errand.painting)
+    if not errand.resume:
+        scene = Scene.of(errand.asked, plan)
+        with driven_alone(errand.asked.machine):
+            _make_room(path, errand)
+            with Journal.open(path) as journal:
+                _paint(errand, scene, journal, person_beside)
+        return
+    with _reopened(errand) as (scene, journal), driven_alone(scene.asked.machine):
+        if (stroke := journal.unfinished) is not None:
+            (journal.end if is_painted(stroke) else journal.again)(stroke)
+        _paint(errand, scene, journal, person_beside)
+
+
+def _plan_of(errand: Errand) -> Painting:
+    plan, number = read_painting(errand.painting), errand.from_stroke
+    if not plan.strokes:
+        raise InputError(f"{errand.painting} has no strokes; plan it again with more")
+    if number is not None and not 1 <= number <= len(plan.strokes):
+        raise InputError.of_range("--from-stroke", number, f"1 to the {len(plan.strokes)} strokes")
+    return plan
+
+
+@contextmanager
+def _reopened(errand: Errand) -> Iterator[tuple[Scene, Journal]]:
+    path = journal_of(errand.painting)
+    if not path.exists():
+        raise InputError(f"there is no journal {path}; nothing was begun, so leave out --resume")
+    with Journal.open(path) as journal:
+        if journal.revision is None:
+            raise InputError(f"the journal {path} is empty; nothing was begun, so leave out --resume")
+        yield Scene.of(errand.asked.after(journal.words), read_painting(journal.painting())), journal
+
+
+def _make_room(path: Path, errand: Errand) -> None:
+    """For a new journal."""
+    if not path.exists() or path.stat().st_size == 0:
+        return
+    if not errand.anew:
+        raise InputError(
+            f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --anew"
+        )
+    stem = errand.painting.stem
+    kept = next(folder for i in count(1) if not (folder := path.with_name(f"{stem}.run{i}")).exists())
+    with locked(path):
+        try:
+            kept.mkdir()
+            beside = (f"{escape(stem)}.r[0-9]*.*", f"{escape(stem)}.eye.npz", path.name)
+            for old in [found for name in beside for found in path.parent.glob(name)]:
+                old.rename(kept / old.name)
+        except OSError as error:
+            raise OutputError(f"cannot move {path} to {kept}: {error.strerror}; do, and run again") from error
+
+
+def _rehearsed(scene: Scene, done: Collection[int]) -> Outlook:
+    with driven_alone(scene.asked.machine):
+        scene.robot.ask_limits()
+    actions = routine(scene.plan, scene.easel, scene.robot.limits, scene.tray, speed=scene.asked.speed, done=done)
+    return Outlook.of(actions, scene, scene.easel.canvas_to_machine(np.zeros(3)))
+
+
+def _paint(
+    errand: Errand,
+    scene: Scene,
+    journal: Journal,
+    person_beside: Callable[[Scene, Collection[int]], Person],
+) -> None:
+    first = scene.first(errand.from_stroke)
+    done = {*first, *journal.painted}
+    scene.paint_again(done)
+    person = person_beside(scene, done)
+    with ExitStack() as stack:
+        with person.beside_a_machine_that_rests():
+            eye = stack.enter_context(scene.watching.opened(scene, journal)) if scene.watching is not None else None
+        robot = stack.enter_context(scene.robot)
+        actions = routine(scene.plan, scene.easel, robot.limits, scene.tray, speed=scene.asked.speed, done=done)
+        person.expect(Outlook.of(actions, scene, robot.place))
+        if not actions:
+            return
+        if journal.revision is None:
+            journal.revise(errand.painting, painted=first)
+        journal.tell(scene.asked.words)
+        ask = person.ask if scene.simulation is None else scene.simulation.ask
+        place = Workplace(robot, scene.easel, journal, ask, person.watch, person.pause, scene.tray, scene.asked.speed)
+        try:
+            with person.on_duty():
+                if scene.watching is None or eye is None:
+                    place.do(actions)
+                else:
+                    scene.watching.paint(scene.plan, place, eye, person)
+        finally:
+            if scene.simulation is not None:
+                person.leave(scene.simulation.write_photograph(errand.painting))

@@ -1,0 +1,1 @@
+"""The studio: one web page from a hand to a painting."""

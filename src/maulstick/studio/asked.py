@@ -1,0 +1,64 @@
+"""What the page asks for beside its socket: pictures by the names of things, and that the machine stop."""
+
+from fastapi import APIRouter, Request
+from starlette.responses import FileResponse, Response
+
+from maulstick.errors import InputError
+from maulstick.studio.planner import TARGET
+from maulstick.studio.studio import Studio
+
+asked = APIRouter()
+
+_FRESH = {"Cache-Control": "no-cache"}
+_SHOWN = {
+    "plans": {"preview.png", "palette.png", "painting-painted.png", TARGET},
+    "pictures": {"small.jpg"},
+    "hands": {"hand.png"},
+}
+_MOST_FRAMES = 100  # of two digits
+_TO_TAKE = {"plans": {"painting.json", "painting.svg", "preview.png"}}
+
+
+@asked.get("/picture/{kind}/{name}/{file}")
+def picture(kind: str, name: str, file: str, request: Request) -> Response:
+    """A picture of something in the studio's folder."""
+    return _file(request, kind, name, file if file in _SHOWN.get(kind, ()) else None)
+
+
+@asked.get("/picture/plans/{name}/order/{number}.jpg")
+def order(name: str, number: int, request: Request) -> Response:
+    """The first strokes of a plan."""
+    return _file(request, "plans", name, f"order/{number:02}.jpg" if 0 <= number < _MOST_FRAMES else None)
+
+
+@asked.get("/file/{kind}/{name}/{file}")
+def to_take(kind: str, name: str, file: str, request: Request) -> Response:
+    """A file to keep, which no browser opens in place."""
+    return _file(request, kind, name, file if file in _TO_TAKE.get(kind, ()) else None, save_as=f"{name}-{file}")
+
+
+@asked.get("/live/{name}/{seen}")
+async def live(name: str, seen: int, request: Request) -> Response:
+    """The canvas of a plan that is being made; seen: makes each another address."""
+    plan = request.app.state.studio.plans.plans.get(name)
+    if plan is None or not plan.canvas:
+        return Response(status_code=404)
+    return Response(plan.canvas, media_type="image/jpeg", headers=_FRESH)
+
+
+@asked.post("/stop")
+async def stop(request: Request) -> Response:
+    """Stop the machine at once."""
+    request.app.state.studio.run.stop()
+    return Response(status_code=204)
+
+
+def _file(request: Request, kind: str, name: str, file: str | None, save_as: str | None = None) -> Response:
+    studio: Studio = request.app.state.studio
+    try:
+        path = studio.folder.of(kind, name) / (file or "")
+    except InputError:
+        return Response(status_code=404)
+    if file is None or not path.is_file() or not path.resolve().is_relative_to((studio.folder.root / kind).resolve()):
+        return Response(status_code=404)  # a link in there may lead anywhere
+    return FileResponse(path, filename=save_as, headers=_FRESH)

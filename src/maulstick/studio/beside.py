@@ -1,0 +1,156 @@
+"""Whoever sits before the studio's page, as the machine sees them, in the process that drives it."""
+
+import io
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+from PIL import Image as Pillow
+
+from maulstick.jobs.run.person import Person
+from maulstick.jobs.run.scene import Scene
+from maulstick.light import Image
+from maulstick.picture import read_picture
+from maulstick.robot.execute import Progress
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.routine import Ask, Care, Draw
+from maulstick.studio.painter import PAINTING, PLANNING, Asking, Going, Note, Photograph
+from maulstick.studio.process import Line
+
+if TYPE_CHECKING:
+    from maulstick.jobs.run.session import Outlook
+
+_GLANCE = 0.05  # seconds between two looks at what they want
+_SHOW = 0.25  # seconds between two words about where painting is
+_PHOTOGRAPH = 1.0  # seconds between two pictures of a simulated sheet
+_LONGEST_PX = 1280
+_CARE = {"rinse": "rinsing the brush", "wipe": "wiping the brush", "dip": "taking up paint"}
+_MOVING = {PAINTING, *_CARE.values()}
+
+
+@dataclass(frozen=True)
+class _Moment:
+    going: Going
+    since: float
+
+
+@final
+class Beside(Person):
+    """Says over the line what they are to see, and hears what they want.
+
+    painted: strokes that are there already.  done: set once they have done what they were asked for.
+    """
+
+    def __init__(self, line: Line, scene: Scene, painted: int) -> None:
+        super().__init__(scene.robot)
+        self.done = threading.Event()
+        self._line, self._scene = line, scene
+        self._stroke, self._strokes = painted, len(scene.plan.strokes)
+        self._is_planned_again = self._wants_a_look = False
+        self._drawn = 0.0  # metres, before the last look
+        self._moment: _Moment | None = None
+        self._sheet: Image | None = None  # that is not shown yet
+        self._photograph_due = 0.0
+
+    def expect(self, outlook: "Outlook") -> None:
+        """As in `Person`."""
+        self._line.say(outlook)
+
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """As in `Person`."""
+        if self.stopped:  # while the machine was connected, which forgets that
+            raise StoppedError
+        over = threading.Event()
+        showing = threading.Thread(target=self._keep_showing, args=(over,), daemon=True)
+        showing.start()
+        try:
+            yield
+        finally:
+            over.set()
+            showing.join()
+
+    def watch(self, progress: Progress) -> None:
+        """As in `Person`."""
+        paint = None if progress.action is None else progress.action.paint
+        match progress.action:
+            case Draw():
+                self._stroke += 1
+                doing = PAINTING
+            case Care(what=what):
+                doing = _CARE[what]
+            case Ask():
+                doing = "waiting for you"
+            case None:
+                doing = "finishing" if self._scene.watching is None else "looking at the sheet"
+        drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
+        if progress.action is None:
+            self._drawn = drawn
+        strokes = None if self._is_planned_again else self._strokes
+        going = Going(doing, self._stroke, strokes, drawn, metres, progress.left, paint, progress.next_paint)
+        self._moment = _Moment(going, time.monotonic())
+        if self._scene.simulation is not None and time.monotonic() > self._photograph_due:
+            self._sheet = self._scene.simulation.robot.sheet.image()
+            self._photograph_due = time.monotonic() + _PHOTOGRAPH
+
+    def ask(self, action: Ask) -> None:
+        """As in `Person`."""
+        self.done.clear()
+        self._line.say(Asking(action.message))
+        while not (self.done.wait(_GLANCE) or self.stopped):
+            pass
+        self._line.say(Asking(None))
+
+    def note(self, sentence: str) -> None:
+        """As in `Person`."""
+        self._line.say(Note(sentence))
+
+    def show(self, photograph: Path) -> None:
+        """As in `Person`; what comes next is the plan."""
+        self.leave(photograph)
+        self._is_planned_again = True
+        if (moment := self._moment) is not None:
+            going = replace(moment.going, doing=PLANNING, strokes=None)
+            self._moment = _Moment(going, time.monotonic())
+
+    def leave(self, photograph: Path) -> None:
+        """As in `Person`."""
+        self._line.say(Photograph(_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
+
+    def wants_a_look(self) -> bool:
+        """As in `Person`."""
+        wanted, self._wants_a_look = self._wants_a_look, False
+        return wanted
+
+    def look_after_this_stroke(self) -> None:
+        """They want the camera to look now."""
+        self._wants_a_look = True
+
+    def _keep_showing(self, over: threading.Event) -> None:
+        while not over.wait(_SHOW):
+            self._say_where_it_is()
+            if (sheet := self._sheet) is not None:
+                self._sheet = None
+                self._line.say(Photograph(_jpeg(sheet)))
+        self._say_where_it_is()
+
+    def _say_where_it_is(self) -> None:
+        if (moment := self._moment) is None:
+            return
+        moves = moment.going.doing in _MOVING and not self.pause.held
+        passed = time.monotonic() - moment.since if moves else 0.0
+        self._line.say(replace(moment.going, left=max(moment.going.left - passed, 0.0)))
+
+
+def _jpeg(picture: Image) -> bytes:
+    """Of a picture (H, W, 3), no longer than a page needs."""
+    image = Pillow.fromarray((255 * picture).round().astype(np.uint8))
+    image.thumbnail((_LONGEST_PX, _LONGEST_PX))
+    file = io.BytesIO()
+    image.save(file, format="JPEG", quality=88)
+    return file.getvalue()

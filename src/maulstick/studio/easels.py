@@ -1,0 +1,53 @@
+"""Files of easels, which say where a sheet lies before a machine, kept in the studio's folder by name."""
+
+import re
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import final
+
+from maulstick.errors import InputError, OutputError
+from maulstick.robot.easel import Easel, read_easel, write_easel
+from maulstick.shelf import NAME
+from maulstick.studio.folder import Folder
+
+
+@final
+class Easels:
+    """The easels there are; one that somebody puts into the folder ``easels`` is there, too."""
+
+    def __init__(self, folder: Folder) -> None:
+        self._root = folder.root / "easels"
+
+    def names(self) -> list[str]:
+        """In order."""
+        return sorted(path.stem for path in self._root.glob("*.json") if re.fullmatch(NAME, path.stem))
+
+    def path(self, name: str) -> Path:
+        """The file of an easel. Raises InputError where there is none of that name."""
+        if name not in (names := self.names()):
+            raise InputError.of_choice("easel", name, names)
+        return self._root / f"{name}.json"
+
+    def keep(self, file: str, content: bytes) -> str:
+        """Keep an easel, in the place of another that came from a file of that name; its name now.
+
+        Raises InputError where that is no easel, OutputError where it cannot be kept.
+        """
+        easel = _read(content)
+        name = re.sub(r"[^a-z0-9]+", "-", Path(file).stem.lower()).strip("-")[:40].strip("-") or "easel"
+        try:
+            self._root.mkdir(exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot make the folder {self._root}: {error.strerror}; make room for it") from error
+        write_easel(easel, self._root / f"{name}.json")
+        return name
+
+
+def _read(content: bytes) -> Easel:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "easel.json"
+        path.write_bytes(content)
+        try:
+            return read_easel(path)
+        except InputError as error:
+            raise InputError(str(error).replace(str(path), "that file")) from None

@@ -1,0 +1,154 @@
+"""The process of a run, which holds the machine, the journal and the camera: what it hears and what it says.
+
+It stops the machine, lifts the pen and ends by itself once the studio is gone, however that went.
+"""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Collection
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from maulstick.errors import InputError, MaulstickError
+from maulstick.studio.process import Line
+
+if TYPE_CHECKING:
+    from maulstick.jobs.run.scene import Scene
+    from maulstick.jobs.run.session import Errand
+    from maulstick.studio.beside import Beside
+
+PAINTING = "painting"
+PLANNING = "planning the rest again"
+"""What it is doing: a stroke, or after it has looked."""
+
+_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once nobody is there
+
+
+class Wish(Enum):
+    """What it hears. LOOK: photograph the sheet after this stroke, and plan again.  DONE: what was asked for."""
+
+    STOP = "stop"
+    PAUSE = "pause"
+    GO_ON = "go on"
+    LOOK = "look"
+    DONE = "done"
+
+
+@dataclass(frozen=True)
+class Going:
+    """Where painting is, a few times a second.
+
+    doing: in a few words.  stroke: the one under the brush, or the last one, counted from 1 over all runs.
+    strokes: of the painting, or None once it was planned again.  drawn, metres: of stroke in this run.
+    left: seconds, without what people do.  paint, next_paint: by their index in the painting.
+    """
+
+    doing: str
+    stroke: int
+    strokes: int | None
+    drawn: float
+    metres: float
+    left: float
+    paint: int | None
+    next_paint: int | None
+
+
+@dataclass(frozen=True)
+class Asking:
+    """Something a person has to do, after which they say that it is DONE; None once they have."""
+
+    message: str | None
+
+
+@dataclass(frozen=True)
+class Photograph:
+    """The sheet as it was just seen."""
+
+    jpeg: bytes
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something odd that did not stop the machine."""
+
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Ended:
+    """The last word of a machine that was to paint.
+
+    why: None where it has painted all, "" where somebody stopped it, else what was wrong.
+    lifted: whether the pen is, as far as is known.
+    """
+
+    why: str | None
+    lifted: bool
+
+
+def rehearse_in_process(line: Line, errand: "Errand") -> None:
+    """Say the `Outlook` of a run."""
+    from maulstick.jobs.run.session import rehearse
+
+    line.say(rehearse(errand))
+
+
+def paint_in_process(line: Line, errand: "Errand", unfinished: bool | None) -> None:
+    """Paint. unfinished: whether the stroke that was under the brush is on the paper, where somebody has said so."""
+    from maulstick.jobs.run import session
+    from maulstick.studio.beside import Beside
+
+    people: list[Beside] = []
+
+    def is_painted(stroke: int) -> bool:
+        if unfinished is None:
+            raise InputError(f"stroke {stroke} was under the brush when it ended; say whether it is on the paper")
+        return unfinished
+
+    def person_beside(scene: "Scene", painted: Collection[int]) -> Beside:
+        person = Beside(line, scene, len(painted))
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
+            signal.signal(number, person.interrupt)
+        line.heard_by(lambda word: _hear(person, word), lambda: _leave(person))
+        people.append(person)
+        return person
+
+    try:
+        session.paint(errand, is_painted, person_beside)
+    except (MaulstickError, KeyboardInterrupt) as error:
+        if not people:
+            raise
+        (person,) = people
+        line.say(Ended("" if person.stopped else str(error), person.robot.lifted))
+    else:
+        line.say(Ended(None, people[0].robot.lifted))
+
+
+def _hear(person: "Beside", word: object) -> None:
+    match word:
+        case Wish.STOP:
+            _stop(person)
+        case Wish.PAUSE:
+            person.pause.held = True
+        case Wish.GO_ON:
+            person.pause.held = False
+        case Wish.LOOK:
+            person.look_after_this_stroke()
+        case Wish.DONE:
+            person.done.set()
+
+
+def _stop(person: "Beside") -> None:
+    person.stop()
+    if person.resting:  # else a signal would disturb what lifts the pen
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
+
+
+def _leave(person: "Beside") -> None:
+    """Nobody is there any more."""
+    _stop(person)
+    time.sleep(_LONGEST_FAREWELL)
+    os._exit(1)

@@ -1,0 +1,170 @@
+"""The panel where a machine paints: what it is to do, and what there is before it does."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from nicegui import background_tasks, html, ui
+
+from maulstick.errors import InputError, MaulstickError
+from maulstick.jobs.run.asked import Asked
+from maulstick.jobs.run.standing import Standing
+from maulstick.studio.panels.paint_form import AskedForm
+from maulstick.studio.panels.paint_going import Controls, Sheets
+from maulstick.studio.showing import shown_by
+from maulstick.studio.studio import Studio
+
+_STYLE = Path(__file__).with_name("paint.css")
+
+
+def build(studio: Studio, query: Mapping[str, str]) -> None:
+    """Build it. query: `plan` is the one that is chosen first."""
+    ui.add_css(_STYLE)
+    html.h1("Let a machine paint")
+    html.p("Choose a plan and a machine, check, and start. STOP or the Esc key lifts the pen at once.").classes("hint")
+    with ui.element().classes("desk paint"):
+        with ui.element().classes("side"):
+            setting = _Setting(studio, query.get("plan", ""))
+            controls = Controls(studio)
+        with ui.element().classes("wide"):
+            sheets = Sheets(studio)
+
+    def show() -> None:
+        state = studio.run.state
+        setting.root.visible, controls.root.visible = not state.is_on, state.is_on
+        setting.show()
+        controls.show()
+        sheets.show(state.plan if state.is_on else setting.plan)
+
+    setting.on_choice = show
+    shown_by(setting.root, studio.run.changed, show)
+
+
+class _Setting:
+    """What is to be painted on what, and the buttons that begin it. on_choice: called when another plan is chosen."""
+
+    def __init__(self, studio: Studio, plan: str) -> None:
+        self._studio, self._run = studio, studio.run
+        self._standing: Standing | None = None
+        self._was_busy = True
+        self.on_choice: Callable[[], None] = lambda: None
+        self.root = html.section().classes("sheet")
+        with self.root:
+            html.h2("What to paint, and with what")
+            self._plan = ui.select([], label="Plan", on_change=self._choose).props("outlined")
+            self._none = html.p("No plan is finished yet. Make one under Plan, and come back.").classes("hint")
+            first = ui.element().classes("fields")
+            self._begun = ui.label().classes("begun").props('role="status"')
+            with html.fieldset().classes("unfinished") as self._question:
+                with html.legend():
+                    self._legend = ui.label()
+                self._answer = ui.radio({True: "Yes, it is", False: "No, paint it again"}).props("dense")
+            with ui.element().classes("line"):
+                self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
+                self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
+                self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
+                self._anew = ui.button("Start again on a new sheet", icon="note_add", on_click=self._begin_anew)
+                self._anew.props("outline")
+            self._mix = ui.link("", "/paints").classes("hint")
+            later = ui.expansion("Speed, sheet and camera").classes("more")
+        self._form = AskedForm(studio, first, later)
+        self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
+        shown_by(self.root, studio.plans.changed, self._offer)
+        shown_by(self.root, studio.mixing.changed, self._follow)
+        background_tasks.create(self._form.offer_ports(), context=self.root)
+
+    @property
+    def plan(self) -> str:
+        """The one that is chosen; none where there is none."""
+        return str(self._plan.value or "")
+
+    def show(self) -> None:
+        """As the run stands."""
+        busy = self._run.is_busy
+        if self._was_busy and not busy:
+            self._follow()
+        self._was_busy = busy
+        self._show_buttons()
+
+    def _offer(self) -> None:
+        plans = self._run.plans()
+        fallback = self._run.state.plan if self._run.state.plan in plans else plans[0] if plans else None
+        self._plan.set_options(plans, value=self._plan.value if self._plan.value in plans else fallback)
+        self._show_buttons()
+
+    def _choose(self) -> None:
+        self._standing = None
+        self._follow()
+        self.on_choice()
+
+    def _follow(self) -> None:
+        background_tasks.create(self._look_up(self.plan), context=self.root)
+
+    async def _look_up(self, plan: str) -> None:
+        """Find out how far the plan is, and what it lacks."""
+        if not plan:
+            return
+        standing, fault, missing = None, "", list[str]()
+        try:
+            missing = await self._studio.mixing.missing(plan)
+            standing = await self._run.standing(plan)
+        except MaulstickError as error:
+            fault = str(error)
+        if plan != self.plan or self.root.is_deleted:
+            return
+        is_other = standing is not None and (self._standing is None or standing.asked != self._standing.asked)
+        self._standing = standing
+        if standing is not None and is_other:
+            self._form.fill(standing.asked)
+        self._begun.text = fault or _begun(standing)
+        self._mix.text = f"Mix {_counted(len(missing), 'paint')} first" if missing else ""
+        self._mix.props["href"] = f"/paints?plan={plan}"
+        self._show_buttons()
+
+    def _show_buttons(self) -> None:
+        standing, there = self._standing, bool(self.plan)
+        goes_on = standing is not None and not standing.is_over
+        self._none.visible, self._plan.visible = not there, there
+        self._check.visible = there
+        self._start.visible = there and standing is None
+        self._anew.visible = there and standing is not None
+        self._resume.visible = there and goes_on
+        self._question.visible = goes_on and standing is not None and standing.unfinished is not None
+        if standing is not None and standing.unfinished is not None:
+            self._legend.text = f"Stroke {standing.painted + 1} was under the brush when it ended. Is it on the paper?"
+        self._begun.visible = bool(self._begun.text)
+        self._mix.visible = bool(self._mix.text)
+        for button in (self._check, self._start, self._anew, self._resume):
+            button.enabled = not self._run.is_busy
+
+    def _asked(self) -> tuple[str, Asked]:
+        plan = self._studio.plans.plans.get(self.plan)
+        if plan is None:
+            raise InputError("that plan is not there any more; choose another")
+        return plan.name, self._form.asked(plan.asked.photo)
+
+    def _rehearse(self) -> None:
+        self._run.check(*self._asked(), resume=self._standing is not None and not self._standing.is_over)
+
+    async def _begin(self) -> None:
+        await self._run.begin(*self._asked())
+
+    async def _begin_anew(self) -> None:
+        await self._run.begin(*self._asked(), anew=True)
+
+    async def _go_on(self) -> None:
+        answer = self._answer.value
+        if self._question.visible and answer is None:
+            raise InputError("say first whether the stroke is on the paper: look at the sheet")
+        await self._run.resume(*self._asked(), answer if self._question.visible else None)
+
+
+def _begun(standing: Standing | None) -> str:
+    if standing is None:
+        return ""
+    if standing.is_over:
+        return f"All {_counted(standing.strokes, 'stroke')} are painted."
+    return f"It was begun: {standing.painted} of {_counted(standing.strokes, 'stroke')} are painted."
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

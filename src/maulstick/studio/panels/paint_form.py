@@ -1,0 +1,154 @@
+"""What a person asks of the machine, on the page where it paints."""
+
+import asyncio
+from pathlib import Path
+
+from nicegui import events, ui
+
+from maulstick.errors import InputError
+from maulstick.jobs.run.asked import Asked
+from maulstick.studio.studio import Studio
+from maulstick.studio.uploading import upload_button
+
+_MACHINES = {
+    "sim": "Simulated easel, as fast as it can",
+    "sim:real": "Simulated easel, at an arm's pace",
+    "grbl": "Pen plotter with Grbl",
+    "axidraw": "AxiDraw",
+    "lite6": "UFACTORY Lite 6",
+    "xarm": "UFACTORY xArm",
+    "franka": "Franka arm",
+    "ur": "Universal Robots arm",
+}
+_AT_A_PORT = ("grbl", "axidraw")
+_CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
+_EASEL_S_OWN = "easel"
+_LARGEST_EASEL = 2**16  # bytes
+_FASTEST = 10_000  # mm/s: no limit, where the machine has one of its own, as all have
+_MOST_STROKES = 100_000
+_LONGEST_ADDRESS = 253
+
+
+class AskedForm:
+    """What fits the machine that is chosen is shown, and nothing else.
+
+    first: where the machine is asked for.  later: where the finer points are.
+    """
+
+    def __init__(self, studio: Studio, first: ui.element, later: ui.element) -> None:
+        self._studio = studio
+        with first:
+            self._machine = ui.select(_MACHINES, label="Machine", value="sim:real", on_change=self._fit)
+            self._machine.props("outlined")
+            self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
+            self._port.props("outlined hint='as in /dev/ttyUSB0'")
+            self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
+        with later:
+            self._speed = ui.number("No faster than, mm/s", min=0.1, max=_FASTEST).props("outlined clearable")
+            self._speed.props("hint='empty: as fast as hand and machine are'")
+            self._easel = ui.select({}, label="Where the sheet lies").props("outlined")
+            upload_button("Bring an easel file", ".json", self._take_easel)
+            self._tray = ui.switch("Dip the brush into the tray", value=True)
+            self._camera = ui.select({}, label="Camera", on_change=self._fit).props("outlined")
+            self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
+            self._every.props("outlined hint='0: only when you ask for it'")
+        self._offer_easels("")
+        self._fit()
+
+    async def offer_ports(self) -> None:
+        """Let the serial ports be chosen that there are."""
+        ports = await asyncio.to_thread(_ports)
+        if not self._port.is_deleted:
+            self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
+
+    def fill(self, asked: Asked) -> None:
+        """Show what was asked before."""
+        kind, _, address = asked.machine.partition(":")
+        self._machine.value = asked.machine if asked.simulated else kind
+        if kind in _AT_A_PORT and address:
+            self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
+        elif not asked.simulated:
+            self._address.value = address
+        self._speed.value = None if asked.speed in (None, 1e-3 * _FASTEST) else 1e3 * asked.speed
+        easel = "" if asked.easel is None else asked.easel.stem
+        self._offer_easels(easel if easel in self._studio.run.easels.names() else "")
+        self._fit()
+        watched = bool(asked.replan or asked.look)
+        self._camera.value = (_EASEL_S_OWN if asked.simulated else asked.camera or "") if watched else ""
+        self._every.value = asked.replan or 0
+
+    def asked(self, picture: Path | None) -> Asked:
+        """What is asked now. picture: that the plan is of. Raises InputError for what cannot be asked."""
+        looks, every = bool(self._camera.value), _whole(self._every.value)
+        if looks and picture is None:
+            raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
+        easel = str(self._easel.value)
+        return Asked(
+            robot=self._word(),
+            easel=self._studio.run.easels.path(easel) if easel else None,
+            tray=self._studio.folder.root / "tray.json" if self._tray.visible and self._tray.value else None,
+            speed=1e-3 * (self._speed.value or _FASTEST),
+            replan=every if looks else 0,
+            look=looks,
+            camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
+            picture=picture if looks else None,
+        )
+
+    def _word(self) -> str:
+        """The machine's."""
+        kind = str(self._machine.value)
+        if kind.startswith("sim"):
+            return kind
+        address = str((self._port.value if kind in _AT_A_PORT else self._address.value) or "").strip()
+        if not address and kind == "axidraw":
+            return kind
+        if not address:
+            what = "port" if kind in _AT_A_PORT else "address in the network"
+            raise InputError(f"where is the {_MACHINES[kind]}? Give its {what}")
+        if len(address) > _LONGEST_ADDRESS or not address.isprintable():
+            raise InputError("that is no port and no address; write it as in /dev/ttyUSB0, or 192.168.1.20")
+        return f"{kind}:{address}"
+
+    def _fit(self) -> None:
+        kind = str(self._machine.value)
+        simulated = kind.startswith("sim")
+        self._port.visible = kind in _AT_A_PORT
+        self._address.visible = not simulated and kind not in _AT_A_PORT
+        self._tray.visible = self._studio.mixing.has_tray
+        own = {"": _CAMERAS[""], _EASEL_S_OWN: "The easel's own camera"}
+        cameras = own if simulated else _CAMERAS
+        if self._camera.options != cameras:
+            self._camera.set_options(cameras, value=self._camera.value if self._camera.value in cameras else "")
+        self._every.visible = bool(self._camera.value)
+
+    def _offer_easels(self, chosen: str) -> None:
+        names = self._studio.run.easels.names()
+        self._easel.set_options({"": "Where the machine expects it", **{name: name for name in names}}, value=chosen)
+
+    async def _take_easel(self, file: events.UploadEventArguments) -> None:
+        if file.file.size() > _LARGEST_EASEL:
+            raise InputError("that file is too large for an easel; choose one from maulstick calibrate touch")
+        name = self._studio.run.easels.keep(file.file.name, await file.file.read())
+        self._offer_easels(name)
+        ui.notify(f"The sheet lies as {name} says", type="positive")
+
+
+def name_of(machine: str) -> str:
+    """A machine by its word, for people."""
+    kind, _, address = machine.partition(":")
+    if machine in _MACHINES:
+        return _MACHINES[machine]
+    return f"{_MACHINES.get(kind, kind)} at {address}"
+
+
+def _ports() -> list[str]:
+    from serial.tools import list_ports
+
+    return [port.device for port in list_ports.comports()]
+
+
+def _whole(value: float | None) -> int:
+    if value is None or not 0 <= value <= _MOST_STROKES or value != int(value):
+        shown = "nothing" if value is None else f"{value:g}"
+        raise InputError.of_range("the number of strokes between two looks", shown, f"from 0 to {_MOST_STROKES}")
+    return int(value)

@@ -1,0 +1,179 @@
+"""How far a machine is: its sheet beside the plan, what it does, what it wants, and what can be told to it."""
+
+from math import ceil
+
+from nicegui import background_tasks, html, ui
+
+from maulstick.errors import MaulstickError
+from maulstick.jobs.run.session import Outlook
+from maulstick.studio.painter import PAINTING
+from maulstick.studio.panels.paint_form import name_of
+from maulstick.studio.planned_paints import PlannedPaint
+from maulstick.studio.run import State
+from maulstick.studio.studio import Studio
+
+
+class Controls:
+    """While it paints: progress, the next paint, the question, and pause."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._studio, self._run = studio, studio.run
+        self._paints: tuple[str, tuple[PlannedPaint, ...]] = ("", ())
+        self.root = html.section().classes("sheet going")
+        with self.root:
+            with html.h2():
+                self._title = ui.label()
+            with ui.element().classes("question").props('role="alert"') as self._question:
+                self._message = ui.label().classes("message")
+                ui.button("Done", icon="check", on_click=self._run.done).props("size=lg").classes("done")
+            self._doing = ui.label().classes("now").props('role="status"')
+            self._bar = ui.linear_progress(0, show_value=False, size="1rem").props("rounded aria-label='Painted'")
+            self._figures = ui.label().classes("figure")
+            with ui.element().classes("line next") as self._next:
+                self._swatch = html.span().classes("dab").props("aria-hidden=true")
+                self._next_paint = ui.label()
+            with ui.element().classes("line"):
+                self._pause = ui.button("Pause", icon="pause", on_click=self._run.pause).props("outline")
+                self._on = ui.button("Go on", icon="play_arrow", on_click=self._run.go_on)
+                self._look = ui.button("Look and plan again", icon="photo_camera", on_click=self._run.replan_now)
+                self._look.props("outline")
+
+    def show(self) -> None:
+        """As the run stands."""
+        state, going = self._run.state, self._run.state.going
+        if not state.is_on:
+            return
+        self._title.text = f"{state.plan} · {name_of(state.asked.machine)}"
+        self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
+        self._doing.text = _doing(state)
+        self._bar.value = 0.0 if going is None else going.drawn / (going.metres or 1.0)
+        self._figures.text = _figures(state)
+        paints = state.phase == "painting"
+        self._pause.visible, self._on.visible = not state.held, state.held
+        self._pause.enabled = self._on.enabled = paints
+        self._look.visible = bool(state.asked.look or state.asked.replan)
+        is_drawing = going is not None and going.doing == PAINTING
+        self._look.enabled = paints and is_drawing and not state.will_look and not state.held
+        self._show_next(None if going is None else going.next_paint)
+        if self._paints[0] != state.plan:
+            self._paints = (state.plan, ())
+            background_tasks.create(self._learn_paints(state.plan), context=self.root)
+
+    def _show_next(self, index: int | None) -> None:
+        paint = next((paint for paint in self._paints[1] if paint.number - 1 == index), None)
+        self._next.visible = paint is not None
+        if paint is not None:
+            self._swatch.style(f"background: {paint.hex}")
+            well = "" if paint.well is None else ", in its well"
+            self._next_paint.text = f"Next: paint {paint.number}, {paint.label}{well}"
+
+    async def _learn_paints(self, plan: str) -> None:
+        try:
+            self._paints = (plan, await self._studio.mixing.paints(plan))
+        except MaulstickError:
+            return  # it is painted all the same
+
+
+class Sheets:
+    """The plan beside the sheet as it was last seen, and how a check or a run came out."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._run, self._folder = studio.run, studio.folder
+        self._outcome = ui.label().classes("outcome").props('role="status"')
+        with ui.element().classes("pair") as self._pair:
+            with html.figure():
+                self._plan = html.img().props('alt="The plan"').classes("picture")
+                html.figcaption("The plan")
+            with html.figure():
+                self._sheet = html.img().props('alt="The sheet as it was last seen"').classes("picture")
+                self._bare = ui.label().classes("bare picture")
+                html.figcaption("The sheet")
+        with ui.element().classes("notes") as self._notes:
+            html.h2("Notes")
+            self._list = html.ul()
+        self._noted: tuple[str, ...] = ()
+
+    def show(self, plan: str) -> None:
+        """The plan, and what is known of its sheet."""
+        state = self._run.state
+        self._outcome.text = _outcome(state)
+        self._outcome.visible = bool(self._outcome.text)
+        self._outcome.classes(toggle="fault") if state.fault != ("fault" in self._outcome.classes) else None
+        self._pair.visible = bool(plan)
+        if plan:
+            self._show_at(self._plan, f"/picture/plans/{plan}/preview.png")
+            source = f"/sheet/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
+            self._sheet.visible, self._bare.visible = bool(source), not source
+            if source:
+                self._show_at(self._sheet, source)
+            self._bare.text = _why_bare(state)
+        if self._noted != state.notes:
+            self._noted = state.notes
+            self._list.clear()
+            with self._list:
+                for note in state.notes:
+                    html.li(note)
+        self._notes.visible = bool(state.notes)
+
+    def _left_of(self, plan: str) -> str:
+        """Where the picture is that an earlier run left of its sheet, if it did and none is on."""
+        path = self._folder.of("plans", plan) / "painting-painted.png"
+        if self._run.state.is_on or not path.is_file():
+            return ""
+        return f"/picture/plans/{plan}/{path.name}?{path.stat().st_mtime_ns}"
+
+    def _show_at(self, picture: html.img, source: str) -> None:
+        if picture.props.get("src") != source:
+            picture.props["src"] = source
+            picture.update()
+
+
+def _doing(state: State) -> str:
+    going = state.going
+    if state.phase == "stopping":
+        return "Stopping, and lifting the pen …"
+    if state.phase == "starting":
+        return "Getting ready …"
+    if state.question:
+        return "It waits for you."
+    if going is None:
+        return "Connected."
+    if state.held:
+        return f"Paused at stroke {going.stroke}."
+    if going.doing != PAINTING:
+        return f"{going.doing.capitalize()} …"
+    of = "" if going.strokes is None else f" of {going.strokes}"
+    return f"Stroke {going.stroke}{of}{'; then it looks' if state.will_look else ''}"
+
+
+def _figures(state: State) -> str:
+    if (going := state.going) is None:
+        return "" if state.outlook is None else _in_words(state.outlook)
+    return f"{1e3 * going.drawn:.0f} of {1e3 * going.metres:.0f} mm · {_left(going.left)}"
+
+
+def _left(seconds: float) -> str:
+    return f"about {ceil(seconds / 60)} min left" if seconds > 90 else f"{ceil(seconds)} s left"
+
+
+def _outcome(state: State) -> str:
+    if state.phase == "checking":
+        return f"Checking whether {state.plan} can be painted …"
+    if state.phase != "ended":
+        return ""
+    if state.outlook is not None and state.outlook.strokes and state.going is None and not state.fault:
+        return f"{state.sentence} {_in_words(state.outlook)}"
+    return state.sentence
+
+
+def _in_words(outlook: Outlook) -> str:
+    paints = "1 paint" if outlook.paints == 1 else f"{outlook.paints} paints"
+    strokes = "1 stroke" if outlook.strokes == 1 else f"{outlook.strokes} strokes"
+    time = f"about {max(1, ceil(outlook.seconds / 60))} min"
+    return f"{strokes}, {1e3 * outlook.metres:.0f} mm, {paints}, {time}."
+
+
+def _why_bare(state: State) -> str:
+    if state.is_on and not (state.asked.simulated or state.asked.look or state.asked.replan):
+        return "Nobody looks: there is no camera"
+    return "Nothing was seen yet"

@@ -1,0 +1,133 @@
+"""A plan in a process of its own."""
+
+import io
+import shutil
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from maulstick.canvas import Canvas
+from maulstick.files import atomic_write
+from maulstick.jobs.plan.job import Job, state_files
+from maulstick.painting import Painting
+from maulstick.studio.process import Line
+
+if TYPE_CHECKING:
+    from maulstick.plan.planner import Progress
+
+_TOLD_EVERY = 0.25  # seconds between two words
+_FRAMES, _FRAME_PX = 48, 640
+_QUALITY = 88
+
+TARGET = "target.jpg"
+"""In a plan's folder: the picture as it lies on the sheet, where there is one."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Finish now, with what there is."""
+
+
+@dataclass(frozen=True)
+class Weigh:
+    """Go on with these weights of the terms."""
+
+    weights: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Step:
+    """How far planning is in [0, 1], what each term of the loss comes to, and the canvas, a JPEG."""
+
+    done: float
+    parts: Mapping[str, float]
+    canvas: bytes
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The last word. figures: of the painting, for people."""
+
+    figures: tuple[str, ...]
+
+
+def order_frame(folder: Path, number: int) -> Path:
+    """A picture of a plan's first strokes; number: of such pictures, from 0."""
+    return folder / "order" / f"{number:02}.jpg"
+
+
+def plan(line: Line, job: Job, folder: Path) -> None:
+    """Plan, or go on with the plan in its folder; whoever goes away, or says so, gets what there is by then."""
+    from maulstick.jobs.plan.keeping import plan_with  # these load torch, which the server goes without
+    from maulstick.jobs.plan.prepare import prepare
+    from maulstick.jobs.plan.results import write_results
+
+    wanted, told = True, 0.0
+    weights: dict[str, float] | None = None
+
+    def hear(word: object) -> None:
+        nonlocal wanted, weights
+        if isinstance(word, Weigh):
+            weights = word.weights
+        else:
+            stop()
+
+    def stop() -> None:
+        nonlocal wanted
+        wanted = False
+
+    def reweighed() -> Mapping[str, float] | None:
+        nonlocal weights
+        new, weights = weights, None
+        return new
+
+    def watch(progress: "Progress") -> bool:
+        nonlocal told
+        if time.monotonic() - told > _TOLD_EVERY:
+            told = time.monotonic()
+            canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
+            line.say(Step(progress.done, progress.parts, _jpeg(canvas)))
+        return wanted
+
+    line.heard_by(hear, alone=stop)
+    prepared = prepare(job)
+    if prepared.layout.target is not None:
+        atomic_write(folder / TARGET, _jpeg(prepared.layout.target))
+    painting = plan_with(prepared, folder, job, watch, reweighed)
+    write_results(painting, folder, None)
+    _write_order(painting, folder)
+    if wanted:
+        for file in state_files(folder):
+            file.unlink()
+    line.say(Planned(_figures(painting)))
+
+
+def _write_order(painting: Painting, folder: Path) -> None:
+    """Pictures of its first strokes, ever more of them."""
+    from maulstick.brush.preview import preview
+
+    width, height = painting.canvas.width, painting.canvas.height
+    canvas = Canvas(width, height, _FRAME_PX / max(width, height))
+    ends = np.unique(np.linspace(0, len(painting.strokes), _FRAMES).astype(int))
+    shutil.rmtree(order_frame(folder, 0).parent, ignore_errors=True)
+    order_frame(folder, 0).parent.mkdir()
+    for number, end in enumerate(ends.tolist()):
+        atomic_write(order_frame(folder, number), _jpeg(preview(painting, canvas, end)))
+
+
+def _figures(painting: Painting) -> tuple[str, ...]:
+    found, metres = painting.made.figures, painting.metres_of_paints().sum()
+    figures = (f"{len(painting.strokes)} strokes", f"{metres:.1f} m", f"{len(painting.paints)} paints")
+    return (*figures, f"{found['psnr']:.1f} dB beside the picture") if "psnr" in found else figures
+
+
+def _jpeg(image: NDArray[np.float32]) -> bytes:
+    file = io.BytesIO()
+    Image.fromarray((255 * image + 0.5).astype(np.uint8)).save(file, format="JPEG", quality=_QUALITY)
+    return file.getvalue()

@@ -1,0 +1,19 @@
+"""What is on a page follows what the studio knows."""
+
+from collections.abc import Callable
+
+from nicegui import Event
+from nicegui.element import Element
+
+
+def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> None:
+    """Refresh now, and at every such event, for as long as the element `root` is on its page."""
+
+    def again() -> None:
+        if root.is_deleted:  # another panel took its place, or the page is gone
+            event.unsubscribe(again)
+        else:
+            refresh()
+
+    event.subscribe(again)
+    refresh()

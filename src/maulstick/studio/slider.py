@@ -1,0 +1,44 @@
+"""A slider of the browser's own, which keys and screen readers know."""
+
+from collections.abc import Callable
+from math import isfinite
+
+from nicegui import events, html, ui
+
+
+class Slider:
+    """From 0 to `most`, in steps, under its label.
+
+    on_change: is called once a person lets go of it, or while they move it where it is `live`.
+    """
+
+    def __init__(
+        self,
+        label: str,
+        most: float,
+        step: float,
+        value: float,
+        on_change: Callable[[], object] = lambda: None,
+        *,
+        live: bool = False,
+    ) -> None:
+        self.value, self._most, self._on_change = value, most, on_change
+        with html.label().classes("weight") as self.element:
+            ui.label(label)
+            self._range = html.input_(type="range", min=0, max=most, step=step)
+            self._range.props["^value"] = value  # where it begins; as a property, Vue would keep putting it back there
+            event = "input" if live else "change"
+            self._range.on(event, self._moved, js_handler="(event) => emit(Number(event.target.value))", throttle=0.1)
+
+    def set(self, value: float, most: float | None = None) -> None:
+        """Move it, and its end."""
+        self._most = self._most if most is None else most
+        self.value = value
+        self._range.props["max"] = self._most
+        ui.run_javascript(f"setTimeout(() => {{ document.getElementById('{self._range.html_id}').value = {value}; }})")
+
+    def _moved(self, event: events.GenericEventArguments) -> None:
+        said = event.args
+        if isinstance(said, int | float) and isfinite(said):
+            self.value = min(max(float(said), 0.0), self._most)
+            self._on_change()

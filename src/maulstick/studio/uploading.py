@@ -1,0 +1,45 @@
+"""Files that people bring: a button to choose one, and a place for it that its name has no say in."""
+
+import asyncio
+import secrets
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from nicegui import events, ui
+
+from maulstick.errors import InputError
+from maulstick.studio.folder import Folder
+from maulstick.studio.gate import LARGEST
+
+
+def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArguments], Awaitable[None]]) -> ui.button:
+    """A button that lets a person choose a file.
+
+    accept: endings that the browser offers, as ".png,.jpg", which it does not enforce.  take: is called with the file.
+    """
+    chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=take, on_rejected=_refuse)
+    chooser.props(f'accept="{accept}" aria-hidden=true').style("display: none")
+
+    async def uploaded(_: object) -> None:
+        chooser.reset()  # so that the same file can be chosen again
+
+    chooser.on("uploaded", uploaded)
+    button = ui.button(text, icon="upload_file").props("outline no-caps")
+    button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
+    return button
+
+
+@asynccontextmanager
+async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIterator[Path]:
+    """The content of an uploaded file in a file that goes again afterwards."""
+    path = folder.root / f".incoming-{secrets.token_hex(8)}"
+    try:
+        await file.file.save(path)
+        yield path
+    finally:
+        await asyncio.to_thread(path.unlink, missing_ok=True)
+
+
+def _refuse() -> None:
+    raise InputError(f"that file is larger than {LARGEST >> 20} MiB, or of another kind; choose another")

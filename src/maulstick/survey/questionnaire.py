@@ -1,0 +1,184 @@
+"""What a survey asks: a folder with survey.json and its pictures, which can be copied and mailed.
+
+Source: Spline-FRIDA, Human Evaluations: one questionnaire matches hands, the other asks for opinions on two systems.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Final, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from maulstick.errors import InputError, OutputError
+from maulstick.files import atomic_write, file_to_read
+from maulstick.medium import first_fault
+from maulstick.picture import encode_png, read_picture
+from maulstick.records import read_record, write_record
+from maulstick.shelf import NAME
+
+LONGEST_PX: Final = 1024
+"""The longest side of a picture in a survey."""
+
+_RECORD = "survey.json"
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable() or text != text.strip():
+        raise ValueError("it must be plain text without line breaks, and not begin or end with a space")
+    return text
+
+
+_Name = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(_printable)]
+_Title = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_printable)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Hand(_Part):
+    """A person who drew, and what machines drew in their style.
+
+    by_machine: the same motifs in the same order for every hand of a survey.
+    """
+
+    name: _Name
+    by_hand: Path
+    by_machine: Annotated[tuple[Path, ...], Field(min_length=1, max_length=20)]
+
+
+class Match(_Part):
+    """The first questionnaire: which drawing by a machine is in the style of this hand.
+
+    asked: how many of the hands one participant is asked about.
+    """
+
+    hands: Annotated[tuple[Hand, ...], Field(min_length=2, max_length=10)]
+    asked: Annotated[int, Field(ge=1)] = 1
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if len({hand.name for hand in self.hands}) < len(self.hands):
+            raise ValueError("two hands have one name; give each its own")
+        if len({len(hand.by_machine) for hand in self.hands}) > 1:
+            raise ValueError("every hand needs as many drawings by machine as the others, of the same motifs")
+        if self.asked > len(self.hands):
+            raise ValueError(f"asked is {self.asked}; it must be at most the {len(self.hands)} hands")
+        return self
+
+
+class Pair(_Part):
+    """A picture, and two looks of it: one by each system, in the order of the systems."""
+
+    reference: Path
+    looks: tuple[Path, Path]
+
+
+class Opinions(_Part):
+    """The second questionnaire: what people think of two systems' drawings of a picture.
+
+    asked: how many of the pairs one participant is asked about, each with all the questions.
+    """
+
+    systems: tuple[_Name, _Name]
+    pairs: Annotated[tuple[Pair, ...], Field(min_length=1, max_length=50)]
+    asked: Annotated[int, Field(ge=1)] = 1
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.systems[0] == self.systems[1]:
+            raise ValueError("both systems have one name; give each its own")
+        if self.asked > len(self.pairs):
+            raise ValueError(f"asked is {self.asked}; it must be at most the {len(self.pairs)} pairs")
+        return self
+
+
+class Survey(_Part):
+    """All that a survey asks, with one of the questionnaires or both. Its pictures are PNGs beside survey.json."""
+
+    schema_version: Literal[1] = 1
+    title: _Title
+    match: Match | None = None
+    opinions: Opinions | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.match is None and self.opinions is None:
+            raise ValueError("a survey needs hands to match, or pairs for opinions")
+        for picture in self.pictures():
+            if not re.fullmatch(rf"{NAME}\.png", str(picture)):
+                raise ValueError(f"{str(picture)!r} must be the name of a PNG beside it: of a-z, 0-9 and -, then .png")
+        return self
+
+    def pictures(self) -> Iterator[Path]:
+        """The file of every picture."""
+        for hand in self.match.hands if self.match else ():
+            yield from (hand.by_hand, *hand.by_machine)
+        for pair in self.opinions.pairs if self.opinions else ():
+            yield from (pair.reference, *pair.looks)
+
+
+def build(folder: Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
+    """Make a survey in a new folder, with copies of all pictures: nothing but their pixels, at most 1024 on a side.
+
+    Raises InputError where a picture cannot be read or the survey asks nothing, before anything is written, and
+    OutputError where the folder has something in it or cannot be written.
+    """
+    _check_new(folder)
+    sources: dict[Path, Path] = {}
+    try:
+        survey = Survey(title=title, match=_renamed(match, sources), opinions=_paired(opinions, sources))
+    except ValidationError as error:
+        raise InputError(f"this is not a survey: {first_fault(error)}") from error
+    pictures = {name: encode_png(read_picture(source, LONGEST_PX)) for name, source in sources.items()}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another") from error
+    for name, content in pictures.items():
+        atomic_write(folder / name, content)
+    write_record(survey, folder / _RECORD)
+    return survey
+
+
+def read_survey(folder: Path) -> Survey:
+    """The survey in a folder. Raises InputError where there is none, or one of its pictures is not there."""
+    survey = read_record(Survey, folder / _RECORD, "survey")
+    for picture in survey.pictures():
+        path = file_to_read(folder / picture, "picture")
+        if path.is_symlink():  # or a survey that came by mail could show any file of this computer
+            raise InputError(f"{path} is a link; put the picture itself in its place")
+    return survey
+
+
+def _check_new(folder: Path) -> None:
+    try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise OutputError(f"{folder} is already there; choose a new folder for the survey")
+    except PermissionError as error:
+        raise OutputError(f"cannot look into {folder}: {error.strerror}; choose another folder") from error
+
+
+def _renamed(match: Match | None, sources: dict[Path, Path]) -> Match | None:
+    """The same with plain names, whose sources are put down."""
+    if match is None:
+        return None
+    hands = []
+    for number, hand in enumerate(match.hands, start=1):
+        by_hand = Path(f"hand-{number}.png")
+        by_machine = {Path(f"hand-{number}-machine-{row}.png"): path for row, path in enumerate(hand.by_machine, 1)}
+        sources |= {by_hand: hand.by_hand} | by_machine
+        hands.append(Hand(name=hand.name, by_hand=by_hand, by_machine=tuple(by_machine)))
+    return Match(hands=tuple(hands), asked=match.asked)
+
+
+def _paired(opinions: Opinions | None, sources: dict[Path, Path]) -> Opinions | None:
+    if opinions is None:
+        return None
+    pairs = []
+    for number, pair in enumerate(opinions.pairs, start=1):
+        reference, *looks = (Path(f"pair-{number}{which}.png") for which in ("", "-look-1", "-look-2"))
+        sources |= dict(zip((reference, *looks), (pair.reference, *pair.looks), strict=True))
+        pairs.append(Pair(reference=reference, looks=(looks[0], looks[1])))
+    return Opinions(systems=opinions.systems, pairs=tuple(pairs), asked=opinions.asked)

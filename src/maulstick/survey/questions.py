@@ -1,0 +1,71 @@
+"""The questions that one participant gets: in random order, with random sides, and the same whenever they come back."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import Final, Literal
+
+from maulstick.survey.questionnaire import Match, Opinions, Survey
+
+Kind = Literal["match", "opinion"]
+
+SAME_HAND: Final = "same hand"
+"""What a question of the first questionnaire asks."""
+
+OPINIONS: Final = {
+    "human": "Which drawing looks more like it was drawn by a human (rather than a robot)?",
+    "better": "Which drawing looks better overall?",
+    "reference": "Which drawing better matches the reference image?",
+    "artistic": "Which drawing is more artistic?",
+    "abstract": "Which drawing is more abstract?",
+}
+"""What the second questionnaire asks of each pair. Source: Spline-FRIDA, table of opinions."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A drawing that can be chosen, and the hand or the system that it stands for."""
+
+    name: str
+    picture: Path
+
+
+@dataclass(frozen=True)
+class Question:
+    """One question.
+
+    asks: `SAME_HAND`, or one of `OPINIONS`.  about: the hand, or the file of the picture, that it is asked about.
+    reference: what the choices are compared with.  choices: from the first to the last as they are shown.
+    """
+
+    kind: Kind
+    asks: str
+    about: str
+    reference: Path
+    choices: tuple[Choice, ...]
+
+
+def questions(survey: Survey, seed: int) -> tuple[Question, ...]:
+    """All questions for the participant with this seed: first those that match hands, then the opinions."""
+    chance = Random(seed)
+    matches = () if survey.match is None else _matches(survey.match, chance)
+    opinions = () if survey.opinions is None else _opinions(survey.opinions, chance)
+    return (*matches, *opinions)
+
+
+def _matches(match: Match, chance: Random) -> Iterator[Question]:
+    """A random hand beside one motif in the style of every hand: a random row of the paper's figure."""
+    for hand in chance.sample(match.hands, match.asked):
+        motif = chance.randrange(len(hand.by_machine))
+        choices = tuple(Choice(each.name, each.by_machine[motif]) for each in match.hands)
+        yield Question("match", SAME_HAND, hand.name, hand.by_hand, tuple(chance.sample(choices, len(choices))))
+
+
+def _opinions(opinions: Opinions, chance: Random) -> Iterator[Question]:
+    """The questions about a pair follow each other, and its sides stay: else one would look for what changed."""
+    for pair in chance.sample(opinions.pairs, opinions.asked):
+        looks = [Choice(system, look) for system, look in zip(opinions.systems, pair.looks, strict=True)]
+        sides = tuple(chance.sample(looks, len(looks)))
+        for asks in chance.sample(list(OPINIONS), len(OPINIONS)):
+            yield Question("opinion", asks, pair.reference.name, pair.reference, sides)

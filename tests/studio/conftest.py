@@ -1,0 +1,119 @@
+"""A studio as its people start it, in a process of its own, and a real browser that looks at it."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, sync_playwright
+
+COMMAND = Path(sys.executable).with_name("maulstick")
+_PATIENCE = 60.0  # seconds, for a machine that does much else
+_OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
+
+
+class RunningStudio:
+    """``maulstick studio`` on a folder and a free port. url: without the last slash."""
+
+    def __init__(self, root: Path, *words: str) -> None:
+        self.folder = root / "studio"
+        self.was_killed = False
+        self.url = ""
+        self._words, self._log, self._port = words, root / "log", "0"
+        self._environment = os.environ | {"XDG_DATA_HOME": str(root / "data"), "OMP_NUM_THREADS": "1"}
+        self.start()
+
+    def start(self) -> None:
+        """Start it; after `kill` again, at the same address and on the same folder."""
+        words = [str(COMMAND), "studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
+        with self._log.open("ab") as log:
+            before = log.tell()
+            self._process = subprocess.Popen(words, stdout=log, stderr=log, env=self._environment)
+        until = time.monotonic() + _PATIENCE
+        while not (link := re.search(r"^http://\S+:(\d+)/\S*$", self.output[before:], re.MULTILINE)):
+            assert self._process.poll() is None, self.output
+            assert time.monotonic() < until, "no link came"
+            time.sleep(0.05)
+        self.url, self._port = link[0].removesuffix("/"), link[1]
+
+    @property
+    def output(self) -> str:
+        """All that it said, in both streams."""
+        return self._log.read_text()
+
+    @property
+    def data(self) -> Path:
+        """Where styles of one's own are kept."""
+        return Path(self._environment["XDG_DATA_HOME"]) / "maulstick"
+
+    def kill(self) -> None:
+        """As a power cut would: it can do nothing about it."""
+        self._process.kill()
+        self._process.wait()
+        self.was_killed = True
+
+    def close(self) -> None:
+        """As Ctrl-C does."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(_PATIENCE)
+        finally:
+            self._process.kill()
+            self._process.wait()
+
+
+@pytest.fixture
+def studio(tmp_path: Path) -> Iterator[RunningStudio]:
+    running = RunningStudio(tmp_path)
+    try:
+        yield running
+    finally:
+        running.close()
+    assert "Traceback" not in running.output, running.output
+
+
+# While Playwright's own loop is held open, asyncio.run fails: tests with a browser have modules of their own.
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("there is no Chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page]]:
+    """Opens the studio as somebody else's browser would: ``page("/styles", color_scheme="dark")``.
+
+    What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not.
+    """
+    contexts: list[BrowserContext] = []
+    wrong: list[str] = []
+
+    def note(message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning"):
+            wrong.append(message.text)
+
+    def open_page(path: str = "/", **options: Any) -> Page:
+        contexts.append(browser.new_context(**options))
+        opened = contexts[-1].new_page()
+        opened.on("console", note)
+        opened.on("pageerror", lambda error: wrong.append(str(error)))
+        opened.goto(studio.url + path)
+        opened.wait_for_selector(".panel h1")
+        return opened
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert [text for text in wrong if not (studio.was_killed and _OF_A_DEAD_SERVER.search(text))] == []

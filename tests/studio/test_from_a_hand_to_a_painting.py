@@ -1,0 +1,97 @@
+"""The whole way, on the page alone: draw, learn, plan, mix, paint, a power cut in the middle, and on to the end."""
+
+import re
+import time
+from collections.abc import Callable
+from math import cos, pi, sin
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from maulstick.painting import read_painting
+from maulstick.robot.journal import Journal, journal_of
+from maulstick.style.cards import read_card
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_pen import FORCES, count, press
+from tests.studio.test_plan_page import bring_a_picture
+
+_PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
+_STROKES, _DRAWN = 30, 20
+
+
+def curl(number: int) -> list[tuple[float, float]]:
+    """A stroke like a comma, each a little other than the others."""
+    column, row = number % 5, number // 5
+    size, turn = 0.04 + 0.01 * (number % 3), number * 0.7
+    return [
+        (0.12 + 0.17 * column + size * cos(turn + a) * a / 4, 0.15 + 0.2 * row + 1.4 * size * sin(turn + a) * a / 4)
+        for a in (1.3 * pi * step / (len(FORCES) - 1) + 0.5 for step in range(len(FORCES)))
+    ]
+
+
+def lines(journal: Path) -> int:
+    return journal.read_text().count('"event": "end"') if journal.is_file() else 0
+
+
+def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine_paints(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page()
+    for number in range(_DRAWN):
+        press(tab, curl(number), FORCES)
+    count(tab, f"^{_DRAWN} strokes, enough for a good style$")
+    tab.get_by_label("Name of this hand").fill("anna")
+    tab.get_by_role("button", name="Learn this hand").click()
+    expect(tab.get_by_role("heading", name="This is how anna draws")).to_be_visible(timeout=_PATIENCE)
+    card = read_card(studio.data / "styles" / "anna.json")
+    assert (card.name, card.strokes) == ("anna", _DRAWN)
+
+    tab.get_by_role("button", name="Plan a picture with it").click()
+    bring_a_picture(tab, tmp_path)
+    expect(tab.get_by_label("Hand")).to_have_value("anna")
+    tab.get_by_label("Strokes", exact=True).fill(f"{_STROKES}")
+    tab.get_by_label("How many", exact=True).fill("3")
+    tab.get_by_label("How long").click()
+    tab.get_by_role("option", name=re.compile("sketch")).click()
+    tab.get_by_role("button", name="Plan it").click()
+    tab.get_by_role("button", name="Mix and paint").click(timeout=_PATIENCE)
+    path = studio.folder / "plans" / "my-sunset" / "painting.json"
+    painting = read_painting(path)
+    assert {stroke.style.name for stroke in painting.strokes if stroke.style} == {"anna"}
+
+    expect(tab.get_by_role("heading", name="Mix the paints")).to_be_visible()
+    tab.goto(studio.url + "/paint?plan=my-sunset")
+    tab.get_by_role("button", name="Start painting").click()
+    expect(tab.get_by_text("must be mixed first; tick what is mixed under Paints")).to_be_visible(timeout=_PATIENCE)
+    assert not journal_of(path).exists()
+    tab.goto(studio.url + "/paints?plan=my-sunset")
+    tab.get_by_role("button", name="All are mixed").click(timeout=_PATIENCE)
+    expect(tab.locator(".tick [aria-checked=true], .tick[aria-checked=true]")).to_have_count(len(painting.paints))
+
+    tab.goto(studio.url + "/paint?plan=my-sunset")
+    tab.get_by_role("button", name="Start painting").click()
+    expect(tab.locator(".doing")).to_have_text(re.compile("painting my-sunset: stroke"), timeout=_PATIENCE)
+    until = time.monotonic() + _PATIENCE / 1e3
+    while lines(journal_of(path)) < 3 and time.monotonic() < until:
+        time.sleep(0.05)
+    studio.kill()
+    time.sleep(3)  # in which the machine, alone now, is to stop by itself
+    painted = lines(journal_of(path))
+    assert 3 <= painted < len(painting.strokes)
+    time.sleep(2)
+    assert lines(journal_of(path)) == painted
+
+    studio.start()
+    tab.goto(studio.url + "/paint?plan=my-sunset")
+    expect(tab.get_by_text(f"{painted} of {len(painting.strokes)} strokes are painted")).to_be_visible(
+        timeout=_PATIENCE
+    )
+    again = tab.get_by_text("No, paint it again")
+    if again.is_visible():
+        again.click()
+    tab.get_by_role("button", name="Go on where it stopped").click()
+    expect(tab.get_by_text("my-sunset is painted.")).to_be_visible(timeout=_PATIENCE)
+    with Journal.open(journal_of(path)) as journal:
+        assert journal.painted == {stroke.id for stroke in painting.strokes}
+    assert path.with_name("painting-painted.png").is_file()
+    assert tab.get_by_alt_text("The sheet as it was last seen").evaluate("each => each.naturalWidth") > 100

@@ -1,0 +1,98 @@
+"""The panel where a machine paints, in a real browser."""
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from maulstick.errors import InputError
+from maulstick.robot.journal import Journal, journal_of, locked
+from tests.studio.conftest import RunningStudio
+from tests.studio.plans_to_paint import STROKES, put_plan
+
+PATIENCE = 120_000  # milliseconds, for a machine that does much else
+QUICK = "Simulated easel, as fast as it can"
+
+
+@pytest.fixture(autouse=True)
+def painting(tmp_path: Path) -> Path:
+    """A plan that is there before the studio opens."""
+    expect.set_options(timeout=PATIENCE)
+    return put_plan(tmp_path / "studio", "lines")
+
+
+def wait_for_stroke(page: Page, number: int) -> None:
+    expect(page.locator(".now")).to_have_text(re.compile(rf"^Stroke ({number}|{number + 1}|{number + 2}) of {STROKES}"))
+
+
+def outcome(page: Page) -> str:
+    """How it came out, once it has."""
+    expect(page.locator(".outcome")).to_have_text(re.compile("lifted|is painted|It fits"))
+    return page.locator(".outcome").inner_text()
+
+
+def go_on(page: Page) -> None:
+    """With the rest, quickly."""
+    page.get_by_label("Machine").click()
+    page.get_by_role("option", name=QUICK).click()
+    if page.get_by_text("Is it on the paper?").is_visible():
+        page.get_by_role("radio", name="No, paint it again").click()
+    page.get_by_role("button", name="Go on where it stopped").click()
+    expect(page.locator(".outcome")).to_have_text("lines is painted.")
+    expect(page.get_by_text(f"All {STROKES} strokes are painted.")).to_be_visible()
+
+
+def painted(painting: Path) -> set[int]:
+    return Journal.read(journal_of(painting)).painted
+
+
+def wait_until_nobody_paints(painting: Path) -> None:
+    for _ in range(PATIENCE // 100):
+        try:
+            with locked(journal_of(painting)):
+                return
+        except InputError:
+            time.sleep(0.1)
+
+
+def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[..., Page], painting: Path) -> None:
+    one, other = page("/paint"), page("/paint", color_scheme="dark")
+    one.get_by_role("button", name="Check").click()
+    assert outcome(other) == f"It fits. {STROKES} strokes, 900 mm, 1 paint, about 1 min."
+    one.get_by_role("button", name="Start painting").click()
+    for tab in (one, other):
+        wait_for_stroke(tab, 2)
+        expect(tab.get_by_alt_text("The sheet as it was last seen")).to_be_visible()
+    other.get_by_role("button", name="Pause").click()
+    expect(one.locator(".now")).to_contain_text("Paused")
+    one.get_by_role("button", name="Go on").click()
+    other.get_by_role("button", name="STOP").click()
+    assert outcome(one) == outcome(other) == "You stopped it. The pen is lifted."
+    assert 0 < len(painted(painting)) < STROKES
+    go_on(one)
+    expect(other.locator(".outcome")).to_have_text("lines is painted.")
+    assert painted(painting) == set(range(STROKES))
+
+
+def test_escape_stops_it_from_any_panel_and_a_killed_studio_goes_on_when_it_is_back(
+    page: Callable[..., Page], studio: RunningStudio, painting: Path
+) -> None:
+    tab, elsewhere = page("/paint?plan=lines"), page("/survey")
+    tab.get_by_role("button", name="Start painting").click()
+    wait_for_stroke(tab, 1)
+    elsewhere.keyboard.press("Escape")
+    assert outcome(tab) == "You stopped it. The pen is lifted."
+    tab.get_by_role("button", name="Start again on a new sheet").click()
+    wait_for_stroke(tab, 2)
+    studio.kill()
+    wait_until_nobody_paints(painting)
+    studio.start()
+    back = page("/paint")
+    expect(back.get_by_text(re.compile(f"It was begun: .* of {STROKES} strokes are painted"))).to_be_visible()
+    expect(back.get_by_alt_text("The sheet as it was last seen")).to_be_visible()
+    go_on(back)
+    assert painted(painting) == set(range(STROKES))
+    assert (painting.parent / "painting.run1").is_dir()

@@ -1,0 +1,93 @@
+"""Pictures that people bring: what is none, or swells, is one sentence, and leaves nothing behind."""
+
+import io
+import struct
+import zlib
+from functools import cache
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from maulstick.errors import InputError
+from maulstick.studio.gallery import keep_picture, picture_of, portrait
+
+
+def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:
+    """A PNG in 8-bit grey; pixels: compressed, of a white picture where left out."""
+    if pixels is None:
+        pixels = zlib.compress((b"\0" + b"\xff" * width) * height)
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    parts = [(b"IHDR", header), *chunks, (b"IDAT", pixels), (b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        for kind, content in parts
+    )
+
+
+@cache
+def swelling() -> bytes:
+    """64 MiB of zeros in 64 KiB."""
+    packer = zlib.compressobj(9)
+    return b"".join(packer.compress(bytes(2**20)) for _ in range(64)) + packer.flush()
+
+
+def cut(kind: str) -> bytes:
+    file = io.BytesIO()
+    Image.effect_noise((200, 200), 60).convert("RGB").save(file, format=kind)
+    return file.getvalue()[: len(file.getvalue()) // 2]
+
+
+BROKEN = {
+    "of 60,000 x 60,000 pixels": lambda: png(60_000, 60_000, pixels=b""),
+    "of more pixels than there are numbers": lambda: png(2**31 - 1, 2**31 - 1, pixels=b""),
+    "with a profile that swells": lambda: png(4, 4, (b"iCCP", b"icc\0\0" + swelling())),
+    "with a text that swells": lambda: png(4, 4, (b"zTXt", b"Comment\0\0" + swelling())),
+    "with a text of the world that swells": lambda: png(4, 4, (b"iTXt", b"Comment\0\1\0\0\0" + swelling())),
+    "with a thousand texts": lambda: png(4, 4, *[(b"tEXt", b"Comment\0" + bytes(500_000))] * 200),
+    "without pixels": lambda: png(4, 4, pixels=b""),
+    "that is SVG": lambda: b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>',
+    "that is HTML": lambda: b"<!doctype html><script>alert(1)</script>",
+    "that is PostScript": lambda: b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n(%pipe%id) (r) file\n",
+    "that is empty": lambda: b"",
+    "that is half a JPEG": lambda: cut("JPEG"),
+    "that is half a GIF": lambda: cut("GIF"),
+    "that is half a TIFF": lambda: cut("TIFF"),
+    "that is half a WebP": lambda: cut("WEBP"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_a_picture_is_refused_in_a_sentence_where_it_is_one(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "brought").write_bytes(BROKEN[kind]())
+    with pytest.raises(InputError) as refused:
+        keep_picture(tmp_path / "brought", tmp_path / "kept")
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "kept").exists()
+
+
+def test_a_picture_of_thousands_of_frames_is_its_first(tmp_path: Path) -> None:
+    frames = [Image.new("L", (8, 8), i % 2 * 255) for i in range(3000)]
+    frames[0].save(tmp_path / "brought", format="GIF", save_all=True, append_images=frames[1:])
+    keep_picture(tmp_path / "brought", tmp_path / "kept")
+    with Image.open(picture_of(tmp_path / "kept")) as kept:
+        assert (kept.size, kept.convert("L").getextrema()) == ((8, 8), (0, 0))
+
+
+def test_nothing_but_the_pixels_of_a_picture_is_kept(tmp_path: Path) -> None:
+    where_taken = Image.Exif()
+    where_taken[0x010E] = "<script>alert(1)</script>"
+    Image.new("RGB", (600, 20), "red").save(tmp_path / "brought.jpg", exif=where_taken, comment=b"secret")
+    keep_picture(tmp_path / "brought.jpg", tmp_path / "kept")
+    assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["picture.png", "small.jpg"]
+    for path in (tmp_path / "kept").iterdir():
+        assert b"script" not in path.read_bytes()
+        assert b"secret" not in path.read_bytes()
+        with Image.open(path) as image:
+            assert not image.getexif()
+
+
+def test_a_picture_comes_along(tmp_path: Path) -> None:
+    keep_picture(portrait(), tmp_path / "kept")
+    with Image.open(tmp_path / "kept" / "small.jpg") as small:
+        assert small.size == (480, 480)

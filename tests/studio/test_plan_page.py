@@ -1,0 +1,109 @@
+"""The panel where paintings are planned, in a browser."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Locator, Page, expect
+
+from tests.studio.conftest import RunningStudio
+
+_PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
+
+
+def bring_a_picture(page: Page, root: Path) -> None:
+    x, y = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 48))
+    colours = (np.stack([x, y, (x - 0.5) ** 2 + (y - 0.5) ** 2 < 0.1], axis=2) * 255).astype(np.uint8)
+    Image.fromarray(colours).save(root / "My Sunset!.png")
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Bring a picture").click()
+    chooser.value.set_files(root / "My Sunset!.png")
+    expect(page.get_by_role("radio", name="my-sunset")).to_have_attribute("aria-checked", "true", timeout=_PATIENCE)
+
+
+def ask_for_little(page: Page) -> None:
+    page.get_by_label("Strokes", exact=True).fill("25")
+    page.get_by_label("How many", exact=True).fill("3")
+    page.get_by_label("Sheet").click()
+    page.get_by_role("option", name="A5", exact=True).click()
+
+
+def card(page: Page, name: str = "my-sunset") -> Locator:
+    return page.get_by_role("article", name=f"Plan {name}", exact=True)
+
+
+def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken_back(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    mine, theirs = page("/plan"), page("/plan", color_scheme="dark", viewport={"width": 1024, "height": 600})
+    expect(mine.get_by_text("Nothing is planned yet")).to_be_visible()
+    mine.get_by_role("button", name="Plan it").click()
+    expect(mine.get_by_text("there is nothing to paint yet; bring a picture, or write a text")).to_be_visible()
+    bring_a_picture(mine, tmp_path)
+    ask_for_little(mine)
+    mine.get_by_label("How long").click()
+    mine.get_by_role("option", name=re.compile("Fine")).click()
+    mine.get_by_role("button", name="Plan it").click()
+    for each in (mine, theirs):
+        expect(card(each).locator(".compare img").first).to_have_attribute(
+            "src", re.compile("/live/my-sunset/[1-9]"), timeout=_PATIENCE
+        )
+        expect(each.locator(".doing")).to_have_text("planning my-sunset")
+    card(theirs).get_by_role("button", name="What matters").click()
+    outlines = card(theirs).get_by_label("Outlines")
+    outlines.focus()
+    for _ in range(4):
+        outlines.press("ArrowRight")
+    expect(card(mine).locator("figcaption")).to_contain_text("edges", timeout=_PATIENCE)
+    card(theirs).get_by_role("button", name="Stop and keep").click()
+    expect(card(mine).locator(".phase")).to_have_text("stopped early", timeout=_PATIENCE)
+    expect(card(mine).get_by_text(re.compile("^25 strokes, "))).to_be_visible()
+
+    shown = card(mine).locator(".compare img").first
+    expect(shown).to_have_attribute("src", re.compile("preview.png"))
+    order = card(mine).get_by_label("Stroke by stroke")
+    order.focus()
+    for _ in range(30):
+        order.press("ArrowLeft")
+    expect(shown).to_have_attribute("src", re.compile("/order/00.jpg"))
+    card(mine).get_by_label("From the picture to the plan").fill("40")
+    assert card(mine).locator(".compare").evaluate("each => each.style.getPropertyValue('--split')") == "40%"
+    for image in card(mine).locator(".compare img").all():
+        assert image.evaluate("each => each.naturalWidth") > 100
+
+    card(mine).get_by_role("button", name="Throw my-sunset away").click()
+    for each in (mine, theirs):
+        expect(card(each)).to_have_count(0)
+    mine.get_by_role("button", name="Undo").click()
+    for each in (mine, theirs):
+        expect(card(each)).to_be_visible()
+    theirs.reload()
+    expect(card(theirs).get_by_text(re.compile("^25 strokes, "))).to_be_visible()
+    with mine.expect_download() as download:
+        card(mine).get_by_role("button", name="Files").click()
+        mine.get_by_text("For a plotter (SVG)").click()
+    assert download.value.suggested_filename == "my-sunset-painting.svg"
+    assert b"<svg" in download.value.path().read_bytes()
+
+
+def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    opened = page("/plan")
+    (tmp_path / "letter.png").write_text("dear")
+    with opened.expect_file_chooser() as chooser:
+        opened.get_by_role("button", name="Bring a picture").click()
+    chooser.value.set_files(tmp_path / "letter.png")
+    expect(opened.get_by_text("is not a picture that can be read")).to_be_visible(timeout=_PATIENCE)
+    assert list((studio.folder / "pictures").iterdir()) == []
+    assert [path.name for path in studio.folder.iterdir() if path.name.startswith(".incoming")] == []
+    bring_a_picture(opened, tmp_path)
+    opened.get_by_label("Light and dark").fill("0")
+    opened.get_by_role("button", name="Plan it").click()
+    expect(opened.get_by_text("nothing matters any more")).to_be_visible()
+    opened.get_by_label("Light and dark").fill("1")
+    opened.get_by_label("Strokes", exact=True).fill("")
+    opened.get_by_role("button", name="Plan it").click()
+    expect(opened.get_by_text("the number of strokes is nothing; it must be a whole number from 1 to")).to_be_visible()

@@ -1,0 +1,181 @@
+"""Plans as the studio's server has them, each made in a real process."""
+
+import asyncio
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from skimage.data import data_dir
+
+from maulstick.errors import InputError
+from maulstick.jobs.plan.job import Job
+from maulstick.painting import read_painting
+from maulstick.studio.folder import Folder
+from maulstick.studio.planner import TARGET, order_frame
+from maulstick.studio.plans import Phase, Plan, Plans
+
+_PATIENCE = 120.0
+LONG = 100_000
+JOB = Job(
+    photo=Path(data_dir) / "astronaut.png",
+    text=None,
+    look=None,
+    weigh={"tone": 1.0},
+    clip=None,
+    clip_weights=None,
+    clip_layers=None,
+    size="80x80mm",
+    paper="white",
+    canvas=None,
+    fit="contain",
+    strokes=20,
+    exact=False,
+    paints=3,
+    ink=None,
+    paints_from=None,
+    brush="round",
+    press=None,
+    style="free",
+    steps=20,
+    ask_every=10,
+    px=48,
+    seed=0,
+    tries=1,
+    frames=None,
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Folder]:
+    with Folder.opened(tmp_path / "studio") as opened:
+        yield opened
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(_PATIENCE):
+        while not condition():
+            await asyncio.sleep(0.02)
+
+
+def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Folder) -> None:
+    async def plan() -> Plan:
+        plans = Plans(folder)
+        plan = plans.add(JOB)
+        assert plans.doing == "planning data"
+        await until(lambda: not plan.is_busy)
+        await until(lambda: not plans.doing)
+        return plan
+
+    made = asyncio.run(plan())
+    assert (made.phase, made.why) == (Phase.PLANNED, "")
+    painting = read_painting(made.folder / "painting.json")
+    assert f"{len(painting.strokes)} strokes" in made.figures
+    assert made.canvas.startswith(b"\xff\xd8")
+    assert (made.folder / TARGET).is_file()
+    assert made.frames == len(painting.strokes) + 1
+    assert order_frame(made.folder, 0).is_file()
+    assert [done for done, _ in made.curve] == sorted(done for done, _ in made.curve)
+
+
+def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_opened_later(folder: Folder) -> None:
+    async def stop() -> Plan:
+        plans = Plans(folder)
+        plan = plans.add(replace(JOB, steps=LONG))
+        await until(lambda: plan.seen > 1)
+        plans.stop(plan)
+        assert plan.phase is Phase.STOPPING
+        await until(lambda: not plan.is_busy)
+        await until(lambda: not plans._processes)
+        return plan
+
+    stopped = asyncio.run(stop())
+    assert stopped.phase is Phase.STOPPED
+    assert stopped.curve[-1][0] > 0
+    assert stopped.is_painting
+
+    async def go_on() -> tuple[float, Plan]:
+        plans = Plans(folder)
+        (plan,) = plans.plans.values()
+        assert (plan.phase, plan.figures) == (Phase.STOPPED, stopped.figures)
+        plans.go_on(plan)
+        await until(lambda: plan.seen > 0)
+        first = plan.curve[0][0]
+        plans.close()
+        await until(lambda: not plan.is_busy)
+        return first, plan
+
+    first, again = asyncio.run(go_on())
+    assert first > 0
+    assert again.phase is Phase.STOPPED
+
+
+def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None:
+    async def plan() -> Plan:
+        plans = Plans(folder)
+        plan = plans.add(replace(JOB, steps=2000))
+        await until(lambda: plan.seen > 1)
+        assert set(plan.curve[-1][1]) == {"tone"}
+        plans.weigh(plan, {"tone": 1.0, "edges": 1.0, "likeness": 0.5})
+        await until(lambda: set(plan.curve[-1][1]) == {"tone", "edges", "likeness"})
+        reached = plan.curve[-1][0]
+        plans.weigh(plan, {"tone": 0.5})
+        await until(lambda: set(plan.curve[-1][1]) == {"tone"})
+        assert plan.curve[-1][0] >= reached
+        plans.stop(plan)
+        await until(lambda: not plan.is_busy)
+        await until(lambda: not plans._processes)
+        return plan
+
+    made = asyncio.run(plan())
+    assert made.asked.weigh == {"tone": 0.5}
+    assert json.loads((made.folder / "job.json").read_bytes())["weigh"] == {"tone": 0.5}
+    assert read_painting(made.folder / "painting.json").made.options["weights"] == {"tone": 0.5}
+
+
+def test_a_plan_that_cannot_be_says_why_and_can_be_thrown_away_and_taken_back(folder: Folder) -> None:
+    async def fail() -> None:
+        plans = Plans(folder)
+        plan = plans.add(replace(JOB, style="nobody"))
+        with pytest.raises(InputError, match="data is being planned; stop it first"):
+            plans.throw_away(plan)
+        await until(lambda: not plan.is_busy)
+        assert plan.phase is Phase.FAILED
+        assert plan.why.startswith("there is no style 'nobody'; there are: ")
+        grave = plans.throw_away(plan)
+        assert not plans.plans
+        with pytest.raises(InputError, match="there is no plan data any more"):
+            plans.of("data")
+        plans.take_back(grave)
+        assert plans.of("data").folder.is_dir()
+        await until(lambda: not plans._processes)
+
+    asyncio.run(fail())
+
+
+def test_plans_take_turns_and_one_that_waits_can_be_taken_out(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("maulstick.studio.plans._AT_ONCE", 1)
+
+    async def wait() -> None:
+        plans = Plans(folder)
+        first, second, third = (plans.add(JOB) for _ in range(3))
+        assert [plan.phase for plan in (first, second, third)] == [Phase.PLANNING, Phase.WAITING, Phase.WAITING]
+        assert [plan.name for plan in (first, second, third)] == ["data", "data-2", "data-3"]
+        assert plans.doing == "planning 3 pictures"
+        plans.stop(second)
+        assert second.phase is Phase.STOPPED
+        await until(lambda: not third.is_busy)
+        assert third.phase is Phase.PLANNED
+        assert not second.is_painting
+        await until(lambda: not plans._processes)
+
+    asyncio.run(wait())
+
+
+def test_a_folder_that_holds_no_plan_of_this_version_is_passed_over(folder: Folder) -> None:
+    for name, words in (("empty", None), ("broken", b"{"), ("other", b'{"photo": 3}')):
+        (folder.root / "plans" / name).mkdir()
+        if words is not None:
+            (folder.root / "plans" / name / "job.json").write_bytes(words)
+    assert Plans(folder).plans == {}

@@ -1,0 +1,320 @@
+"""The machine of the studio without its page: real processes, the simulated easel, and a Grbl on a pseudo-terminal."""
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from maulstick.errors import InputError
+from maulstick.jobs.run.asked import Asked
+from maulstick.jobs.run.session import Errand, rehearse
+from maulstick.robot.easel import Easel, Pen, write_easel
+from maulstick.robot.journal import Journal, journal_of
+from maulstick.studio.desk import Desk
+from maulstick.studio.folder import Folder
+from maulstick.studio.mixing import Mixing
+from maulstick.studio.run import Run
+from tests.robot.fake_grbl import FakeGrbl
+from tests.robot.small_paintings import SIX, line, painting_of
+from tests.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
+
+PATIENCE = 120.0  # seconds, for a machine that does much else
+SIM, SLOW = Asked(robot="sim"), Asked(robot="sim:real")
+PEN = Pen(up=200, down=700, seconds=0.05)
+
+
+@pytest.fixture(autouse=True)
+def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody else's machines are in use."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+
+
+@pytest.fixture
+def easel(tmp_path: Path) -> Path:
+    """Of a plotter with a servo, and a sheet 40 mm high."""
+    path = tmp_path / "easel.json"
+    write_easel(Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=PEN), path)
+    return path
+
+
+@asynccontextmanager
+async def opened(root: Path) -> AsyncIterator[Run]:
+    with Folder.opened(root) as folder:
+        desk = Desk()
+        run = Run(folder, desk, Mixing(folder, desk))
+        try:
+            yield run
+        finally:
+            await run.close()
+            desk.close()
+
+
+async def until(run: Run, condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(PATIENCE):
+        while not condition():
+            assert run.is_busy, run.state.sentence
+            await asyncio.sleep(0.02)
+
+
+async def over(run: Run) -> str:
+    """How it came out, once it has."""
+    async with asyncio.timeout(PATIENCE):
+        while run.is_busy:
+            await asyncio.sleep(0.02)
+    return run.state.sentence
+
+
+def stroke(run: Run) -> int:
+    return 0 if run.state.going is None else run.state.going.stroke
+
+
+def events(painting: Path, event: str) -> list[int]:
+    lines = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
+    return [entry["stroke"] for entry in lines if entry["event"] == event]
+
+
+def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            run.check("lines", SIM)
+            assert await over(run) == "It fits."
+            assert run.state.outlook is not None
+            assert (run.state.outlook.strokes, round(run.state.outlook.metres, 3)) == (STROKES, 0.9)
+            assert not journal_of(painting).exists()
+            assert await run.standing("lines") is None
+            seen: list[float] = []
+            run.changed.subscribe(lambda: seen.append(0.0 if run.state.going is None else run.state.going.drawn))
+            await run.begin("lines", SIM)
+            assert run.doing == "starting lines"
+            assert await over(run) == "lines is painted."
+            assert (run.doing, run.state.fault) == ("", False)
+            assert seen == sorted(seen)
+            assert seen[-1] == pytest.approx(0.9)
+            assert run.state.photograph.startswith(b"\xff\xd8")
+            standing = await run.standing("lines")
+            assert standing is not None
+            assert standing.is_over
+
+    asyncio.run(paint())
+    assert events(painting, "begin") == events(painting, "end")
+    assert sorted(events(painting, "end")) == list(range(STROKES))
+
+
+def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_with_the_rest(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("lines", SLOW)
+            await until(run, lambda: stroke(run) == 2)
+            run.pause()
+            held = -1
+            while held != (held := len(events(painting, "begin"))):
+                await asyncio.sleep(1)
+            assert events(painting, "end") == events(painting, "begin")
+            assert held < STROKES
+            assert run.doing.startswith("paused lines")
+            run.go_on()
+            await until(run, lambda: len(events(painting, "begin")) == held + 2)
+            run.stop()
+            assert run.state.phase == "stopping"
+            assert await over(run) == "You stopped it. The pen is lifted."
+            standing = await run.standing("lines")
+            assert standing is not None
+            assert (standing.strokes, standing.asked.machine) == (STROKES, "sim:real")
+            assert standing.painted == len(events(painting, "end")) < STROKES
+            assert standing.unfinished == events(painting, "begin")[-1]
+            await run.resume("lines", SIM, None)
+            assert "say whether it is on the paper" in await over(run)
+            await run.begin("lines", SIM)
+            assert "says that this painting was begun" in await over(run)
+            await run.resume("lines", SIM, True)
+            assert await over(run) == "lines is painted."
+            run.stop()  # which can be done at any time
+            assert run.state.sentence == "lines is painted."
+
+    asyncio.run(paint())
+    assert sorted(events(painting, "end")) == list(range(STROKES))
+
+
+def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_path: Path) -> None:
+    put_plan(tmp_path, "lines")
+    put_plan(tmp_path, "six", SIX, mixed=False)
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            with pytest.raises(InputError, match="#cc1a1a and 1 more of six must be mixed first; tick what is mixed"):
+                await run.begin("six", SIM)
+            with pytest.raises(InputError, match="the plan 'none' is not finished"):
+                await run.begin("none", SIM)
+            with pytest.raises(InputError, match="is no name"):
+                await run.begin("../lines", SIM)
+            both = await asyncio.gather(run.begin("lines", SLOW), run.begin("lines", SLOW), return_exceptions=True)
+            assert [str(each) for each in both if each] == [
+                "a machine is busy with lines; wait until it has finished, or stop it"
+            ]
+            with pytest.raises(InputError, match="busy with lines"):
+                run.check("lines", SIM)
+
+    asyncio.run(paint())  # closing the studio while the machine is being made ready stops it, too
+    assert not journal_of(tmp_path / "plans" / "lines" / "painting.json").exists()
+
+
+def test_what_does_not_fit_the_machine_is_said_and_nothing_moves(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "fast", painting_of([line(1, speed=0.4)]))
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            run.check("fast", SLOW)
+            assert "the machine's fastest is 250" in await over(run)
+            assert run.state.fault
+            await run.begin("fast", Asked(robot="grbl:/dev/null/none"))
+            assert (await over(run)).startswith("cannot open the port /dev/null/none")
+
+    asyncio.run(paint())
+    assert not journal_of(painting).exists()
+
+
+def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Path, easel: Path) -> None:
+    painting = put_plan(tmp_path, "six", SIX)
+    other = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            asked = Asked(robot=f"grbl:{device.port}", easel=easel)
+            await run.begin("six", asked)
+            await until(run, lambda: bool(run.state.question))
+            assert run.state.question == "put in the marker with the paint #cc1a1a"
+            assert run.doing == "painting six: waits for you"
+            assert events(painting, "begin") == []
+            link = tmp_path / "plotter"
+            link.symlink_to(device.port)
+            for port in (device.port, link):
+                with pytest.raises(InputError, match=r"another maulstick drives grbl:.*; wait until it"):
+                    await asyncio.to_thread(rehearse, Errand(other, Asked(robot=f"grbl:{port}", easel=easel)))
+            run.done()
+            await until(run, lambda: bool(run.state.question))
+            assert len(events(painting, "end")) == 3
+            run.stop()
+            assert await over(run) == "You stopped it. The pen is lifted."
+            await run.resume("six", Asked(), None)
+            await until(run, lambda: bool(run.state.question))
+            run.done()
+            assert await over(run) == "six is painted."
+
+    with FakeGrbl() as device:
+        asyncio.run(paint())
+        assert device.servo == PEN.up
+    assert sorted(events(painting, "end")) == list(range(10, 16))
+
+
+def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("lines", Asked(robot=f"grbl:{device.port}", easel=easel))
+            await until(run, lambda: device.servo == PEN.down and len(events(painting, "begin")) == 2)
+            run.stop()
+            run.stop()  # as somebody does who is frightened
+            assert await over(run) == "You stopped it. The pen is lifted."
+            assert device.holds >= 1
+            assert device.servo == PEN.up
+
+    with FakeGrbl(pace=1.0) as device:
+        asyncio.run(paint())
+    assert len(events(painting, "end")) < 3
+
+
+def is_gone(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except FileNotFoundError:
+        return True
+
+
+def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the_rest_is_painted_later(
+    tmp_path: Path, easel: Path
+) -> None:
+    painting = put_plan(tmp_path, "lines")
+    with FakeGrbl(pace=1.0) as device:
+        machine = f"grbl:{device.port}"
+        words = [sys.executable, "-m", "tests.studio.mortal_studio", tmp_path, "lines", machine, easel]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as studio:
+            assert studio.stdout is not None
+            painter = int(studio.stdout.readline())
+            studio.send_signal(signal.SIGKILL)
+        deadline = time.monotonic() + PATIENCE
+        while not is_gone(painter):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert device.servo == PEN.up
+        painted = len(events(painting, "end"))
+        assert 0 < painted < STROKES
+        with Journal.open(journal_of(painting)) as journal:
+            assert journal.unfinished in (None, events(painting, "begin")[-1])
+
+        async def go_on() -> None:
+            async with opened(tmp_path) as run:
+                standing = await run.standing("lines")
+                assert standing is not None
+                assert standing.painted == painted
+                await run.resume("lines", Asked(), None if standing.unfinished is None else False)
+                assert await over(run) == "lines is painted."
+
+        device.pace = 200.0
+        asyncio.run(go_on())
+    assert sorted(events(painting, "end")) == list(range(STROKES))
+    assert len(events(painting, "begin")) <= STROKES + 1
+
+
+def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path) -> None:
+    painting = put_plan_of_a_picture(tmp_path, "disc")
+    picture = tmp_path / "pictures" / "disc" / "picture.png"
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("disc", Asked(robot="sim:real", speed=10.0, look=True, replan=0, picture=picture))
+            await until(run, lambda: stroke(run) >= 2)
+            run.replan_now()
+            assert run.state.will_look
+            await until(run, lambda: painting.with_name("painting.r1.json").exists())
+            await until(run, lambda: run.state.going is not None and run.state.going.strokes is None)
+            assert not run.state.will_look
+            run.stop()
+            assert await over(run) == "You stopped it. The pen is lifted."
+
+    asyncio.run(paint())
+    revisions = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
+    assert [entry["file"] for entry in revisions if entry["event"] == "revision"] == [
+        "painting.json",
+        "painting.r1.json",
+    ]
+
+
+def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
+    put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("lines", SLOW)
+            await until(run, lambda: stroke(run) == 2)
+            assert run._process is not None
+            os.kill(run._process._process.pid or 0, signal.SIGKILL)
+            assert "Look at the machine: its pen may still be down." in await over(run)
+            assert run.state.fault
+            standing = await run.standing("lines")
+            assert standing is not None
+            assert standing.painted >= 1
+
+    asyncio.run(paint())

@@ -1,0 +1,208 @@
+"""The styles of the studio: what the desk finds out of them, what becomes of their files, and how they are drawn."""
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.strokes import path_lengths
+from maulstick.studio.desk import Desk
+from maulstick.studio.folder import Folder
+from maulstick.studio.panels.styles_map import large_svg, map_svg, neighbours, told_of
+from maulstick.studio.style_work import Difference, Map
+from maulstick.studio.styles import Styles
+from maulstick.style.cards import STYLES, style_path
+from maulstick.style.store import read_style, write_style
+from tests.style.synthetic_hands import circle, exemplar_of
+
+THREE = ["cursive", "loops", "hatching"]
+
+
+def write_own(name: str) -> Path:
+    """A style of the user's own; its JSON."""
+    return write_style(replace(exemplar_of(circle, 8), called=name), "me.ink.npz", STYLES.own())
+
+
+@pytest.fixture
+def styles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Styles]:
+    """Those that come along, and one of the user's own, `cat`."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    write_own("cat")
+    with Folder.opened(tmp_path / "studio") as folder:
+        yield Styles(folder, Desk())
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the desk found out."""
+
+    at_hand: list[Path | None]
+    sheet: Path
+    size: tuple[int, int]
+    refusal: str
+    map: Map
+    differences: tuple[Difference, ...]
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Found]:
+    """All of it by one desk, whose process takes seconds to begin."""
+
+    async def find(folder: Folder) -> Found:
+        desk = Desk()
+        styles = Styles(folder, desk)
+        try:
+            before = styles.sheet_at_hand("loops")
+            sheet = await styles.sheet("loops")
+            with pytest.raises(MaulstickError) as refused:
+                await styles.sheet("torn")
+            with Image.open(sheet) as picture:
+                size = picture.size
+            return Found(
+                [before, styles.sheet_at_hand("loops")],
+                sheet,
+                size,
+                str(refused.value),
+                await styles.map_of(THREE),
+                await styles.differences_of(THREE),
+            )
+        finally:
+            desk.close()
+
+    root = tmp_path_factory.mktemp("styles")
+    with pytest.MonkeyPatch.context() as patch, Folder.opened(root / "studio") as folder:
+        patch.setenv("XDG_DATA_HOME", str(root / "data"))
+        write_own("torn").with_suffix(".safetensors").write_bytes(b"\x80\x04cos\nsystem\n")
+        yield asyncio.run(find(folder))
+
+
+def test_a_sheet_is_drawn_once_and_kept(found: Found) -> None:
+    assert found.at_hand == [None, found.sheet]
+    assert found.size[0] > found.size[1] > 500
+
+
+def test_a_style_with_damaged_arrays_is_refused_in_a_sentence(found: Found) -> None:
+    assert "torn.safetensors does not belong to" in found.refusal
+    assert "\n" not in found.refusal
+
+
+def test_a_map_has_every_stroke_of_its_styles_once_and_with_its_length(found: Found) -> None:
+    hands = [read_style(style_path(name)).hand for name in THREE]
+    assert found.map.names == tuple(THREE)
+    assert np.bincount(found.map.whose).tolist() == [len(hand) for hand in hands]
+    assert found.map.strokes == len(found.map.whose)
+    assert np.array_equal(found.map.lengths, np.concatenate([path_lengths(hand.paths) for hand in hands]))
+    assert np.abs(found.map.places).max() <= 0.5
+
+
+def test_hands_that_draw_other_strokes_are_farther_apart(found: Found) -> None:
+    apart = {(each.first, each.second): each for each in found.differences}
+    assert list(apart) == [("cursive", "loops"), ("cursive", "hatching"), ("loops", "hatching")]
+    assert apart["loops", "hatching"].distance > 2 * apart["cursive", "loops"].distance > 0
+    assert apart["cursive", "loops"].accuracy < apart["loops", "hatching"].accuracy <= 1
+    assert "bend less" in apart["loops", "hatching"].words
+
+
+def test_the_drawing_of_a_map_has_a_path_for_each_stroke_and_no_name_in_it(found: Found) -> None:
+    drawn = ElementTree.fromstring(map_svg(replace(found.map, names=("<script>",) * 3)))
+    paths = drawn.findall("g/path")
+    assert [path.attrib["data-stroke"] for path in paths] == [str(number) for number in range(len(found.map.whose))]
+    assert [path.attrib["tabindex"] for path in paths].count("0") == 1
+    assert not drawn.findall(".//script")
+    large = ElementTree.fromstring(large_svg(found.map.paths[0], 0))
+    numbers = [float(each) for each in large.findall("path")[0].attrib["d"][1:].replace("L", " ").split()]
+    assert 0 < min(numbers) < max(numbers) < 600
+
+
+def test_a_stroke_is_told_of_as_far_as_anybody_knows(found: Found) -> None:
+    some = replace(found.map, lengths=np.array([0.0123]), speeds=np.array([0.1]), press=np.array([np.nan]))
+    some = replace(some, whose=np.array([1]))
+    assert told_of(some, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, drawn at 100 mm a second"
+    pressed = replace(some, speeds=np.array([np.nan]), press=np.array([0.4]))
+    assert told_of(pressed, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, pen pressure 40 %"
+
+
+def test_an_arrow_key_leads_to_the_nearest_stroke_on_that_side() -> None:
+    #  1 . 0 . . 2     left, right, up, down
+    #      3
+    centres = np.array([[0.0, 0.0], [-2.0, 0.0], [3.0, 0.5], [0.0, 1.0]])
+    assert neighbours(centres)[0].tolist() == [1, 2, 0, 3]
+    assert neighbours(centres)[3].tolist() == [1, 2, 0, 3]
+    assert neighbours(np.zeros((2, 2))).tolist() == [[0] * 4, [1] * 4]
+
+
+def test_a_broken_card_is_an_entry_that_says_why(styles: Styles) -> None:
+    (STYLES.own() / "torn.json").write_text("{")
+    assert [styles.entry(name).name for name in styles.names()][-2:] == ["cat", "torn"]
+    broken, whole = styles.entry("torn"), styles.entry("cat")
+    assert broken.card is None
+    assert "torn.json is not a style" in broken.fault
+    assert whole.card is not None
+    assert (whole.card.strokes, whole.is_built_in, styles.entry("loops").is_built_in) == (8, False, True)
+
+
+def test_a_style_is_renamed_and_all_pages_know(styles: Styles) -> None:
+    told: list[list[str]] = []
+    styles.changed.subscribe(lambda: told.append(styles.names()))
+    asyncio.run(styles.rename("cat", "anna"))
+    (names,) = told
+    assert "anna" in names
+    assert "cat" not in names
+
+
+@pytest.mark.parametrize(
+    ("name", "new", "text"),
+    [
+        ("cat", "loops", "there is a style loops already; choose another name"),
+        ("cat", "cat", "there is a style cat already; choose another name"),
+        ("cat", "free", "the name of a style is 'free'; it must be"),
+        ("cat", "<script>alert(1)</script>", "the name of a style is '<script>alert"),
+        ("cat", "../cat", "the name of a style is '../cat'; it must be"),
+        ("loops", "mine", "there is no style of your own called 'loops'"),
+        ("nobody", "mine", "there is no style of your own called 'nobody'"),
+    ],
+)
+def test_a_name_that_cannot_be_is_refused_and_nothing_moves(styles: Styles, name: str, new: str, text: str) -> None:
+    before = sorted(STYLES.own().iterdir())
+    with pytest.raises((InputError, OutputError)) as caught:
+        asyncio.run(styles.rename(name, new))
+    assert str(caught.value).startswith(text)
+    assert sorted(STYLES.own().iterdir()) == before
+
+
+def test_a_deleted_style_is_had_again_whole(styles: Styles) -> None:
+    before = {path.name: path.read_bytes() for path in STYLES.own().iterdir()}
+    thrown = asyncio.run(styles.delete("cat"))
+    assert "cat" not in styles.names()
+    assert not list(STYLES.own().iterdir())
+    assert styles.thrown_away == [thrown]
+    asyncio.run(styles.take_back(thrown))
+    assert {path.name: path.read_bytes() for path in STYLES.own().iterdir()} == before
+    assert styles.thrown_away == []
+    asyncio.run(styles.take_back(thrown))  # another page was quicker
+
+
+def test_a_deleted_style_does_not_come_back_over_another(styles: Styles) -> None:
+    asyncio.run(styles.delete("cat"))
+    write_own("cat")
+    with pytest.raises(OutputError, match=r"there is a cat\.\w+ again meanwhile"):
+        asyncio.run(styles.take_back(styles.thrown_away[0]))
+    assert len(styles.thrown_away) == 1, "it can still be had once the other is renamed"
+
+
+def test_what_comes_with_maulstick_stays(styles: Styles) -> None:
+    with pytest.raises(InputError, match="the style loops comes with Maulstick and stays; only your own"):
+        asyncio.run(styles.delete("loops"))
+    assert "loops" in styles.names()
+
+
+@pytest.mark.parametrize("names", [[], ["loops"], ["loops", "loops"], ["loops", "nobody"]])
+def test_what_cannot_be_compared_is_refused_before_the_desk_is_asked(styles: Styles, names: list[str]) -> None:
+    with pytest.raises(InputError, match=r"there is no style 'nobody'|the number of styles is [01]; it must be from 2"):
+        asyncio.run(styles.differences_of(names))

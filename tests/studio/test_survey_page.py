@@ -1,0 +1,87 @@
+"""A survey from the panel that builds it, past two participants, to its table."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
+
+from tests.studio.conftest import RunningStudio
+
+PATIENCE = 60_000  # milliseconds, for a machine that does much else
+expect.set_options(timeout=PATIENCE)
+
+
+@pytest.fixture
+def brought(tmp_path: Path) -> list[Path]:
+    """Photographs of drawings: by Ann, by Bo, and by the machine in the style of each."""
+    files = [tmp_path / f"{name}.png" for name in ("Ann", "Bo", "as Ann", "as Bo")]
+    for number, file in enumerate(files):
+        Image.new("RGB", (60, 40), (60 * number, 90, 120)).save(file)
+    return files
+
+
+def choose(shown: Page, group: str, label: str, drawing: str) -> None:
+    row = shown.get_by_role("group", name=group)
+    row.get_by_label(label).click()
+    shown.get_by_role("option", name=drawing, exact=True).click()
+    expect(row.locator(".choice").filter(has=shown.get_by_label(label)).locator("img")).to_have_count(1)
+    if shown.get_by_role("listbox").count():  # where several can be chosen, it stays open
+        shown.keyboard.press("Escape")
+        expect(shown.get_by_role("listbox")).to_have_count(0)
+
+
+def test_a_survey_is_built_answered_by_two_and_told(
+    studio: RunningStudio, browser: Browser, page: Callable[..., Page], brought: list[Path]
+) -> None:
+    shown = page("/survey")
+    for file, name in zip(brought, ("ann", "bo", "as-ann", "as-bo"), strict=True):
+        shown.locator("input[type=file]").set_input_files(file)
+        expect(shown.get_by_text(f"{name} can be chosen now.")).to_be_visible()
+    shown.get_by_label("What is it called?").fill("Whose <strokes>?")
+    for number, (name, drawn) in enumerate((("<b>Ann</b>", "ann"), ("Bo", "bo")), start=1):
+        shown.get_by_role("group", name=f"Hand {number}").get_by_label("Name").fill(name)
+        choose(shown, f"Hand {number}", "Drawn by this person", f"{drawn} (picture)")
+        choose(shown, f"Hand {number}", "In their style, by the machine", f"as-{drawn} (picture)")
+    shown.get_by_role("button", name="Make the survey").click()
+
+    shown.get_by_label("How many people?").fill("2")
+    shown.get_by_role("button", name="Make their links").click()
+    links = [shown.get_by_role("textbox", name=f"Link {number}").input_value() for number in (1, 2)]
+    expect(shown.get_by_text("Nobody has answered yet.")).to_be_visible()
+    for link in links:
+        assert link.startswith(f"{studio.url}/survey/whose-strokes/")
+        theirs = browser.new_context().new_page()
+        theirs.goto(link)
+        theirs.get_by_role("button", name="Begin").click()
+        theirs.get_by_role("radio", name="Drawing A").check()
+        theirs.get_by_role("button", name="Finish").click()
+        expect(theirs.get_by_role("heading", name="Thank you!")).to_be_visible()
+        theirs.context.close()
+
+    expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
+    taken = shown.get_by_role("table", name="For whose strokes they were taken")
+    expect(taken.get_by_role("columnheader")).to_have_text(["drawn by", "<b>Ann</b>", "Bo"])
+    counts = [int(cell.split()[0]) for cell in taken.locator("td").all_inner_texts() if cell != "-"]
+    assert sum(counts) == 2
+    expect(shown.get_by_role("row", name="all hands")).to_contain_text("of 2")
+    with shown.expect_download() as download:
+        shown.get_by_role("button", name="All answers as CSV").click()
+    assert len(download.value.path().read_text().splitlines()) == 3
+
+    shown.get_by_role("button", name="Throw away").click()
+    expect(shown.get_by_text("There is none yet.")).to_be_visible()
+    shown.get_by_role("button", name="Undo").click()
+    shown.get_by_role("button", name="whose-strokes").click()
+    expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
+
+
+def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Callable[..., Page]) -> None:
+    shown = page("/survey")
+    shown.get_by_role("button", name="Another hand").click()
+    shown.get_by_role("group", name="Hand 3").get_by_label("Name").fill("Cy")
+    shown.get_by_role("link", name="Paints").click()
+    expect(shown.get_by_role("heading", name="Mix the paints")).to_be_visible()
+    shown.get_by_role("link", name="Survey").click()
+    expect(shown.get_by_role("group", name="Hand 3").get_by_label("Name")).to_have_value("Cy")

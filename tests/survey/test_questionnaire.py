@@ -1,0 +1,128 @@
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+from pydantic import ValidationError
+
+from maulstick.errors import InputError, OutputError
+from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair, Survey, build, read_survey
+from tests.survey.conftest import named, sources
+
+
+def test_a_survey_is_what_was_built_when_it_is_read(tmp_path: Path) -> None:
+    survey = build(tmp_path / "new" / "survey", "Whose?", *sources(tmp_path / "sources"))
+    assert read_survey(tmp_path / "new" / "survey") == survey
+    assert survey.match is not None
+    assert [hand.name for hand in survey.match.hands] == ["Ada", "Bo", "Cy"]
+
+
+def test_a_survey_survives_json() -> None:
+    survey = named()
+    assert Survey.model_validate_json(survey.model_dump_json()) == survey
+
+
+def test_every_picture_is_copied_to_its_own_place(tmp_path: Path) -> None:
+    match, opinions = sources(tmp_path / "sources")
+    survey = build(tmp_path / "survey", "Whose?", match, opinions)
+    originals = [path for hand in match.hands for path in (hand.by_hand, *hand.by_machine)]
+    originals += [path for pair in opinions.pairs for path in (pair.reference, *pair.looks)]
+    copies = list(survey.pictures())
+    assert len(set(copies)) == len(originals) == 15
+    for original, copy in zip(originals, copies, strict=True):
+        with Image.open(original) as before, Image.open(tmp_path / "survey" / copy) as after:
+            np.testing.assert_array_equal(np.array(before), np.array(after))
+
+
+def test_nothing_but_pixels_goes_into_a_survey_and_not_too_many(tmp_path: Path) -> None:
+    match, _ = sources(tmp_path / "sources")
+    told = PngInfo()
+    told.add_text("Author", "a secret")
+    Image.new("RGB", (3000, 1500), "red").save(match.hands[0].by_hand, pnginfo=told)
+    build(tmp_path / "survey", "Whose?", match, None)
+    copy = tmp_path / "survey" / "hand-1.png"
+    assert b"secret" not in copy.read_bytes()
+    with Image.open(copy) as image:
+        assert image.size == (1024, 512)
+
+
+def test_a_bad_picture_is_told_before_anything_is_written(tmp_path: Path) -> None:
+    match, opinions = sources(tmp_path / "sources")
+    opinions.pairs[1].looks[1].write_bytes(b"no picture")
+    with pytest.raises(InputError, match="is not a picture"):
+        build(tmp_path / "survey", "Whose?", match, opinions)
+    assert not (tmp_path / "survey").exists()
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "survey").mkdir()
+    (tmp_path / "survey" / "answers.sqlite").write_bytes(b"precious")
+    with pytest.raises(OutputError, match="choose a new folder"):
+        build(tmp_path / "survey", "Whose?", *sources(tmp_path / "sources"))
+    assert [path.name for path in (tmp_path / "survey").iterdir()] == ["answers.sqlite"]
+
+
+@pytest.mark.parametrize(("title", "says"), [("", "at least 1"), ("two\nlines", "plain text"), ("x" * 121, "120")])
+def test_a_title_is_one_short_line(tmp_path: Path, title: str, says: str) -> None:
+    with pytest.raises(InputError, match=rf"this is not a survey: title.*{says}"):
+        build(tmp_path / "survey", title, *sources(tmp_path / "sources"))
+
+
+def test_a_survey_asks_something(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="a survey needs hands to match, or pairs for opinions"):
+        build(tmp_path / "survey", "Whose?", None, None)
+
+
+def test_hands_have_names_of_their_own_and_the_same_motifs() -> None:
+    ada = Hand(name="Ada", by_hand=Path("a.png"), by_machine=(Path("b.png"),))
+    with pytest.raises(ValidationError, match="two hands have one name"):
+        Match(hands=(ada, ada))
+    with pytest.raises(ValidationError, match="as many drawings by machine"):
+        Match(hands=(ada, Hand(name="Bo", by_hand=Path("c.png"), by_machine=(Path("d.png"), Path("e.png")))))
+
+
+def test_nobody_is_asked_about_more_than_there_is() -> None:
+    hands = named().match
+    assert hands is not None
+    with pytest.raises(ValidationError, match="asked is 6; it must be at most the 5 hands"):
+        Match(hands=hands.hands, asked=6)
+    pair = Pair(reference=Path("a.png"), looks=(Path("b.png"), Path("c.png")))
+    with pytest.raises(ValidationError, match="asked is 2; it must be at most the 1 pairs"):
+        Opinions(systems=("old", "new"), pairs=(pair,), asked=2)
+    with pytest.raises(ValidationError, match="both systems have one name"):
+        Opinions(systems=("old", "old"), pairs=(pair,))
+
+
+@pytest.mark.parametrize(
+    "name", ["../secret.png", "/etc/passwd", "..", "a/b.png", "a\\b.png", "a.svg", "survey.json", "a.png\n", ".png"]
+)
+def test_a_survey_that_names_files_elsewhere_is_refused(folder: Path, name: str) -> None:
+    record = json.loads((folder / "survey.json").read_text())
+    record["match"]["hands"][1]["by_machine"][0] = name
+    (folder / "survey.json").write_text(json.dumps(record))
+    with pytest.raises(InputError, match="must be the name of a PNG beside it"):
+        read_survey(folder)
+
+
+def test_a_link_in_the_place_of_a_picture_is_refused(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "secret").write_bytes(b"secret")
+    (folder / "hand-2.png").unlink()
+    (folder / "hand-2.png").symlink_to(tmp_path / "secret")
+    with pytest.raises(InputError, match=re.escape("hand-2.png is a link; put the picture itself in its place")):
+        read_survey(folder)
+
+
+def test_a_picture_that_is_missing_is_named(folder: Path) -> None:
+    (folder / "pair-1-look-2.png").unlink()
+    with pytest.raises(InputError, match=r"there is no picture .*pair-1-look-2\.png"):
+        read_survey(folder)
+
+
+def test_a_field_that_is_not_known_is_refused(folder: Path) -> None:
+    record = json.loads((folder / "survey.json").read_text())
+    (folder / "survey.json").write_text(json.dumps(record | {"script": "x"}))
+    with pytest.raises(InputError, match="is not a survey: script"):
+        read_survey(folder)
