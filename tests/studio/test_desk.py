@@ -12,8 +12,7 @@ from maulstick.errors import MaulstickError
 from maulstick.studio.desk import Desk
 from maulstick.studio.gallery import keep_picture
 from tests.studio import work
-
-PATIENCE = 60.0  # seconds, for a machine that does much else
+from tests.studio.processes import PATIENCE
 
 
 def at_a_desk(do: Callable[[Desk], Coroutine[Any, Any, None]]) -> None:

@@ -91,3 +91,13 @@ def test_a_picture_comes_along(tmp_path: Path) -> None:
     keep_picture(portrait(), tmp_path / "kept")
     with Image.open(tmp_path / "kept" / "small.jpg") as small:
         assert small.size == (480, 480)
+
+
+def test_of_two_pictures_that_come_at_once_under_one_name_the_first_stays_whole(tmp_path: Path) -> None:
+    keep_picture(portrait(), tmp_path / "kept")
+    before = picture_of(tmp_path / "kept").read_bytes()
+    (tmp_path / "brought").write_bytes(png(9, 9))
+    with pytest.raises(InputError, match="there is a picture kept meanwhile; use that one, or bring yours again"):
+        keep_picture(tmp_path / "brought", tmp_path / "kept")
+    assert picture_of(tmp_path / "kept").read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["brought", "kept"]

@@ -249,7 +249,15 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
     painting = put_plan(tmp_path, "lines")
     with FakeGrbl(pace=1.0) as device:
         machine = f"grbl:{device.port}"
-        words = [sys.executable, "-m", "tests.studio.mortal_studio", tmp_path, "lines", machine, easel]
+        words: list[str | Path] = [
+            sys.executable,
+            "-m",
+            "tests.studio.mortal_studio",
+            tmp_path,
+            "lines",
+            machine,
+            easel,
+        ]
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as studio:
             assert studio.stdout is not None
             painter = int(studio.stdout.readline())

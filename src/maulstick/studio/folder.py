@@ -82,19 +82,20 @@ class Folder:
         _move({path: grave / path.name for path in paths})
         return grave
 
-    def take_back(self, grave: Path, where: Path) -> None:
-        """Move what was thrown away to the folder `where` again.
+    def take_back(self, grave: Path, where: Path) -> list[Path]:
+        """Move what was thrown away to the folder `where` again; its places there.
 
         Raises OutputError where its place is taken, InputError where it is there already.
         """
         if not grave.is_dir():
             raise InputError("it was taken out of the trash already; look where it was before")
-        thrown = list(grave.iterdir())
-        for path in thrown:
-            if os.path.lexists(where / path.name):
-                raise OutputError(f"there is a {path.name} again meanwhile; rename that one first")
-        _move({path: where / path.name for path in thrown})
+        places = {path: where / path.name for path in grave.iterdir()}
+        for place in places.values():
+            if os.path.lexists(place):
+                raise OutputError(f"there is a {place.name} again meanwhile; rename that one first")
+        _move(places)
         grave.rmdir()
+        return list(places.values())
 
 
 def _move(places: dict[Path, Path]) -> None:

@@ -98,10 +98,10 @@ def rehearse_in_process(line: Line, errand: "Errand") -> None:
 
 def paint_in_process(line: Line, errand: "Errand", unfinished: bool | None) -> None:
     """Paint. unfinished: whether the stroke that was under the brush is on the paper, where somebody has said so."""
+    ear = _Ear()
+    line.heard_by(ear.hear, ear.stay_alone)
     from maulstick.jobs.run import session
     from maulstick.studio.beside import Beside
-
-    people: list[Beside] = []
 
     def is_painted(stroke: int) -> bool:
         if unfinished is None:
@@ -112,43 +112,58 @@ def paint_in_process(line: Line, errand: "Errand", unfinished: bool | None) -> N
         person = Beside(line, scene, len(painted))
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, person.interrupt)
-        line.heard_by(lambda word: _hear(person, word), lambda: _leave(person))
-        people.append(person)
+        ear.belong_to(person)
         return person
 
     try:
         session.paint(errand, is_painted, person_beside)
     except (MaulstickError, KeyboardInterrupt) as error:
-        if not people:
+        if ear.person is None:
             raise
-        (person,) = people
-        line.say(Ended("" if person.stopped else str(error), person.robot.lifted))
+        line.say(Ended("" if ear.person.stopped else str(error), ear.person.robot.lifted))
     else:
-        line.say(Ended(None, people[0].robot.lifted))
+        line.say(Ended(None, True))
 
 
-def _hear(person: "Beside", word: object) -> None:
-    match word:
-        case Wish.STOP:
-            _stop(person)
-        case Wish.PAUSE:
-            person.pause.held = True
-        case Wish.GO_ON:
-            person.pause.held = False
-        case Wish.LOOK:
-            person.look_after_this_stroke()
-        case Wish.DONE:
-            person.done.set()
+class _Ear:
+    """What is heard, in its own thread, before there is a person whom it can be brought to, and then."""
+
+    def __init__(self) -> None:
+        self.person: Beside | None = None
+        self._is_to_stop = False
+
+    def belong_to(self, person: "Beside") -> None:
+        """From now on bring it to them."""
+        self.person = person
+        if self._is_to_stop:
+            person.stop()
+
+    def hear(self, word: object) -> None:
+        """A wish."""
+        if word is Wish.STOP:
+            self._is_to_stop = True
+        if self.person is None:
+            return
+        match word:
+            case Wish.STOP:
+                _stop(self.person)
+            case Wish.PAUSE:
+                self.person.pause.held = True
+            case Wish.GO_ON:
+                self.person.pause.held = False
+            case Wish.LOOK:
+                self.person.look_after_this_stroke()
+            case Wish.DONE:
+                self.person.done.set()
+
+    def stay_alone(self) -> None:
+        """Nobody is there any more."""
+        self.hear(Wish.STOP)
+        time.sleep(_LONGEST_FAREWELL)
+        os._exit(1)
 
 
 def _stop(person: "Beside") -> None:
     person.stop()
     if person.resting:  # else a signal would disturb what lifts the pen
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
-
-
-def _leave(person: "Beside") -> None:
-    """Nobody is there any more."""
-    _stop(person)
-    time.sleep(_LONGEST_FAREWELL)
-    os._exit(1)

@@ -2,6 +2,7 @@
 
 import io
 import shutil
+import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -35,6 +36,11 @@ class Stop:
 
 
 @dataclass(frozen=True)
+class Leave:
+    """Keep what there is to go on from, and end."""
+
+
+@dataclass(frozen=True)
 class Weigh:
     """Go on with these weights of the terms."""
 
@@ -62,47 +68,60 @@ def order_frame(folder: Path, number: int) -> Path:
     return folder / "order" / f"{number:02}.jpg"
 
 
+class _Wishes:
+    """What the studio wants by now. weights: new ones, once."""
+
+    def __init__(self) -> None:
+        self.wanted, self.leaves = True, False
+        self._weights: dict[str, float] | None = None
+
+    def hear(self, word: object) -> None:
+        """Take a word for it."""
+        match word:
+            case Weigh(weights=weights):
+                self._weights = weights
+            case Stop():
+                self.wanted = False
+            case Leave():
+                self.leave()
+
+    def leave(self) -> None:
+        """Nobody wants it any more, for now."""
+        self.wanted, self.leaves = False, True
+
+    def reweighed(self) -> Mapping[str, float] | None:
+        """The new weights, if there are any."""
+        weights, self._weights = self._weights, None
+        return weights
+
+
 def plan(line: Line, job: Job, folder: Path) -> None:
-    """Plan, or go on with the plan in its folder; whoever goes away, or says so, gets what there is by then."""
+    """Plan, or go on with the plan in its folder; once the studio is gone, all that going on needs is kept there."""
     from maulstick.jobs.plan.keeping import plan_with  # these load torch, which the server goes without
     from maulstick.jobs.plan.prepare import prepare
     from maulstick.jobs.plan.results import write_results
 
-    wanted, told = True, 0.0
-    weights: dict[str, float] | None = None
-
-    def hear(word: object) -> None:
-        nonlocal wanted, weights
-        if isinstance(word, Weigh):
-            weights = word.weights
-        else:
-            stop()
-
-    def stop() -> None:
-        nonlocal wanted
-        wanted = False
-
-    def reweighed() -> Mapping[str, float] | None:
-        nonlocal weights
-        new, weights = weights, None
-        return new
+    wishes, told, kept = _Wishes(), 0.0, False
 
     def watch(progress: "Progress") -> bool:
-        nonlocal told
+        nonlocal told, kept
+        if wishes.leaves and kept:
+            sys.exit()
         if time.monotonic() - told > _TOLD_EVERY:
             told = time.monotonic()
             canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
             line.say(Step(progress.done, progress.parts, _jpeg(canvas)))
-        return wanted
+        kept = not wishes.wanted  # since it is not, `plan_with` keeps it before the next step
+        return wishes.wanted
 
-    line.heard_by(hear, alone=stop)
+    line.heard_by(wishes.hear, alone=wishes.leave)
     prepared = prepare(job)
     if prepared.layout.target is not None:
         atomic_write(folder / TARGET, _jpeg(prepared.layout.target))
-    painting = plan_with(prepared, folder, job, watch, reweighed)
+    painting = plan_with(prepared, folder, job, watch, wishes.reweighed)
     write_results(painting, folder, None)
     _write_order(painting, folder)
-    if wanted:
+    if wishes.wanted:
         for file in state_files(folder):
             file.unlink()
     line.say(Planned(_figures(painting)))

@@ -16,7 +16,7 @@ from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.jobs.plan.job import Job, state_files
 from maulstick.studio.folder import Folder
-from maulstick.studio.planner import Planned, Step, Stop, Weigh, order_frame
+from maulstick.studio.planner import Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.planner import plan as plan_in_process
 from maulstick.studio.process import Failed, Process
 
@@ -183,18 +183,21 @@ class Plans:
 
     def take_back(self, grave: Path) -> None:
         """Take it out of the trash."""
-        (name,) = (path.name for path in grave.iterdir())
-        self._folder.take_back(grave, self._folder.root / "plans")
-        if (plan := _found(name, self._folder.of("plans", name))) is not None:
-            self.plans[name] = plan
+        for path in self._folder.take_back(grave, self._folder.root / "plans"):
+            if (plan := _found(path.name, path)) is not None:
+                self.plans[path.name] = plan
         self.changed.emit()
 
     def close(self) -> None:
         """Let all that are being planned keep what they have."""
-        for process in self._processes.values():
-            process.tell(Stop())
+        for plan in self.plans.values():
+            if plan.phase is Phase.WAITING:
+                plan.phase = Phase.STOPPED
+        processes = list(self._processes.values())
+        for process in processes:
+            process.tell(Leave())
         until = time.monotonic() + _PATIENCE
-        for process in self._processes.values():
+        for process in processes:
             if not process.join(max(0.0, until - time.monotonic())):
                 process.kill()
 

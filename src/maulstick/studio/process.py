@@ -143,5 +143,5 @@ def _begin(work: Callable[..., None], connection: Connection, niceness: int, arg
         sys.exit(1)
     except Exception as error:
         traceback.print_exc()
-        line.say(Failed(f"something in Maulstick is broken: {type(error).__name__}: {error}"))
+        line.say(Failed(f"something in Maulstick is broken: {type(error).__name__}: {' '.join(str(error).split())}"))
         sys.exit(1)

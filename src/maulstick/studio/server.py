@@ -55,6 +55,8 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
         try:
             yield
         finally:
+            if studio.run.doing or studio.plans.doing:
+                print("The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True)
             await studio.close()
 
     app = FastAPI(lifespan=open_studio, openapi_url=None)

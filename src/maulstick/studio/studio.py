@@ -6,6 +6,7 @@ from typing import final
 from maulstick.studio.desk import Desk
 from maulstick.studio.drawing import Drawing
 from maulstick.studio.folder import Folder
+from maulstick.studio.gallery import Gallery
 from maulstick.studio.mixing import Mixing
 from maulstick.studio.plans import Plans
 from maulstick.studio.run import Run
@@ -17,7 +18,8 @@ from maulstick.studio.surveys import Surveys
 class Studio:
     """Made in the server's event loop.
 
-    drawing: the hand that is being drawn.  styles: those there are.  plans: those there are, and those being made.
+    drawing: the hand that is being drawn.  styles: those there are.  gallery: pictures to paint.
+    plans: those there are, and those being made.
     mixing: which paints are mixed.  surveys: those there are.  run: the machine, if it paints.
     """
 
@@ -25,6 +27,7 @@ class Studio:
         self.folder, self.desk = folder, Desk()
         self.drawing = Drawing(folder, self.desk)
         self.styles = Styles(folder, self.desk)
+        self.gallery = Gallery(folder, self.desk)
         self.plans = Plans(folder)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -33,5 +36,6 @@ class Studio:
     async def close(self) -> None:
         """Stop whatever moves, and let the rest keep what it has."""
         await self.run.close()
+        await self.drawing.close()
         await asyncio.to_thread(self.plans.close)
         self.desk.close()

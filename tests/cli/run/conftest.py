@@ -20,6 +20,12 @@ ALL = list(range(10, 16))
 MESSAGE = "6 strokes, 105 mm, 2 paints, about 1 min"
 
 
+@pytest.fixture(autouse=True)
+def data(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody else's machines are in use."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+
+
 @pytest.fixture
 def painting(tmp_path: Path) -> Path:
     write_painting(SIX, tmp_path / "painting.json")

@@ -8,7 +8,7 @@ from nicegui import background_tasks, html, ui
 from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.run.asked import Asked
 from maulstick.jobs.run.standing import Standing
-from maulstick.studio.panels.paint_form import AskedForm
+from maulstick.studio.panels.paint_form import SHORT_MENU, AskedForm
 from maulstick.studio.panels.paint_going import Controls, Sheets
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
@@ -50,7 +50,7 @@ class _Setting:
         self.root = html.section().classes("sheet")
         with self.root:
             html.h2("What to paint, and with what")
-            self._plan = ui.select([], label="Plan", on_change=self._choose).props("outlined")
+            self._plan = ui.select([], label="Plan", on_change=self._choose).props(SHORT_MENU)
             self._none = html.p("No plan is finished yet. Make one under Plan, and come back.").classes("hint")
             first = ui.element().classes("fields")
             self._begun = ui.label().classes("begun").props('role="status"')
@@ -112,6 +112,8 @@ class _Setting:
         if plan != self.plan or self.root.is_deleted:
             return
         is_other = standing is not None and (self._standing is None or standing.asked != self._standing.asked)
+        if standing != self._standing:
+            self._answer.value = None  # it was about another stroke
         self._standing = standing
         if standing is not None and is_other:
             self._form.fill(standing.asked)
@@ -137,10 +139,8 @@ class _Setting:
             button.enabled = not self._run.is_busy
 
     def _asked(self) -> tuple[str, Asked]:
-        plan = self._studio.plans.plans.get(self.plan)
-        if plan is None:
-            raise InputError("that plan is not there any more; choose another")
-        return plan.name, self._form.asked(plan.asked.photo)
+        known = self._studio.plans.plans.get(self.plan)
+        return self.plan, self._form.asked(None if known is None else known.asked.photo)
 
     def _rehearse(self) -> None:
         self._run.check(*self._asked(), resume=self._standing is not None and not self._standing.is_over)

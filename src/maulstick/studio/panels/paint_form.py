@@ -20,6 +20,9 @@ _MACHINES = {
     "franka": "Franka arm",
     "ur": "Universal Robots arm",
 }
+SHORT_MENU = "outlined popup-content-class=short-menu"
+"""Of a select: its menu opens downwards, and not up under the frame."""
+
 _AT_A_PORT = ("grbl", "axidraw")
 _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
 _EASEL_S_OWN = "easel"
@@ -39,17 +42,17 @@ class AskedForm:
         self._studio = studio
         with first:
             self._machine = ui.select(_MACHINES, label="Machine", value="sim:real", on_change=self._fit)
-            self._machine.props("outlined")
+            self._machine.props(SHORT_MENU)
             self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
-            self._port.props("outlined hint='as in /dev/ttyUSB0'")
+            self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
             self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
         with later:
             self._speed = ui.number("No faster than, mm/s", min=0.1, max=_FASTEST).props("outlined clearable")
             self._speed.props("hint='empty: as fast as hand and machine are'")
-            self._easel = ui.select({}, label="Where the sheet lies").props("outlined")
+            self._easel = ui.select({}, label="Where the sheet lies").props(SHORT_MENU)
             upload_button("Bring an easel file", ".json", self._take_easel)
             self._tray = ui.switch("Dip the brush into the tray", value=True)
-            self._camera = ui.select({}, label="Camera", on_change=self._fit).props("outlined")
+            self._camera = ui.select({}, label="Camera", on_change=self._fit).props(SHORT_MENU)
             self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
             self._every.props("outlined hint='0: only when you ask for it'")
         self._offer_easels("")

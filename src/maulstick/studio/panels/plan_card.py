@@ -4,6 +4,7 @@ from math import ceil
 
 from nicegui import html, ui
 
+from maulstick.errors import InputError
 from maulstick.jobs.plan.job import Job
 from maulstick.studio.panels.loss_curve import LossCurve
 from maulstick.studio.panels.plan_weights import PlanWeights
@@ -117,6 +118,8 @@ class PlanCard:
 
     def _throw_away(self) -> None:
         plans, name, client = self._studio.plans, self.plan.name, ui.context.client
+        if self._studio.run.state.is_on and self._studio.run.state.plan == name:
+            raise InputError(f"{name} is being painted; stop the machine first")
         grave = plans.throw_away(self.plan)
         offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(grave))
 

@@ -1,17 +1,16 @@
 """What is wished for: a picture or a text, how large, with what, in whose hand, and what matters."""
 
-from nicegui import events, html, ui
+from nicegui import html, ui
 
 from maulstick.canvas import parse_size
 from maulstick.errors import InputError
 from maulstick.jobs.plan.job import Job
 from maulstick.medium import BRUSHES
 from maulstick.palette import parse_colour
-from maulstick.studio.gallery import keep_picture, picture_of, portrait
+from maulstick.studio.panels.plan_pictures import PictureChoice
 from maulstick.studio.panels.plan_weights import OF_A_PICTURE, checked, weight_sliders
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
-from maulstick.studio.uploading import incoming, upload_button
 
 _SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
 _EFFORTS = {300: "A sketch (seconds)", 1500: "As usual (half a minute)", 4000: "Fine (minutes)"}
@@ -25,13 +24,9 @@ class PlanForm:
 
     def __init__(self, studio: Studio, style: str) -> None:
         self._studio = studio
-        self._picture: str | None = None
         with ui.element().classes("sheet"):
             html.h2("What")
-            self._pictures = ui.element().classes("pictures").props('role="radiogroup" aria-label="Picture"')
-            with ui.element().classes("line"):
-                upload_button("Bring a picture", _PICTURES, self._bring)
-                ui.button("Use the portrait", on_click=self._use_portrait).props("flat no-caps")
+            self._picture = PictureChoice(studio)
             self._text = ui.input("… or, or also, a text (reads with CLIP)").props("clearable maxlength=300")
         with ui.element().classes("sheet"):
             html.h2("With what")
@@ -55,55 +50,20 @@ class PlanForm:
             self._effort = ui.select(_EFFORTS, label="How long", value=1500)
         ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
-        self._show_pictures()
 
     def _show_styles(self, wanted: str) -> None:
         names = ["free", *self._studio.styles.names()]
         chosen = self._style.value if self._style.value in names else wanted if wanted in names else "loops"
         self._style.set_options({name: "free (nobody's)" if name == "free" else name for name in names}, value=chosen)
 
-    def _show_pictures(self) -> None:
-        names = list(reversed(self._studio.folder.names("pictures")))
-        if self._picture not in names:
-            self._picture = names[0] if names else None
-        self._pictures.clear()
-        with self._pictures:
-            for name in names:
-                chosen = name == self._picture
-                with html.button().classes("thumb") as thumb:
-                    html.img(src=f"/picture/pictures/{name}/small.jpg", alt=name)
-                thumb.props(f'type="button" role="radio" aria-checked="{str(chosen).lower()}" title="{name}"')
-                thumb.on("click", lambda name=name: self._choose(name))
-        self._pictures.visible = bool(names)
-
-    def _choose(self, name: str | None) -> None:
-        self._picture = None if name == self._picture else name
-        for name, thumb in zip(reversed(self._studio.folder.names("pictures")), self._pictures, strict=False):
-            thumb.props(f'aria-checked="{str(name == self._picture).lower()}"')
-
-    async def _bring(self, event: events.UploadEventArguments) -> None:
-        async with incoming(self._studio.folder, event) as file:
-            name = self._studio.folder.free_name("pictures", event.file.name)
-            await self._studio.desk.do(keep_picture, file, self._studio.folder.of("pictures", name))
-        self._picture = name
-        self._show_pictures()
-
-    async def _use_portrait(self) -> None:
-        name = self._studio.folder.free_name("pictures", "portrait")
-        if "portrait" in self._studio.folder.names("pictures"):
-            name = "portrait"
-        else:
-            await self._studio.desk.do(keep_picture, portrait(), self._studio.folder.of("pictures", name))
-        self._picture = name
-        self._show_pictures()
-
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._asked())
         ui.notify(f"{plan.name} is being planned", type="positive")
 
     def _asked(self) -> Job:
-        text = (self._text.value or "").strip() or None
-        if self._picture is None and text is None:
+        text = str(self._text.value or "").strip() or None
+        photo = self._picture.path
+        if photo is None and text is None:
             raise InputError("there is nothing to paint yet; bring a picture, or write a text")
         strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
         size, ink = str(self._size.value), str(self._ink.value) if self._kind.value == "ink" else None
@@ -111,7 +71,6 @@ class PlanForm:
         if ink is not None:
             parse_colour(ink)
         weights = {name: slider.value for name, slider in self._weights.items()}
-        photo = None if self._picture is None else picture_of(self._studio.folder.of("pictures", self._picture))
         return Job(
             photo=photo,
             text=text,

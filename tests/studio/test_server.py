@@ -1,0 +1,95 @@
+"""The server: what it cannot have is one sentence, and Ctrl-C ends it whoever still looks on."""
+
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from websockets.sync.client import connect
+
+from maulstick.errors import InputError, OutputError
+from maulstick.studio.folder import Folder
+from maulstick.studio.server import serve
+from tests.studio.conftest import COMMAND, RunningStudio
+from tests.studio.processes import PATIENCE, have_ended
+
+
+@pytest.fixture
+def taken() -> socket.socket:
+    return socket.create_server(("127.0.0.1", 0))
+
+
+def ran(*words: str, code: str | None = None) -> subprocess.CompletedProcess[str]:
+    command = [str(COMMAND)] if code is None else [sys.executable, "-c", code]
+    return subprocess.run([*command, "studio", *words], capture_output=True, text=True, timeout=PATIENCE)
+
+
+def test_a_port_in_use_is_told(tmp_path: Path, taken: socket.socket) -> None:
+    with taken, pytest.raises(OutputError, match=r"cannot listen on port \d+ of 127\.0\.0\.1: Address already in use"):
+        serve(tmp_path, "127.0.0.1", taken.getsockname()[1], browse=False)
+
+
+def test_an_address_of_another_machine_is_told(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"cannot listen on port 0 of 192\.0\.2\.200: .*; choose another --port, or"):
+        serve(tmp_path, "192.0.2.200", 0, browse=False)
+
+
+@pytest.mark.parametrize("host", ["", "evil.example", "127.0.0.1:80", "[::1]", "127.0.0.1\n", "localhost\0", "::g"])
+def test_what_is_no_address_is_told_before_anything_is_made(tmp_path: Path, host: str) -> None:
+    with pytest.raises(InputError, match="it must be an address of this machine"):
+        serve(tmp_path / "studio", host, 0, browse=False)
+    assert not (tmp_path / "studio").exists()
+
+
+def test_a_folder_that_cannot_be_had_is_told_in_a_line(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    refused = ran(str(tmp_path / "file"), "--port", "0", "--no-browser")
+    assert (refused.returncode, refused.stdout) == (1, "")
+    assert refused.stderr.startswith("maulstick: cannot work in ")
+    assert refused.stderr.count("\n") == 1
+
+
+def test_the_folder_of_another_studio_is_told_in_a_line(tmp_path: Path) -> None:
+    with Folder.opened(tmp_path):
+        refused = ran(str(tmp_path), "--port", "0", "--no-browser")
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr == f"maulstick: another studio works in {tmp_path}; use that one, or name another folder\n"
+
+
+@pytest.mark.parametrize("port", ["99999", "-1", "http"])
+def test_what_is_no_port_is_told(tmp_path: Path, port: str) -> None:
+    refused = ran(str(tmp_path), "--port", port)
+    assert refused.returncode == 2
+    assert "Traceback" not in refused.stderr
+
+
+def test_without_its_extra_the_studio_says_what_to_install(tmp_path: Path) -> None:
+    code = "import sys; sys.modules['nicegui'] = None; from maulstick.cli import main; main()"
+    refused = ran(str(tmp_path / "studio"), code=code)
+    assert refused.returncode == 2
+    assert refused.stderr == "maulstick: the studio needs NiceGUI; run: pip install 'maulstick[studio]'\n"
+    assert not (tmp_path / "studio").exists()
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_ends_the_studio_and_all_its_processes_while_pages_are_open(tmp_path: Path, times: int) -> None:
+    studio = RunningStudio(tmp_path)
+    address = studio.url.removeprefix("http://")
+    process, origin = studio._process, studio.url
+    engine = f"ws://{address}/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
+    with connect(engine, origin=origin), socket.create_connection(address.split(":")) as never_asks:  # type: ignore[arg-type]
+        children = _children(process.pid)
+        for _ in range(times):
+            process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+        never_asks.settimeout(PATIENCE)
+        assert never_asks.recv(1) == b""
+    assert "Traceback" not in studio.output, studio.output
+    assert have_ended(children)
+
+
+def _children(process: int) -> list[int]:
+    told = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(child) for child in told]
