@@ -29,7 +29,7 @@ test: $(VENV)/installed-dev
 	$(BIN)/ruff format --check
 	$(BIN)/lint-imports
 	$(BIN)/mypy --strict src
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses 2
 
 bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/kernel.py

@@ -79,7 +79,7 @@ def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
 def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
     page = browser.new_page()
     page.goto(f"{studio.url}/plan")
-    page.get_by_role("button", name="Use the portrait").click()
+    page.get_by_role("button", name="Try an example picture").click()
     expect(page.get_by_role("radio", name="portrait")).to_be_visible(timeout=60_000)
     page.get_by_label("Strokes", exact=True).fill("1000")
     page.get_by_label("How long").click()

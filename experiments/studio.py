@@ -86,7 +86,7 @@ def look_at_styles(page: Page, url: str, out: Path) -> None:
 def plan(page: Page, url: str, out: Path) -> None:
     """Two plans, one of which is still being made."""
     page.goto(f"{url}/plan?style=loops")
-    page.get_by_role("button", name="Use the portrait").click()
+    page.get_by_role("button", name="Try an example picture").click()
     expect(page.get_by_role("radio", name="portrait")).to_be_visible(timeout=PATIENCE)
     page.get_by_label("Strokes", exact=True).fill("1000")
     page.get_by_role("button", name="Plan it").click()
@@ -97,7 +97,7 @@ def plan(page: Page, url: str, out: Path) -> None:
     page.get_by_role("button", name="Plan it").click()
     second = page.get_by_role("article", name="Plan portrait-2", exact=True)
     expect(second.get_by_text(re.compile("^[3-5].%"))).to_be_visible(timeout=PATIENCE)
-    page.get_by_role("article", name="Plan portrait", exact=True).get_by_label("From the picture").fill("55")
+    page.get_by_role("article", name="Plan portrait", exact=True).get_by_label("Picture or plan").fill("55")
     photograph(page, "plan", out)
     expect(page.get_by_role("button", name="Mix and paint")).to_have_count(2, timeout=PATIENCE)
 

@@ -7,9 +7,9 @@ import pytest
 import torch
 from PIL import Image, ImageSequence
 
-from maulstick.cli.paint import prepare
 from maulstick.cli.watch import Camera
 from maulstick.film import Film
+from maulstick.jobs.plan import prepare
 from maulstick.painting import read_painting
 from maulstick.plan.planner import Progress
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from maulstick.errors import InputError, OutputError
 from maulstick.ink import Ink, read_ink, write_ink
@@ -18,7 +19,7 @@ from maulstick.recording.ink_files import read_ink_file
 from maulstick.studio.desk import Desk
 from maulstick.studio.drawing import USUAL_SHEET, Drawing
 from maulstick.studio.folder import Folder
-from maulstick.studio.hand_work import DRAWING, INK, learn, take_in
+from maulstick.studio.hand_work import DRAWING, INK, PICTURE, keep_drawing, learn, take_in
 from maulstick.studio.sheet import MOST_OF_A_STROKE, Stroke, read_sheet, sheet_json
 from tests.tolerances import INK_FILE_METRES
 
@@ -271,8 +272,16 @@ def test_too_few_strokes_make_no_style(folder: Folder) -> None:
     hand = folder.of("hands", "four")
     hand.mkdir()
     write_ink(Ink.of([np.array([[0, 0.01, 0.01, 0.5], [1, 0.02, 0.02, 0.5]])] * 4, A6), hand / INK)
-    with pytest.raises(InputError, match="is 4; it must be at least 5, and 20 make a good style; draw more"):
+    with pytest.raises(InputError, match=r"^draw at least 5 strokes; there are 4$"):
         learn(hand, "four")
+
+
+def test_the_picture_of_a_hand_is_as_fine_as_a_machines(folder: Folder) -> None:
+    drawn(folder, 1)
+    keep_drawing(hand := folder.of("hands", "my-hand"))
+    with Image.open(hand / PICTURE) as picture:
+        assert picture.size == (1024, round(1024 * USUAL_SHEET[1] / USUAL_SHEET[0]))
+        assert picture.getextrema() == (30, 255)
 
 
 def test_the_file_is_the_documented_one(folder: Folder) -> None:

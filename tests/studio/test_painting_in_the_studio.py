@@ -62,6 +62,12 @@ def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[...,
     one, other = page("/paint"), page("/paint", color_scheme="dark")
     one.get_by_role("button", name="Check").click()
     assert outcome(other) == f"It fits. {STROKES} strokes, 900 mm, 1 paint, about 1 min."
+    one.get_by_label("Machine").click()
+    one.get_by_role("option", name="AxiDraw").click()
+    expect(one.locator(".outcome")).to_be_hidden()  # it was about another machine
+    expect(other.locator(".outcome")).to_be_visible()
+    one.get_by_label("Machine").click()
+    one.get_by_role("option", name="Simulated easel, at an arm's pace").click()
     one.get_by_role("button", name="Start painting").click()
     for tab in (one, other):
         wait_for_stroke(tab, 2)

@@ -31,6 +31,9 @@ def test_a_tick_is_seen_in_another_browser_and_after_a_restart(
     expect(theirs.get_by_role("article", name="Paint 1").get_by_role("checkbox")).to_be_checked()
     theirs.get_by_role("button", name="All are mixed").click()
     expect(mine.get_by_text("Everything is ready to paint.")).to_be_visible()
+    theirs.get_by_role("button", name="Paint it now").click()
+    expect(theirs.get_by_role("heading", name="Let a machine paint")).to_be_visible()
+    expect(theirs.get_by_label("Plan", exact=True)).to_have_value("cat")
 
     studio.kill()
     studio.start()
@@ -45,7 +48,7 @@ def test_tubes_are_changed_in_a_small_table_and_recipes_follow(
     put_plan(studio.folder, "cat", BLUE_FIRST, mixed=False)
     shown = page("/paints")
     shown.get_by_role("button", name="Change").click()
-    table = shown.get_by_role("dialog")
+    table = shown.get_by_role("dialog", name="Your tubes")
     expect(table.get_by_label("Name")).to_have_count(12)
     for left in range(11, 0, -1):
         table.get_by_role("button", name="Remove ").first.click()
@@ -66,4 +69,7 @@ def test_a_plan_in_one_ink_has_one_tick(studio: RunningStudio, page: Callable[..
 
 
 def test_without_a_plan_one_is_told_where_paints_come_from(page: Callable[..., Page]) -> None:
-    expect(page("/paints").get_by_text("No painting is planned yet.")).to_be_visible()
+    shown = page("/paints")
+    expect(shown.get_by_text("No painting is planned yet.")).to_be_visible()
+    shown.get_by_role("button", name="Plan a painting").click()
+    expect(shown.get_by_label("Hand", exact=True)).to_be_visible()

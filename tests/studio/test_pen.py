@@ -60,6 +60,7 @@ def line(y: float) -> list[tuple[float, float]]:
     return [(0.2 + 0.03 * step, y + 0.05 * sin(step)) for step in range(20)]
 
 
+_SILENCE = "The studio does not answer; strokes would be lost."
 FORCES = [0.1 + 0.8 * sin(pi * step / 19) for step in range(20)]
 
 
@@ -205,19 +206,27 @@ def test_a_stroke_ends_at_the_longest_and_at_the_edge(studio: RunningStudio, pag
     inked(again, lambda pixels: pixels == drawn)
 
 
-def test_a_stroke_that_is_refused_vanishes_with_a_sentence(page: Opened) -> None:
-    tab = page()
+def test_a_stroke_that_is_refused_vanishes_and_the_reason_stands_beside_the_sheet_until_the_next(page: Opened) -> None:
+    tab, other = page(), page()
     tab.evaluate(_POINTERS)
-    tab.evaluate(
-        """() => {
-          point("pointerdown", 0.2, 0.2, { pressure: 1.5 });
-          point("pointermove", 0.5, 0.5, { pressure: 1.5 });
-          point("pointerup", 0.5, 0.5);
-        }"""
-    )
-    expect(tab.get_by_text("pressure of a point of a stroke is 1.5; it must be from 0 to 1")).to_be_visible()
+    stroke = """(pressure) => {
+      point("pointerdown", 0.2, 0.2, { pressure });
+      point("pointermove", 0.5, 0.5, { pressure });
+      point("pointerup", 0.5, 0.5);
+    }"""
+    tab.evaluate(stroke, 1.5)
+    trouble = tab.locator(".draw .trouble")
+    expect(trouble).to_have_text("pressure of a point of a stroke is 1.5; it must be from 0 to 1")
     count(tab, "An empty sheet")
     inked(tab, lambda pixels: pixels == 0)
+    assert tab.locator(".q-notification").count() == 0, "it would lie on the sheet"
+    press(other, line(0.3), FORCES)
+    count(tab, "^1 stroke;")
+    expect(trouble).to_be_visible()
+    tab.evaluate(stroke, 0.5)
+    count(tab, "^2 strokes")
+    expect(trouble).to_be_hidden()
+    expect(other.locator(".draw .trouble")).to_be_hidden()
 
 
 def test_the_drawing_survives_a_killed_server(studio: RunningStudio, page: Opened) -> None:
@@ -225,20 +234,45 @@ def test_the_drawing_survives_a_killed_server(studio: RunningStudio, page: Opene
     press(tab, line(0.3), FORCES)
     press(tab, line(0.6), FORCES)
     drawn = on_disk(studio, 2)
+    before = ink(tab)
     studio.kill()
+    warning = tab.get_by_text(_SILENCE)
+    expect(warning).to_be_visible()
+    press(tab, line(0.8), FORCES)
+    assert ink(tab) == before, "it could not be kept"
     studio.start()
-    again = page()
-    count(again, "^2 strokes")
-    press(again, line(0.8), FORCES)
+    expect(warning).to_have_count(0, timeout=30_000)
+    count(tab, "^2 strokes")
+    inked(tab, lambda pixels: pixels == before)
+    press(tab, line(0.8), FORCES)
     assert on_disk(studio, 3)[:2] == drawn
+
+
+def test_the_pen_draws_again_when_a_broken_line_is_mended(studio: RunningStudio, page: Opened) -> None:
+    tab = page()
+    count(tab, "An empty sheet")
+    tab.evaluate("window.isTheSamePage = true")
+    tab.evaluate("window.socket.io.engine.close()")
+    expect(tab.get_by_text(_SILENCE)).to_be_visible()
+    expect(tab.get_by_text(_SILENCE)).to_have_count(0, timeout=30_000)
+    press(tab, line(0.3), FORCES)
+    count(tab, "^1 stroke;")
+    on_disk(studio, 1)
+    assert tab.evaluate("window.isTheSamePage")
 
 
 def test_a_hand_is_drawn_and_learned_and_put_away(studio: RunningStudio, page: Opened) -> None:
     tab = page()
     learn = tab.get_by_role("button", name="Learn this hand")
     learn.click()
-    expect(tab.get_by_text("there is nothing on the sheet yet")).to_be_visible()
-    for number in range(6):
+    trouble = tab.locator(".draw .trouble")
+    expect(trouble).to_contain_text("there is nothing on the sheet yet")
+    press(tab, line(0.1), FORCES)
+    expect(trouble).to_be_hidden()
+    learn.click()
+    expect(trouble).to_have_text("draw at least 5 strokes; there is 1", timeout=60_000)
+    assert tab.locator(".q-notification").count() == 0, "it would lie on the sheet"
+    for number in range(1, 6):
         press(tab, line(0.1 + 0.13 * number), FORCES)
     count(tab, "^6 strokes")
     name = tab.get_by_label("Name of this hand")
@@ -249,10 +283,10 @@ def test_a_hand_is_drawn_and_learned_and_put_away(studio: RunningStudio, page: O
     sheet = tab.get_by_role("img", name="in the style cat-b")
     expect(sheet).to_be_visible(timeout=60_000)
     assert sheet.evaluate("(image) => image.decode().then(() => image.naturalWidth)") > 500
-    tab.get_by_role("button", name="Close", exact=True).click()
+    tab.get_by_role("dialog", name="This is how cat-b draws").get_by_role("button", name="Close", exact=True).click()
     assert len(read_ink(studio.folder / "hands/cat-b/hand.ink.npz")) == 6
     tab.get_by_role("button", name="New sheet").click()
-    tab.get_by_role("button", name="Take it").click()
+    tab.get_by_role("dialog", name="A new sheet").get_by_role("button", name="Take it").click()
     count(tab, "An empty sheet")
     card = tab.get_by_role("article", name="cat-b")
     expect(card).to_contain_text("6 strokes, with pressure")

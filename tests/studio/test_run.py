@@ -16,12 +16,14 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.jobs.run.asked import Asked
 from maulstick.jobs.run.session import Errand, rehearse
+from maulstick.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.desk import Desk
 from maulstick.studio.folder import Folder
 from maulstick.studio.mixing import Mixing
 from maulstick.studio.run import Run
+from maulstick.studio.run_words import on_the_page
 from tests.robot.fake_grbl import FakeGrbl
 from tests.robot.small_paintings import SIX, line, painting_of
 from tests.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
@@ -137,7 +139,11 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
             await run.resume("lines", SIM, None)
             assert "say whether it is on the paper" in await over(run)
             await run.begin("lines", SIM)
-            assert "says that this painting was begun" in await over(run)
+            assert "says that this painting was begun; “Go on where it stopped”, or “Start again on a" in await over(
+                run
+            )
+            run.check("lines", Asked(robot="grbl:/dev/ttyUSB0"), resume=True)
+            assert (await over(run)).startswith("this painting was begun on another machine, Simulated easel, at an")
             await run.resume("lines", SIM, True)
             assert await over(run) == "lines is painted."
             run.stop()  # which can be done at any time
@@ -150,11 +156,16 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
 def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_path: Path) -> None:
     put_plan(tmp_path, "lines")
     put_plan(tmp_path, "six", SIX, mixed=False)
+    put_plan(tmp_path, "pen", mixed=False)
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
-            with pytest.raises(InputError, match="#cc1a1a and 1 more of six must be mixed first; tick what is mixed"):
+            with pytest.raises(
+                InputError, match=r"paint 1 \(red\) and 1 more of six must be mixed first; tick what is mixed"
+            ):
                 await run.begin("six", SIM)
+            with pytest.raises(InputError, match="pen is drawn in one ink; put the pen into the holder first"):
+                await run.begin("pen", SIM)
             with pytest.raises(InputError, match="the plan 'none' is not finished"):
                 await run.begin("none", SIM)
             with pytest.raises(InputError, match="is no name"):
@@ -176,7 +187,9 @@ def test_what_does_not_fit_the_machine_is_said_and_nothing_moves(tmp_path: Path)
     async def paint() -> None:
         async with opened(tmp_path) as run:
             run.check("fast", SLOW)
-            assert "the machine's fastest is 250" in await over(run)
+            sentence = await over(run)
+            assert "the machine's fastest is 250" in sentence
+            assert sentence.endswith("; slow all strokes down: write 250 under “Speed, sheet and camera”")
             assert run.state.fault
             await run.begin("fast", Asked(robot="grbl:/dev/null/none"))
             assert (await over(run)).startswith("cannot open the port /dev/null/none")
@@ -194,7 +207,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             asked = Asked(robot=f"grbl:{device.port}", easel=easel)
             await run.begin("six", asked)
             await until(run, lambda: bool(run.state.question))
-            assert run.state.question == "put in the marker with the paint #cc1a1a"
+            assert run.state.question == "put in the marker with paint 1 (red)"
             assert run.doing == "painting six: waits for you"
             assert events(painting, "begin") == []
             link = tmp_path / "plotter"
@@ -299,6 +312,10 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
             await until(run, lambda: painting.with_name("painting.r1.json").exists())
             await until(run, lambda: run.state.going is not None and run.state.going.strokes is None)
             assert not run.state.will_look
+            await until(run, lambda: run.state.going is not None and run.state.going.strokes is not None)
+            planned_again = read_painting(painting.with_name("painting.r1.json"))
+            assert run.state.going is not None
+            assert run.state.going.strokes == len(planned_again.strokes)
             run.stop()
             assert await over(run) == "You stopped it. The pen is lifted."
 
@@ -326,3 +343,30 @@ def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
             assert standing.painted >= 1
 
     asyncio.run(paint())
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "here"),
+    [
+        ("the line went silent; then go on with maulstick run ... --resume", "the line went silent; then “Go on where"),
+        (
+            "the journal's words are damaged: x; start again with --anew",
+            "the journal's words are damaged: x; “Start again",
+        ),
+        (
+            "no AxiDraw is plugged in; connect it, or name its port: axidraw:PORT",
+            "no AxiDraw is plugged in; connect it, or",
+        ),
+        (
+            "another maulstick drives grbl:/dev/ttyUSB0; wait",
+            "another Maulstick drives Pen plotter with Grbl at /dev/ttyUSB0",
+        ),
+        ("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH", "planning again needs"),
+        ("an arm must be told where the sheet lies; run: maulstick calibrate touch --robot ...", "an arm must be told"),
+        ("what says nothing of the command line", "what says nothing of the command line"),
+    ],
+)
+def test_the_page_does_not_speak_like_the_command_line(elsewhere: str, here: str) -> None:
+    said = on_the_page(elsewhere)
+    assert said.startswith(here)
+    assert [word for word in ("--", "PORT", "PATH", "maulstick run") if word in said] == []

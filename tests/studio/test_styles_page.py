@@ -1,6 +1,7 @@
 """The panel of styles in a browser: by hand, by keyboard, and with names that want to be more than names."""
 
 import os
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -58,6 +59,40 @@ def test_a_gallery_leads_to_the_strokes_of_a_hand_by_mouse_and_by_keyboard(page:
     expect(shown.locator(".stroke-map path.whose-1")).to_have_count(80, timeout=PATIENCE)
 
 
+def test_the_address_leads_back_and_forward_and_stands_a_reload(page: Callable[..., Page]) -> None:
+    shown = page("/styles")
+    shown.get_by_role("button", name="Look closer at marks").click()
+    marks = shown.get_by_role("heading", name="marks", exact=True)
+    expect(marks.and_(shown.locator("h1"))).to_be_visible()
+    expect(shown).to_have_url(re.compile(r"/styles\?style=marks$"))
+    expect(shown.get_by_role("button", name="All hands")).to_be_focused()
+    shown.go_back()
+    expect(shown.get_by_role("button", name="Look closer at marks")).to_be_focused()
+    shown.go_forward()
+    expect(marks.and_(shown.locator("h1"))).to_be_visible()
+    shown.go_back()
+    for name in ("loops", "hatching"):
+        shown.get_by_role("checkbox", name=f"Compare {name}").click()
+    shown.get_by_role("button", name="Compare", exact=True).click()
+    both = shown.get_by_role("heading", name="loops and hatching")
+    expect(both).to_be_visible()
+    expect(shown).to_have_url(re.compile(r"/styles\?compare=loops,hatching$"))
+    shown.reload()
+    expect(both).to_be_visible()
+    shown.get_by_role("button", name="All hands").click()
+    expect(shown.get_by_role("checkbox", name="Compare loops")).to_be_checked()
+    shown.go_back()
+    expect(both).to_be_visible()
+
+
+def test_an_address_that_asks_for_nobody_leads_to_the_gallery(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    shown = page("/styles?style=nobody")
+    for asked in ("style=", "compare=", "compare=nobody,../loops", "compare=,,"):
+        expect(shown.get_by_role("heading", name="Hands to paint with")).to_be_visible()
+        shown.goto(f"{studio.url}/styles?{asked}")
+    expect(shown.get_by_role("heading", name="Hands to paint with")).to_be_visible()
+
+
 def test_a_hand_of_ones_own_is_renamed_and_deleted_and_had_again_on_all_pages(
     own: str, studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
@@ -68,13 +103,14 @@ def test_a_hand_of_ones_own_is_renamed_and_deleted_and_had_again_on_all_pages(
     expect(shown.get_by_text("from <img src=x onerror=alert(1)>")).to_be_visible()
 
     shown.get_by_role("button", name="Rename").click()
-    field = shown.get_by_label("New name")
+    field = shown.get_by_role("dialog", name=f"Another name for {own}").get_by_label("New name")
     field.fill("<script>alert(2)</script>")
     field.press("Enter")
     expect(shown.get_by_text("the name of a style is '<script>alert(2)</script>'; it must be")).to_be_visible()
     field.fill("anna")
     field.press("Enter")
     expect(shown.get_by_role("heading", name="anna", exact=True)).to_be_visible()
+    expect(shown).to_have_url(re.compile(r"/styles\?style=anna$"))
     expect(other.get_by_role("article", name="anna")).to_be_visible()
     expect(other.get_by_role("article", name=own)).to_have_count(0)
 

@@ -43,7 +43,7 @@ def test_a_survey_is_built_answered_by_two_and_told(
     for number, (name, drawn) in enumerate((("<b>Ann</b>", "ann"), ("Bo", "bo")), start=1):
         shown.get_by_role("group", name=f"Hand {number}").get_by_label("Name").fill(name)
         choose(shown, f"Hand {number}", "Drawn by this person", f"{drawn} (picture)")
-        choose(shown, f"Hand {number}", "In their style, by the machine", f"as-{drawn} (picture)")
+        choose(shown, f"Hand {number}", "By the machine", f"as-{drawn} (picture)")
     shown.get_by_role("button", name="Make the survey").click()
 
     shown.get_by_label("How many people?").fill("2")
@@ -81,7 +81,13 @@ def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Calla
     shown = page("/survey")
     shown.get_by_role("button", name="Another hand").click()
     shown.get_by_role("group", name="Hand 3").get_by_label("Name").fill("Cy")
+    shown.get_by_label("First look, as in: loops").fill("loops")
+    shown.get_by_label("Second look, as in: lines").fill("lines")
+    expect(shown.get_by_label("In lines")).to_be_visible()
     shown.get_by_role("link", name="Paints").click()
     expect(shown.get_by_role("heading", name="Mix the paints")).to_be_visible()
     shown.get_by_role("link", name="Survey").click()
     expect(shown.get_by_role("group", name="Hand 3").get_by_label("Name")).to_have_value("Cy")
+    expect(shown.get_by_label("In loops")).to_be_visible()
+    expect(shown.get_by_label("In lines")).to_be_visible()
+    expect(shown.get_by_text("Something in Maulstick is broken")).to_have_count(0)

@@ -56,6 +56,7 @@ def without(change: Callable[[Draft], object]) -> Draft:
     ("draft", "why"),
     [
         (Draft(), "the survey has no title yet"),
+        (Draft(["Strokes?"]), "the survey asks nothing yet; choose"),
         (Draft("Strokes?"), "the survey asks nothing yet; choose drawings for at least one of its two parts"),
         (without(lambda draft: setattr(draft.hands[1], "name", " ")), "hand 2 has no name"),
         (without(lambda draft: setattr(draft.hands[1], "by_hand", None)), "Bo has no drawing by the person yet"),

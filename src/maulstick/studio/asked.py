@@ -1,5 +1,7 @@
 """What the page asks for beside its socket: pictures by the names of things, and that the machine stop."""
 
+import re
+
 from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, Response
 
@@ -44,6 +46,24 @@ async def live(name: str, seen: int, request: Request) -> Response:
     if plan is None or not plan.canvas:
         return Response(status_code=404)
     return Response(plan.canvas, media_type="image/jpeg", headers=_FRESH)
+
+
+@asked.get("/seen/{seen}.jpg")
+async def seen(seen: int, request: Request) -> Response:
+    """The sheet under the machine as it was last seen; seen: makes each another address."""
+    photograph = request.app.state.studio.run.state.photograph
+    if not photograph:
+        return Response(status_code=404)
+    return Response(photograph, media_type="image/jpeg", headers=_FRESH)
+
+
+@asked.get("/sheet/{file}")
+def style_sheet(file: str, request: Request) -> Response:
+    """The sheet of a style; its name says what is on it, so that it never changes."""
+    path = request.app.state.studio.styles.sheets / file
+    if not re.fullmatch(r"[0-9a-f]{32}\.png", file) or not path.is_file():
+        return Response(status_code=404)
+    return FileResponse(path, headers={"Cache-Control": "private, max-age=31536000, immutable"})
 
 
 @asked.post("/stop")

@@ -14,12 +14,14 @@ from PIL import Image as Pillow
 
 from maulstick.jobs.run.person import Person
 from maulstick.jobs.run.scene import Scene
+from maulstick.jobs.run.standing import standing_of
 from maulstick.light import Image
 from maulstick.picture import read_picture
 from maulstick.robot.execute import Progress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Ask, Care, Draw
 from maulstick.studio.painter import PAINTING, PLANNING, Asking, Going, Note, Photograph
+from maulstick.studio.planned_paints import called
 from maulstick.studio.process import Line
 
 if TYPE_CHECKING:
@@ -43,15 +45,17 @@ class _Moment:
 class Beside(Person):
     """Says over the line what they are to see, and hears what they want.
 
-    painted: strokes that are there already.  done: set once they have done what they were asked for.
+    painting: its file.  painted: strokes that are there already.
+    done: set once they have done what they were asked for.
     """
 
-    def __init__(self, line: Line, scene: Scene, painted: int) -> None:
+    def __init__(self, line: Line, scene: Scene, painting: Path, painted: int) -> None:
         super().__init__(scene.robot)
         self.done = threading.Event()
-        self._line, self._scene = line, scene
-        self._stroke, self._strokes = painted, len(scene.plan.strokes)
-        self._is_planned_again = self._wants_a_look = False
+        self._line, self._scene, self._painting = line, scene, painting
+        self._stroke = painted
+        self._strokes: int | None = len(scene.plan.strokes)
+        self._wants_a_look = False
         self._drawn = 0.0  # metres, before the last look
         self._moment: _Moment | None = None
         self._sheet: Image | None = None  # that is not shown yet
@@ -77,6 +81,8 @@ class Beside(Person):
 
     def watch(self, progress: Progress) -> None:
         """As in `Person`."""
+        if self._strokes is None and (standing := standing_of(self._painting)) is not None:
+            self._strokes = standing.strokes
         paint = None if progress.action is None else progress.action.paint
         match progress.action:
             case Draw():
@@ -91,8 +97,7 @@ class Beside(Person):
         drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
         if progress.action is None:
             self._drawn = drawn
-        strokes = None if self._is_planned_again else self._strokes
-        going = Going(doing, self._stroke, strokes, drawn, metres, progress.left, paint, progress.next_paint)
+        going = Going(doing, self._stroke, self._strokes, drawn, metres, progress.left, paint, progress.next_paint)
         self._moment = _Moment(going, time.monotonic())
         if self._scene.simulation is not None and time.monotonic() > self._photograph_due:
             self._sheet = self._scene.simulation.robot.sheet.image()
@@ -101,7 +106,8 @@ class Beside(Person):
     def ask(self, action: Ask) -> None:
         """As in `Person`."""
         self.done.clear()
-        self._line.say(Asking(action.message))
+        paint = self._scene.plan.paints[action.paint]
+        self._line.say(Asking(action.message.replace(f"the paint {paint.label}", called(paint, action.paint))))
         while not (self.done.wait(_GLANCE) or self.stopped):
             pass
         self._line.say(Asking(None))
@@ -113,7 +119,7 @@ class Beside(Person):
     def show(self, photograph: Path) -> None:
         """As in `Person`; what comes next is the plan."""
         self.leave(photograph)
-        self._is_planned_again = True
+        self._strokes = None  # it may leave some out
         if (moment := self._moment) is not None:
             going = replace(moment.going, doing=PLANNING, strokes=None)
             self._moment = _Moment(going, time.monotonic())

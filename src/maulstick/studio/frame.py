@@ -1,10 +1,11 @@
 """The frame of the page: where one goes, what is going on, and the button that stops the machine."""
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from nicegui import PageArguments, ui
+from nicegui import PageArguments, html, ui
 
 from maulstick.errors import MaulstickError
 from maulstick.studio.studio import Studio
@@ -19,6 +20,18 @@ _PANELS = {
 }
 """By path: a panel's name, its icon, and its module, whose `build` is called with the studio and what a link asks."""
 
+# Esc closes what is open first; only where nothing is does it stop the machine, as the button does always.
+_STOP = """<script>
+  function stopMachine() {
+    const silent = document.querySelector(".silent");
+    const say = (heard) => { silent.hidden = heard; };
+    fetch("/stop", { method: "POST" }).then((answer) => say(answer.ok), () => say(false));
+  }
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !document.querySelector(".q-dialog, .q-menu")) stopMachine();
+  }, { capture: true });
+</script>"""
+
 _STYLE = Path(__file__).with_name("studio.css")
 
 
@@ -32,7 +45,7 @@ def page(studio: Studio) -> None:
         links = _links()
         _doing(studio)
         _stop()
-    with ui.element("main").classes("panel"):
+    with ui.element().classes("panel"):
         ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
 
 
@@ -52,7 +65,9 @@ def _built(path: str, studio: Studio, links: dict[str, ui.link]) -> Callable[[Pa
             link.props(remove="aria-current")
             if other == path:
                 link.props('aria-current="page"')
-        import_module(_PANELS[path][2]).build(studio, asked.query_parameters)
+        name, _, module = _PANELS[path]
+        ui.page_title(f"{name} · Maulstick")
+        import_module(module).build(studio, asked.query_parameters)
 
     return build
 
@@ -72,19 +87,20 @@ def _doing(studio: Studio) -> None:
 
 def _stop() -> None:
     """Asked for beside the socket, so that it works while the page waits for anything else."""
-    stop = ui.element("button").classes("stop").props('type="button" title="Stop the machine and lift the pen (Esc)"')
-    with stop:
-        ui.label("STOP")
-    stop.on("click", js_handler="() => fetch('/stop', {method: 'POST'})")
-    ui.add_body_html(
-        "<script>addEventListener('keydown', (event) => "
-        "{ if (event.key === 'Escape') fetch('/stop', {method: 'POST'}); }, {capture: true});</script>"
+    stop = html.button("STOP").classes("stop").props('type="button" title="Stop the machine and lift the pen (Esc)"')
+    stop.on("click", js_handler="() => stopMachine()")
+    html.p("Maulstick does not answer. If the machine moves, use its own emergency switch.").classes("silent").props(
+        'role="alert" hidden'
     )
+    ui.add_body_html(_STOP)
 
 
 def _tell(error: Exception) -> None:
     """A person's mistake is a sentence on the page; what is broken is in the terminal, where NiceGUI says it."""
     if isinstance(error, MaulstickError):
-        ui.notify(str(error), type="negative", multi_line=True, timeout=12000, close_button="OK")
-        return
-    ui.notify("Something in Maulstick is broken; the terminal says what.", type="negative", close_button="OK")
+        first, _, rest = str(error).partition(" ")
+        sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
+        notify = partial(ui.notify, sentence, timeout=12000, multi_line=True)
+    else:
+        notify = partial(ui.notify, "Something in Maulstick is broken; the terminal says what.")
+    notify(type="negative", position="top", close_button="OK")

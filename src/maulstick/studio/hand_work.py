@@ -19,7 +19,7 @@ from maulstick.studio.sheet import read_sheet
 
 DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
 
-_LONGER = 480  # pixels of a picture's longer side
+_LONGER = 1024  # pixels of a picture's longer side
 _FINER = 3  # times, before it is scaled down
 _LINE = 0.5e-3  # metres
 _PAPER, _LINE_COLOUR = 255, 30
@@ -68,14 +68,18 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
 def learn(hand: Path, style: str) -> None:
     """Learn a style from a hand's ink and keep it among one's own."""
     from maulstick.strokes import Strokes
-    from maulstick.style.cards import STYLES
+    from maulstick.style.cards import FEWEST, STYLES
     from maulstick.style.exemplar import Exemplar  # these load torch
     from maulstick.style.hand import Hand
     from maulstick.style.store import load_hands, write_style
 
     if not (hand / INK).exists():  # the studio was killed before it could be made
         keep_drawing(hand)
-    seen = Hand.of(Strokes.of(read_ink(hand / INK)))
+    ink = read_ink(hand / INK)
+    if len(ink) < FEWEST:
+        there = "there is 1" if len(ink) == 1 else f"there are {len(ink) or 'none'}"
+        raise InputError(f"draw at least {FEWEST} strokes; {there}")
+    seen = Hand.of(Strokes.of(ink))
     write_style(Exemplar.fit(STYLES.check_name(style), seen, load_hands()), f"the hand {hand.name}", STYLES.own())
 
 

@@ -90,10 +90,10 @@ class Mixing:
                 self._advised[plan] = (wanted, tubes), await self._desk.do(mixing_advice, np.array(wanted), tubes)
         return self._advised[plan][1]
 
-    async def missing(self, plan: str) -> list[str]:
-        """The labels of the paints that must still be mixed before the plan can be painted."""
+    async def missing(self, plan: str) -> list[PlannedPaint]:
+        """The paints that must still be mixed before the plan can be painted."""
         paints, mixed = await self.paints(plan), self.mixed(plan)
-        return [paint.label for paint in paints if paint.strokes and paint.label not in mixed]
+        return [paint for paint in paints if paint.strokes and paint.label not in mixed]
 
     async def all_mixed(self, plan: str) -> bool:
         """Whether the plan can be painted, as far as its paints go."""

@@ -42,7 +42,7 @@ class Going:
     """Where painting is, a few times a second.
 
     doing: in a few words.  stroke: the one under the brush, or the last one, counted from 1 over all runs.
-    strokes: of the painting, or None once it was planned again.  drawn, metres: of stroke in this run.
+    strokes: of the painting, or None while it is planned again.  drawn, metres: of stroke in this run.
     left: seconds, without what people do.  paint, next_paint: by their index in the painting.
     """
 
@@ -109,7 +109,7 @@ def paint_in_process(line: Line, errand: "Errand", unfinished: bool | None) -> N
         return unfinished
 
     def person_beside(scene: "Scene", painted: Collection[int]) -> Beside:
-        person = Beside(line, scene, len(painted))
+        person = Beside(line, scene, errand.painting, len(painted))
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, person.interrupt)
         ear.belong_to(person)

@@ -7,12 +7,16 @@ const COLUMNS = 3; // x, y, pressure
 
 export default {
   template: `
-    <div class="pen" :class="{ rubs }" :style="{ '--proportion': width / height }">
+    <div class="pen" :class="{ rubs, deaf }" :style="{ '--proportion': width / height }">
       <canvas ref="sheet" role="img" :aria-label="'A sheet of paper, ' + width + ' by ' + height + ' millimetres'"
         @pointerdown="begin" @pointermove="move" @pointerup="end" @pointercancel="cancel" @contextmenu.prevent></canvas>
+      <p v-if="deaf" class="silence" role="alert">The studio does not answer; strokes would be lost.</p>
     </div>
   `,
   props: { width: Number, height: Number, longest: Number, rubs: Boolean },
+  data() {
+    return { deaf: false }; // whether nobody hears what is drawn
+  },
   created() {
     this.strokes = new Map(); // by id: { points: [x, y, pressure, x, …], box }; beside Vue, which would watch each number
     this.stroke = null; // what is being drawn
@@ -25,12 +29,19 @@ export default {
     this.fitting = new ResizeObserver(() => this.fit());
     this.fitting.observe(this.$refs.sheet);
     document.addEventListener("keydown", this.key);
+    this.$nextTick(() => {
+      this.socket = window.socket; // of the page, which is mounted after what is on it
+      this.socket.on("disconnect", this.lose);
+      this.socket.on("connect", this.regain);
+    });
     this.fit();
     this.$emit("ready");
   },
   unmounted() {
     this.fitting.disconnect();
     document.removeEventListener("keydown", this.key);
+    this.socket.off("disconnect", this.lose);
+    this.socket.off("connect", this.regain);
   },
   methods: {
     show(strokes) {
@@ -46,7 +57,17 @@ export default {
       this.drawAll(stroke.box);
     },
 
+    lose() {
+      this.deaf = true;
+      this.lift();
+      this.drawAll();
+    },
+    regain() {
+      this.deaf = false;
+    },
+
     begin(event) {
+      if (this.deaf) return;
       const isPen = event.pointerType === "pen";
       this.knowsPen ||= isPen;
       if (event.pointerType === "touch" && this.knowsPen) return; // a palm

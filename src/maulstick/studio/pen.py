@@ -1,6 +1,7 @@
 """The pen: a sheet on the page that a stylus, a finger or a mouse draws on."""
 
 import asyncio
+from collections.abc import Callable
 from typing import final
 
 from nicegui import events
@@ -15,11 +16,14 @@ _AT_ONCE = 50_000  # points in one message
 
 @final
 class Pen(Element, component="pen.js"):
-    """It draws what the hand does by itself and at once, tells each stroke when it is done, and shows the others'."""
+    """It draws what the hand does by itself and at once, tells each stroke when it is done, and shows the others'.
 
-    def __init__(self, drawing: Drawing) -> None:
+    say: hears of each stroke why it is refused, or "" when it is kept.
+    """
+
+    def __init__(self, drawing: Drawing, say: Callable[[str], None]) -> None:
         super().__init__()
-        self._drawing = drawing
+        self._drawing, self._say = drawing, say
         self._is_ready = False
         self._drawn_here: object = None
         width, height = drawing.size
@@ -57,9 +61,11 @@ class Pen(Element, component="pen.js"):
         self._drawn_here = told.get("id")
         try:
             self._drawing.add(told.get("id"), told.get("points"))
-        except InputError:
+        except InputError as error:
             self.run_method("drop", told.get("id"))
-            raise
+            self._say(str(error))
+        else:
+            self._say("")
         finally:
             self._drawn_here = None
 

@@ -4,21 +4,24 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from maulstick.painting import hex_colour, read_painting
+from maulstick.painting import Paint, hex_colour, read_painting
 from maulstick.robot.tray import read_tray
+from maulstick.studio.colour_words import colour_word
 
 
 @dataclass(frozen=True)
 class PlannedPaint:
     """A paint as a plan uses it.
 
-    number: from 1, as in the plan's palette.  metres: that it draws, in so many strokes.
+    number: from 1, as in the plan's palette.  called: as people know it.
+    metres: that it draws, in so many strokes.
     place: among the paints in the order in which they first come, from 1; 0 where none of its strokes is left.
     times: that it is taken up.  well: where it is in the tray, if there is a tray with a well for it.
     """
 
     number: int
     label: str
+    called: str
     colour: tuple[float, float, float]
     is_named: bool
     metres: float
@@ -31,6 +34,11 @@ class PlannedPaint:
     def hex(self) -> str:
         """The colour as ``#rrggbb``."""
         return hex_colour(self.colour)
+
+
+def called(paint: Paint, index: int) -> str:
+    """What people know a paint by: its name, or its number in the palette, from 1, and what its colour looks like."""
+    return paint.name if paint.name is not None else f"paint {index + 1} ({colour_word(paint.colour)})"
 
 
 def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ...]:
@@ -50,6 +58,7 @@ def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ..
             PlannedPaint(
                 number=index + 1,
                 label=paint.label,
+                called=called(paint, index),
                 colour=paint.colour,
                 is_named=paint.name is not None,
                 metres=float(metres),

@@ -2,18 +2,22 @@
 
 import io
 import shutil
+import signal
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.canvas import Canvas
+from maulstick.errors import InputError
 from maulstick.files import atomic_write
 from maulstick.jobs.plan.job import Job, state_files
 from maulstick.painting import Painting
@@ -25,6 +29,7 @@ if TYPE_CHECKING:
 _TOLD_EVERY = 0.25  # seconds between two words
 _FRAMES, _FRAME_PX = 48, 640
 _QUALITY = 88
+_PATIENCE = 30.0  # seconds for another to leave
 
 TARGET = "target.jpg"
 """In a plan's folder: the picture as it lies on the sheet, where there is one."""
@@ -115,16 +120,28 @@ def plan(line: Line, job: Job, folder: Path) -> None:
         return wishes.wanted
 
     line.heard_by(wishes.hear, alone=wishes.leave)
-    prepared = prepare(job)
-    if prepared.layout.target is not None:
-        atomic_write(folder / TARGET, _jpeg(prepared.layout.target))
-    painting = plan_with(prepared, folder, job, watch, wishes.reweighed)
-    write_results(painting, folder, None)
-    _write_order(painting, folder)
-    if wishes.wanted:
-        for file in state_files(folder):
-            file.unlink()
-    line.say(Planned(_figures(painting)))
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
+    with _alone_in(folder):
+        prepared = prepare(job)
+        if prepared.layout.target is not None:
+            atomic_write(folder / TARGET, _jpeg(prepared.layout.target))
+        painting = plan_with(prepared, folder, job, watch, wishes.reweighed)
+        write_results(painting, folder, None)
+        _write_order(painting, folder)
+        if wishes.wanted:
+            for file in state_files(folder):
+                file.unlink()
+        line.say(Planned(_figures(painting)))
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """While it lasts no other process plans there: one whose studio was killed may still be at it."""
+    try:
+        with FileLock(folder / ".plan.lock", timeout=_PATIENCE):
+            yield
+    except Timeout:
+        raise InputError("an earlier studio still works on this plan; try again in a minute") from None
 
 
 def _write_order(painting: Painting, folder: Path) -> None:
@@ -141,9 +158,9 @@ def _write_order(painting: Painting, folder: Path) -> None:
 
 
 def _figures(painting: Painting) -> tuple[str, ...]:
-    found, metres = painting.made.figures, painting.metres_of_paints().sum()
-    figures = (f"{len(painting.strokes)} strokes", f"{metres:.1f} m", f"{len(painting.paints)} paints")
-    return (*figures, f"{found['psnr']:.1f} dB beside the picture") if "psnr" in found else figures
+    paints = len(painting.paints)
+    metres = f"{painting.metres_of_paints().sum():.1f} m drawn"
+    return f"{len(painting.strokes)} strokes", metres, "1 paint" if paints == 1 else f"{paints} paints"
 
 
 def _jpeg(image: NDArray[np.float32]) -> bytes:

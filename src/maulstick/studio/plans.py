@@ -14,7 +14,9 @@ from nicegui import Event
 
 from maulstick.errors import InputError
 from maulstick.files import atomic_write
+from maulstick.jobs.folder import as_output_error
 from maulstick.jobs.plan.job import Job, state_files
+from maulstick.robot.journal import journal_of
 from maulstick.studio.folder import Folder
 from maulstick.studio.planner import Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.planner import plan as plan_in_process
@@ -36,9 +38,6 @@ class Phase(Enum):
     PLANNED = "planned"
     STOPPED = "stopped early"
     FAILED = "not planned"
-
-
-_GOING = (Phase.PLANNING, Phase.STOPPING)
 
 
 @final
@@ -136,10 +135,11 @@ class Plans:
         """Plan what is asked, at once or when others are finished."""
         wish = asked.photo.parent.name if asked.photo is not None else asked.text or "plan"
         name = self._folder.free_name("plans", wish)
-        path = self._folder.of("plans", name)
-        path.mkdir()
-        plan = self.plans[name] = Plan(name, path, asked)
+        plan = Plan(name, self._folder.of("plans", name), asked)
+        with as_output_error(plan.folder):
+            plan.folder.mkdir()
         plan.keep_words()
+        self.plans[name] = plan
         self._next()
         return plan
 
@@ -159,7 +159,9 @@ class Plans:
         self.changed.emit()
 
     def go_on(self, plan: Plan) -> None:
-        """Go on with a plan that was stopped, or that failed."""
+        """Go on with a plan that was stopped, or that failed. Raises InputError where it is already being painted."""
+        if journal_of(plan.folder / "painting.json").exists():
+            raise InputError(f"{plan.name} was begun on paper, so its strokes must stay; plan the picture once more")
         if not plan.is_busy:
             plan.phase = Phase.WAITING
             self._next()
@@ -209,26 +211,30 @@ class Plans:
         self.changed.emit()
 
     def _begin(self, made: Plan) -> None:
+        outcome = Phase.STOPPED
+
         def hear(word: Step | Planned | Failed) -> None:
+            nonlocal outcome
             match word:
                 case Step():
                     made.take(word)
+                    made.stepped.emit()
                 case Planned(figures=figures):
-                    made.phase = Phase.STOPPED if state_files(made.folder) else Phase.PLANNED
+                    outcome = Phase.STOPPED if state_files(made.folder) else Phase.PLANNED
                     made.figures = figures
                     made.keep_story()
                 case Failed(why=why):
-                    made.phase, made.why = Phase.FAILED, why
-            (made.stepped if made.phase in _GOING else self.changed).emit()
+                    outcome, made.why = Phase.FAILED, why
 
         def ended() -> None:
+            made.phase = outcome
             del self._processes[made.name]
             self._next()
 
-        made.begin()
         self._processes[made.name] = Process(
             plan_in_process, made.asked, made.folder, hear=hear, ended=ended, niceness=_NICENESS
         )
+        made.begin()
 
 
 def _found(name: str, folder: Path) -> Plan | None:

@@ -84,9 +84,11 @@ class Process:
         self._connection, self._loop = ours, asyncio.get_running_loop()
         self._process = _SPAWN.Process(target=_begin, args=(work, theirs, niceness, arguments), daemon=True)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_THE_TERMINAL)
-        self._process.start()  # with what is blocked here
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        theirs.close()
+        try:
+            self._process.start()  # with what is blocked here
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            theirs.close()
         self._words: SimpleQueue[memoryview | None] = SimpleQueue()
         threading.Thread(target=self._speak, daemon=True).start()
         threading.Thread(target=self._listen, args=(hear, ended), daemon=True).start()

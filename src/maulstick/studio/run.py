@@ -28,7 +28,9 @@ from maulstick.studio.painter import (
     paint_in_process,
     rehearse_in_process,
 )
+from maulstick.studio.planned_paints import PlannedPaint
 from maulstick.studio.process import Failed, Process
+from maulstick.studio.run_words import on_the_page, told_on_the_page
 
 _FAREWELL = 8.0  # seconds for the pen to be lifted when the studio closes
 _MOST_NOTES = 50
@@ -105,12 +107,14 @@ class Run:
     async def standing(self, plan: str) -> Standing | None:
         """How far a plan is painted, as its journal says; None where it was not begun. Raises InputError as that."""
         painting = self._painting(plan)
-        return await self._desk.do(standing_of, painting) if journal_of(painting).exists() else None
+        with told_on_the_page():
+            return await self._desk.do(standing_of, painting) if journal_of(painting).exists() else None
 
     def check(self, plan: str, asked: Asked, *, resume: bool = False) -> None:
         """Find out whether it, or the rest of it, can be painted, without moving anything."""
         errand = Errand(self._painting(plan), asked, resume=resume)
-        asked.check()
+        with told_on_the_page():
+            asked.check()
         self._see_that_it_is_free()
         self._begin("checking", errand, rehearse_in_process)
 
@@ -174,11 +178,11 @@ class Run:
 
     async def _start(self, errand: Errand, is_painted: bool | None) -> None:
         plan = errand.painting.parent.name
-        errand.asked.check()
+        with told_on_the_page():
+            errand.asked.check()
         self._see_that_it_is_free()
         if missing := await self._mixing.missing(plan):
-            more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
-            raise InputError(f"{missing[0]}{more} of {plan} must be mixed first; tick what is mixed under Paints")
+            raise InputError(_to_be_mixed(plan, missing, len(await self._mixing.paints(plan)) == 1))
         self._see_that_it_is_free()  # another page may have been quicker
         self._begin("starting", errand, paint_in_process, is_painted)
 
@@ -226,6 +230,7 @@ class Run:
 
     def _end(self, sentence: str, *, fault: bool) -> None:
         self._process = None
+        sentence = on_the_page(sentence)
         self._now(phase="ended", sentence=sentence, fault=fault, question="", held=False, will_look=False)
 
     def _wish(self, wish: Wish, **changes: Any) -> None:
@@ -236,3 +241,10 @@ class Run:
     def _now(self, **changes: Any) -> None:
         self.state = replace(self.state, **changes)
         self.changed.emit()
+
+
+def _to_be_mixed(plan: str, missing: list[PlannedPaint], is_pen: bool) -> str:
+    if is_pen:
+        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Paints"
+    more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
+    return f"{missing[0].called}{more} of {plan} must be mixed first; tick what is mixed under Paints"

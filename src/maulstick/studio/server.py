@@ -6,7 +6,7 @@ import secrets
 import socket
 import webbrowser
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from ipaddress import ip_address
 from pathlib import Path
 
@@ -20,11 +20,10 @@ from maulstick.studio.asked import asked
 from maulstick.studio.folder import Folder
 from maulstick.studio.frame import page
 from maulstick.studio.gate import Gate
-from maulstick.studio.run_asked import run_asked
 from maulstick.studio.studio import Studio
-from maulstick.studio.styles_asked import styles_asked
 from maulstick.studio.survey_pages import survey_pages
 
+_FIRST_PAGE = 3.0  # seconds
 _GRACE = 3  # seconds for pages to close
 _FAVICON = Path(__file__).with_name("favicon.svg")
 
@@ -52,17 +51,17 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
         print(f"The studio of {folder.root} is open; Ctrl-C closes it.\n{link}", flush=True)
         if browse:
             await asyncio.to_thread(webbrowser.open, link)
+        warming = asyncio.create_task(_warm(studio))
         try:
             yield
         finally:
+            warming.cancel()
             if studio.run.doing or studio.plans.doing:
                 print("The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True)
             await studio.close()
 
     app = FastAPI(lifespan=open_studio, openapi_url=None)
     app.include_router(asked)
-    app.include_router(run_asked)
-    app.include_router(styles_asked)
     app.mount("/survey", survey_pages())
     nicegui.run.process_pool_start_method = "spawn"
     logging.getLogger("nicegui").addFilter(_is_broken)
@@ -76,8 +75,16 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=30,
+        binding_refresh_interval=None,  # nothing changes behind the back of what it is bound to
     )
     return app
+
+
+async def _warm(studio: Studio) -> None:
+    """Let the desk load what the first work would wait for, once the first page has come."""
+    await asyncio.sleep(_FIRST_PAGE)
+    with suppress(MaulstickError):
+        await studio.desk.warm_up()
 
 
 def _is_broken(record: logging.LogRecord) -> bool:

@@ -15,5 +15,5 @@ def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> 
         else:
             refresh()
 
-    event.subscribe(again)
+    event.subscribe(again, unsubscribe_on_delete=False)  # else the page would hold on to all panels that it ever showed
     refresh()

@@ -50,7 +50,7 @@ class Surveys:
 
     async def make(self, draft: Draft) -> str:
         """Make the survey; its name. Raises InputError, saying what is still missing."""
-        title = draft.title.strip()
+        title = str(draft.title).strip()
         if not title:
             raise InputError("the survey has no title yet; give it one, participants will read it")
         match, opinions = draft.match(self._path), draft.opinions(self._path)

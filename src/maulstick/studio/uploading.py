@@ -8,7 +8,7 @@ from pathlib import Path
 
 from nicegui import events, ui
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.folder import Folder
 from maulstick.studio.gate import LARGEST
 
@@ -37,6 +37,8 @@ async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIt
     try:
         await file.file.save(path)
         yield path
+    except MaulstickError as error:
+        raise MaulstickError(str(error).replace(str(path), str(file.file.name))) from error
     finally:
         await asyncio.to_thread(path.unlink, missing_ok=True)
 

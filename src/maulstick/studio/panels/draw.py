@@ -5,7 +5,7 @@ from pathlib import Path
 
 from nicegui import html, ui
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.panels.draw_others import OtherHands
 from maulstick.studio.panels.draw_sheet import choose_sheet
 from maulstick.studio.panels.learned import learn_hand
@@ -35,7 +35,7 @@ class _Sheet:
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client
-        self._shown_name = ""
+        self._shown_name = self._refusal = ""
         self._build_tools()
         self._table = ui.element().classes("table")
         self._build_learning()
@@ -63,7 +63,7 @@ class _Sheet:
     def _lay(self) -> None:
         self._table.clear()
         with self._table:
-            self._pen = Pen(self._drawing)
+            self._pen = Pen(self._drawing, self._complain)
         self._take(False)
 
     def _take(self, rubs: bool) -> None:
@@ -78,11 +78,17 @@ class _Sheet:
         self._progress.set_value(min(strokes / _GOOD, 1))
         self._undo.set_enabled(drawing.can_undo)
         self._redo.set_enabled(drawing.can_redo)
-        self._trouble.set_text(drawing.trouble)
-        self._trouble.set_visibility(bool(drawing.trouble))
+        self._complain(self._refusal)
         if drawing.name != self._shown_name:  # else somebody may be typing
             self._shown_name = drawing.name
             self._name.set_value(drawing.name)
+
+    def _complain(self, refusal: str) -> None:
+        """Say beside the sheet why something was refused here just now, and what is wrong for all; "" is nothing."""
+        self._refusal = refusal
+        troubles = [each for each in (refusal, self._drawing.trouble) if each]
+        self._trouble.set_text("\n".join(dict.fromkeys(troubles)))
+        self._trouble.set_visibility(bool(troubles))
 
     async def _rename(self) -> None:
         await self._drawing.rename(self._name.value or self._drawing.name)
@@ -90,13 +96,16 @@ class _Sheet:
 
     async def _learn_it(self) -> None:
         drawing = self._drawing
-        if not drawing.strokes:
-            raise InputError(f"there is nothing on the sheet yet; draw some strokes, and {_GOOD} make a good style")
+        self._complain("")
         self._learn.props("loading")
         try:
+            if not drawing.strokes:
+                raise InputError(f"there is nothing on the sheet yet; draw some strokes, and {_GOOD} make a good style")
             await self._rename()
             await drawing.keep()
             await learn_hand(self._studio, drawing.name, self._client)
+        except MaulstickError as error:
+            self._complain(str(error))
         finally:
             self._learn.props(remove="loading")
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from nicegui import events, html, ui
 
+from maulstick.errors import MaulstickError
 from maulstick.studio.hand_work import PICTURE, HandCard
 from maulstick.studio.panels.learned import learn_hand
 from maulstick.studio.showing import shown_by
@@ -32,6 +33,7 @@ class OtherHands:
                     "A drawing of a pen tablet (UIM, WILL, InkML), an SVG, a web page's JSON, ink, or a motion-capture "
                     "take (CSV). Only a take needs the length of its pen, from the markers to the tip."
                 ).classes("hint")
+            self._trouble = _trouble()
             self._cards = ui.element().classes("cards")
         shown_by(self._cards, self._drawing.hands.changed, self._show)
 
@@ -50,21 +52,26 @@ class OtherHands:
                 ui.label("no picture yet").classes("picture none")
             else:
                 drawn = (hands.path(name) / PICTURE).stat().st_mtime_ns  # else a browser may show an older one
-                html.img(src=f"/picture/hands/{name}/{PICTURE}?{drawn}", alt=f"What {name} drew").classes("picture")
+                picture = html.img(src=f"/picture/hands/{name}/{PICTURE}?{drawn}", alt=f"What {name} drew")
+                picture.classes("picture").props("loading=lazy")
             ui.label(name).classes("name")
             ui.label("not read yet" if card is None else _told(card)).classes("hint")
+            trouble = _trouble()
             with ui.element().classes("line"):
                 if hands.is_drawn(name):
                     ui.button("Draw on", icon="draw", on_click=lambda: self._drawing.open(name))
                 learn = ui.button("Learn").props("outline")
-                learn.on_click(lambda: self._learn(name, learn))
+                learn.on_click(lambda: self._learn(name, learn, trouble))
                 throw = ui.button(icon="delete", on_click=lambda: self._throw_away(name)).props("flat")
                 throw.props(f'aria-label="Throw {name} away"').tooltip("Throw away")
 
-    async def _learn(self, name: str, button: ui.button) -> None:
+    async def _learn(self, name: str, button: ui.button, trouble: ui.label) -> None:
+        trouble.set_text("")
         button.props("loading")
         try:
             await learn_hand(self._studio, name, self._client)
+        except MaulstickError as error:
+            trouble.set_text(str(error))
         finally:
             button.props(remove="loading")
 
@@ -74,13 +81,21 @@ class OtherHands:
 
     async def _take_in(self, upload: events.UploadEventArguments) -> None:
         called = Path(upload.file.name).name
+        self._trouble.set_text("")
         self._bring.props("loading")
         try:
             async with incoming(self._studio.folder, upload) as file:
                 name = await self._drawing.hands.take_in(file, called, self._pen.value)
+        except MaulstickError as error:
+            self._trouble.set_text(str(error))
+            return
         finally:
             self._bring.props(remove="loading")
         ui.notify(f"{called} is here as {name}.", type="positive")
+
+
+def _trouble() -> ui.label:
+    return ui.label().classes("trouble").props('role="alert"')
 
 
 def _told(card: HandCard) -> str:

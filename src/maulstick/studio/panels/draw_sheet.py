@@ -20,7 +20,7 @@ _SHEETS = {
 def choose_sheet(drawing: Drawing) -> None:
     """Ask for a size, and put a new sheet of it before all."""
     with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks"):
-        dialog.on("hide", dialog.delete)
+        dialog.props('aria-label="A new sheet"').on("hide", dialog.delete)
         html.h2("A new sheet")
         ui.label("What is on this one stays, below among your other hands.").classes("hint")
         size = ui.select(_SHEETS, value="A5-landscape", label="Size").props("outlined")

@@ -3,6 +3,7 @@
 from nicegui import Client, html, ui
 
 from maulstick.errors import InputError, MaulstickError
+from maulstick.studio.panels.styles_shown import AS_TURNED, address_of
 from maulstick.studio.studio import Studio
 from maulstick.style.cards import STYLES
 
@@ -18,8 +19,7 @@ async def learn_hand(studio: Studio, name: str, client: Client) -> None:
         raise InputError(f"a style that comes with Maulstick is called {name}; give this hand another name")
     thrown = None
     if old is not None:
-        await styles.delete(name)
-        thrown = styles.thrown_away[-1]
+        thrown = await styles.delete(name)
     try:
         await studio.drawing.hands.learn(name, name)
     except MaulstickError:
@@ -33,19 +33,20 @@ async def learn_hand(studio: Studio, name: str, client: Client) -> None:
 
 def _show(name: str, sheet: str, replaces: bool) -> None:
     with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks learned"):
-        dialog.on("hide", dialog.delete)
+        dialog.props(f'aria-label="This is how {name} draws"').on("hide", dialog.delete)
 
         def go(where: str) -> None:
             dialog.close()
-            ui.navigate.to(f"{where}?style={name}")
+            ui.navigate.to(where)
 
         html.h2(f"This is how {name} draws")
         html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {name}").classes("picture")
+        ui.label(AS_TURNED).classes("hint")
         if replaces:
             ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(
                 "hint"
             )
         with ui.element().classes("line"):
-            ui.button("Plan a picture with it", on_click=lambda: go("/plan"))
-            ui.button("Look closer", on_click=lambda: go("/styles")).props("outline")
+            ui.button("Plan a picture with it", on_click=lambda: go(f"/plan?style={name}"))
+            ui.button("Look closer", on_click=lambda: go(address_of([name]))).props("outline")
             ui.button("Close", on_click=dialog.close).props("flat")

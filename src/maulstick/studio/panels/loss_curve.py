@@ -5,6 +5,8 @@ from math import log
 
 from nicegui import html, ui
 
+from maulstick.studio.panels.plan_weights import CALLED
+
 _COLOURS = ("var(--mark)", "var(--focus)", "#5f8a3a", "#b98220", "#7a4f95", "#6a6257")
 _WIDE, _HIGH = 300, 60
 
@@ -46,4 +48,4 @@ class LossCurve:
         self._terms[name] = line
         with self._names, html.span():
             html.span("▬ ").style(f"color: {colour}").props("aria-hidden=true")
-            html.span(name)
+            html.span(CALLED.get(name, name))

@@ -10,6 +10,8 @@ from maulstick.jobs.run.asked import Asked
 from maulstick.jobs.run.standing import Standing
 from maulstick.studio.panels.paint_form import SHORT_MENU, AskedForm
 from maulstick.studio.panels.paint_going import Controls, Sheets
+from maulstick.studio.planned_paints import PlannedPaint
+from maulstick.studio.run_words import ANEW, FINER
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
 
@@ -35,38 +37,46 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
         controls.show()
         sheets.show(state.plan if state.is_on else setting.plan)
 
-    setting.on_choice = show
+    setting.on_choice, setting.on_touch = show, sheets.forget_outcome
     shown_by(setting.root, studio.run.changed, show)
 
 
 class _Setting:
-    """What is to be painted on what, and the buttons that begin it. on_choice: called when another plan is chosen."""
+    """What is to be painted on what, and the buttons that begin it.
+
+    on_choice: called when another plan is chosen.  on_touch: when a person asks for anything else than before.
+    """
 
     def __init__(self, studio: Studio, plan: str) -> None:
         self._studio, self._run = studio, studio.run
         self._standing: Standing | None = None
         self._was_busy = True
         self.on_choice: Callable[[], None] = lambda: None
+        self.on_touch: Callable[[], None] = lambda: None
         self.root = html.section().classes("sheet")
         with self.root:
             html.h2("What to paint, and with what")
             self._plan = ui.select([], label="Plan", on_change=self._choose).props(SHORT_MENU)
-            self._none = html.p("No plan is finished yet. Make one under Plan, and come back.").classes("hint")
+            self._plan.on("update:model-value", lambda: self.on_touch(), args=[])
+            with ui.element().classes("line") as self._none:
+                html.p("No plan is finished yet; once one is, it can be painted here.").classes("hint")
+                ui.button("Plan a painting", icon="auto_awesome_mosaic", on_click=lambda: ui.navigate.to("/plan"))
             first = ui.element().classes("fields")
             self._begun = ui.label().classes("begun").props('role="status"')
             with html.fieldset().classes("unfinished") as self._question:
                 with html.legend():
                     self._legend = ui.label()
-                self._answer = ui.radio({True: "Yes, it is", False: "No, paint it again"}).props("dense")
+                self._answer = ui.radio({True: "Yes, it is", False: "No, paint it again"})
+                self._answer.props('aria-label="Is that stroke on the paper?"')
             with ui.element().classes("line"):
                 self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
                 self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
                 self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
-                self._anew = ui.button("Start again on a new sheet", icon="note_add", on_click=self._begin_anew)
+                self._anew = ui.button(ANEW, icon="note_add", on_click=self._begin_anew)
                 self._anew.props("outline")
             self._mix = ui.link("", "/paints").classes("hint")
-            later = ui.expansion("Speed, sheet and camera").classes("more")
-        self._form = AskedForm(studio, first, later)
+            later = ui.expansion(FINER).classes("more")
+        self._form = AskedForm(studio, first, later, touched=lambda: self.on_touch())
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._follow)
@@ -103,9 +113,9 @@ class _Setting:
         """Find out how far the plan is, and what it lacks."""
         if not plan:
             return
-        standing, fault, missing = None, "", list[str]()
+        standing, fault, missing, paints = None, "", list[PlannedPaint](), 0
         try:
-            missing = await self._studio.mixing.missing(plan)
+            missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
             standing = await self._run.standing(plan)
         except MaulstickError as error:
             fault = str(error)
@@ -118,7 +128,7 @@ class _Setting:
         if standing is not None and is_other:
             self._form.fill(standing.asked)
         self._begun.text = fault or _begun(standing)
-        self._mix.text = f"Mix {_counted(len(missing), 'paint')} first" if missing else ""
+        self._mix.text = _to_be_mixed(len(missing), paints)
         self._mix.props["href"] = f"/paints?plan={plan}"
         self._show_buttons()
 
@@ -164,6 +174,12 @@ def _begun(standing: Standing | None) -> str:
     if standing.is_over:
         return f"All {_counted(standing.strokes, 'stroke')} are painted."
     return f"It was begun: {standing.painted} of {_counted(standing.strokes, 'stroke')} are painted."
+
+
+def _to_be_mixed(missing: int, paints: int) -> str:
+    if not missing:
+        return ""
+    return "Put the pen into the holder first" if paints == 1 else f"Mix {_counted(missing, 'paint')} first"
 
 
 def _counted(number: int, what: str) -> str:

@@ -1,25 +1,17 @@
 """What a person asks of the machine, on the page where it paints."""
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 
 from nicegui import events, ui
 
 from maulstick.errors import InputError
 from maulstick.jobs.run.asked import Asked
+from maulstick.studio.run_words import MACHINES
 from maulstick.studio.studio import Studio
 from maulstick.studio.uploading import upload_button
 
-_MACHINES = {
-    "sim": "Simulated easel, as fast as it can",
-    "sim:real": "Simulated easel, at an arm's pace",
-    "grbl": "Pen plotter with Grbl",
-    "axidraw": "AxiDraw",
-    "lite6": "UFACTORY Lite 6",
-    "xarm": "UFACTORY xArm",
-    "franka": "Franka arm",
-    "ur": "Universal Robots arm",
-}
 SHORT_MENU = "outlined popup-content-class=short-menu"
 """Of a select: its menu opens downwards, and not up under the frame."""
 
@@ -27,7 +19,7 @@ _AT_A_PORT = ("grbl", "axidraw")
 _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
 _EASEL_S_OWN = "easel"
 _LARGEST_EASEL = 2**16  # bytes
-_FASTEST = 10_000  # mm/s: no limit, where the machine has one of its own, as all have
+_SLOWEST, _FASTEST = 0.1, 10_000  # mm/s: no limit, where the machine has one of its own, as all have
 _MOST_STROKES = 100_000
 _LONGEST_ADDRESS = 253
 
@@ -36,18 +28,19 @@ class AskedForm:
     """What fits the machine that is chosen is shown, and nothing else.
 
     first: where the machine is asked for.  later: where the finer points are.
+    touched: is called once a person has asked for something else.
     """
 
-    def __init__(self, studio: Studio, first: ui.element, later: ui.element) -> None:
+    def __init__(self, studio: Studio, first: ui.element, later: ui.element, touched: Callable[[], None]) -> None:
         self._studio = studio
         with first:
-            self._machine = ui.select(_MACHINES, label="Machine", value="sim:real", on_change=self._fit)
+            self._machine = ui.select(MACHINES, label="Machine", value="sim:real", on_change=self._fit)
             self._machine.props(SHORT_MENU)
             self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
             self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
             self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
         with later:
-            self._speed = ui.number("No faster than, mm/s", min=0.1, max=_FASTEST).props("outlined clearable")
+            self._speed = ui.number("No faster than, mm/s", min=_SLOWEST, max=_FASTEST).props("outlined clearable")
             self._speed.props("hint='empty: as fast as hand and machine are'")
             self._easel = ui.select({}, label="Where the sheet lies").props(SHORT_MENU)
             upload_button("Bring an easel file", ".json", self._take_easel)
@@ -55,6 +48,17 @@ class AskedForm:
             self._camera = ui.select({}, label="Camera", on_change=self._fit).props(SHORT_MENU)
             self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
             self._every.props("outlined hint='0: only when you ask for it'")
+        for field in (
+            self._machine,
+            self._port,
+            self._address,
+            self._speed,
+            self._easel,
+            self._tray,
+            self._camera,
+            self._every,
+        ):
+            field.on("update:model-value", touched, args=[])  # unlike on_change, not when it is filled in for them
         self._offer_easels("")
         self._fit()
 
@@ -90,7 +94,7 @@ class AskedForm:
             robot=self._word(),
             easel=self._studio.run.easels.path(easel) if easel else None,
             tray=self._studio.folder.root / "tray.json" if self._tray.visible and self._tray.value else None,
-            speed=1e-3 * (self._speed.value or _FASTEST),
+            speed=1e-3 * _speed(self._speed.value),
             replan=every if looks else 0,
             look=looks,
             camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
@@ -107,7 +111,7 @@ class AskedForm:
             return kind
         if not address:
             what = "port" if kind in _AT_A_PORT else "address in the network"
-            raise InputError(f"where is the {_MACHINES[kind]}? Give its {what}")
+            raise InputError(f"where is the {MACHINES[kind]}? Give its {what}")
         if len(address) > _LONGEST_ADDRESS or not address.isprintable():
             raise InputError("that is no port and no address; write it as in /dev/ttyUSB0, or 192.168.1.20")
         return f"{kind}:{address}"
@@ -136,18 +140,19 @@ class AskedForm:
         ui.notify(f"The sheet lies as {name} says", type="positive")
 
 
-def name_of(machine: str) -> str:
-    """A machine by its word, for people."""
-    kind, _, address = machine.partition(":")
-    if machine in _MACHINES:
-        return _MACHINES[machine]
-    return f"{_MACHINES.get(kind, kind)} at {address}"
-
-
 def _ports() -> list[str]:
     from serial.tools import list_ports
 
     return [port.device for port in list_ports.comports()]
+
+
+def _speed(value: float | None) -> float:
+    """Millimetres a second."""
+    if value is None:
+        return _FASTEST
+    if not _SLOWEST <= value <= _FASTEST:
+        raise InputError.of_range("the speed", f"{value:g} mm/s", f"from {_SLOWEST} to {_FASTEST} mm/s")
+    return value
 
 
 def _whole(value: float | None) -> int:

@@ -7,9 +7,9 @@ from nicegui import background_tasks, html, ui
 from maulstick.errors import MaulstickError
 from maulstick.jobs.run.session import Outlook
 from maulstick.studio.painter import PAINTING
-from maulstick.studio.panels.paint_form import name_of
 from maulstick.studio.planned_paints import PlannedPaint
 from maulstick.studio.run import State
+from maulstick.studio.run_words import name_of
 from maulstick.studio.studio import Studio
 
 
@@ -65,7 +65,7 @@ class Controls:
         if paint is not None:
             self._swatch.style(f"background: {paint.hex}")
             well = "" if paint.well is None else ", in its well"
-            self._next_paint.text = f"Next: paint {paint.number}, {paint.label}{well}"
+            self._next_paint.text = f"Next: {paint.called}{well}"
 
     async def _learn_paints(self, plan: str) -> None:
         try:
@@ -92,17 +92,21 @@ class Sheets:
             html.h2("Notes")
             self._list = html.ul()
         self._noted: tuple[str, ...] = ()
+        self._past: State | None = None
+
+    def forget_outcome(self) -> None:
+        """It is of something else than what is asked for now."""
+        self._past = self._run.state
+        self._show_outcome()
 
     def show(self, plan: str) -> None:
         """The plan, and what is known of its sheet."""
         state = self._run.state
-        self._outcome.text = _outcome(state)
-        self._outcome.visible = bool(self._outcome.text)
-        self._outcome.classes(toggle="fault") if state.fault != ("fault" in self._outcome.classes) else None
+        self._show_outcome()
         self._pair.visible = bool(plan)
         if plan:
             self._show_at(self._plan, f"/picture/plans/{plan}/preview.png")
-            source = f"/sheet/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
+            source = f"/seen/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
             self._sheet.visible, self._bare.visible = bool(source), not source
             if source:
                 self._show_at(self._sheet, source)
@@ -114,6 +118,12 @@ class Sheets:
                 for note in state.notes:
                     html.li(note)
         self._notes.visible = bool(state.notes)
+
+    def _show_outcome(self) -> None:
+        state = self._run.state
+        self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state)
+        self._outcome.visible = bool(self._outcome.text)
+        self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
 
     def _left_of(self, plan: str) -> str:
         """Where the picture is that an earlier run left of its sheet, if it did and none is on."""
@@ -149,7 +159,13 @@ def _doing(state: State) -> str:
 def _figures(state: State) -> str:
     if (going := state.going) is None:
         return "" if state.outlook is None else _in_words(state.outlook)
-    return f"{1e3 * going.drawn:.0f} of {1e3 * going.metres:.0f} mm · {_left(going.left)}"
+    if going.metres < 1:
+        return f"{1e3 * going.drawn:.0f} of {_length(going.metres)} · {_left(going.left)}"
+    return f"{going.drawn:.1f} m of {_length(going.metres)} · {_left(going.left)}"
+
+
+def _length(metres: float) -> str:
+    return f"{1e3 * metres:.0f} mm" if metres < 1 else f"{metres:.1f} m"
 
 
 def _left(seconds: float) -> str:
@@ -163,14 +179,14 @@ def _outcome(state: State) -> str:
         return ""
     if state.outlook is not None and state.outlook.strokes and state.going is None and not state.fault:
         return f"{state.sentence} {_in_words(state.outlook)}"
-    return state.sentence
+    return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
 
 
 def _in_words(outlook: Outlook) -> str:
     paints = "1 paint" if outlook.paints == 1 else f"{outlook.paints} paints"
     strokes = "1 stroke" if outlook.strokes == 1 else f"{outlook.strokes} strokes"
     time = f"about {max(1, ceil(outlook.seconds / 60))} min"
-    return f"{strokes}, {1e3 * outlook.metres:.0f} mm, {paints}, {time}."
+    return f"{strokes}, {_length(outlook.metres)}, {paints}, {time}."
 
 
 def _why_bare(state: State) -> str:

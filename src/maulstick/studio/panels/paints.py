@@ -45,8 +45,11 @@ class _Wanted:
                 self._plan = ui.select([], label="The painting", on_change=self._show).props("outlined")
                 self._all = ui.button("All are mixed", icon="done_all", on_click=self._tick_all).props("outline")
                 self._count = ui.label().classes("count").props('role="status"')
+                self._paint = ui.button("Paint it now", icon="precision_manufacturing", on_click=self._go_and_paint)
             self._bar = ui.linear_progress(show_value=False).props('aria-label="How many paints are mixed" rounded')
             self._nothing = ui.label().classes("hint").props('role="status"')
+            with ui.element().classes("line") as self._first:
+                ui.button("Plan a painting", icon="auto_awesome_mosaic", on_click=lambda: ui.navigate.to("/plan"))
             self._cards = ui.element().classes("cards")
         self._plan.set_options(studio.mixing.plans(), value=plan if plan in studio.mixing.plans() else None)
         shown_by(self._root, studio.plans.changed, self._offer)
@@ -65,7 +68,7 @@ class _Wanted:
     async def _follow(self) -> None:
         plan = self._plan.value
         if plan is None:
-            self._show_nothing("No painting is planned yet. Plan one, and its paints will stand here.")
+            self._show_nothing("No painting is planned yet. Once one is, its paints will stand here.")
             return
         if not self._shown:
             self._show_nothing("Looking at the paints …")
@@ -90,7 +93,8 @@ class _Wanted:
         self._cards.clear()
         self._nothing.text = why
         self._nothing.visible = True
-        self._all.visible = self._bar.visible = False
+        self._all.visible = self._bar.visible = self._paint.visible = False
+        self._first.visible = self._plan.value is None
         self._plan.visible = self._plan.value is not None
         self._count.text = ""
 
@@ -116,6 +120,10 @@ class _Wanted:
         self._bar.visible = paints > 1
         self._bar.value = (paints - missing) / max(paints, 1)
         self._all.visible = paints > 1 and missing > 0
+        self._paint.visible = not missing
+
+    def _go_and_paint(self) -> None:
+        ui.navigate.to(f"/paint?plan={self._plan.value}")
 
     async def _tick_all(self) -> None:
         await self._studio.mixing.tick_all(self._plan.value)
@@ -127,8 +135,8 @@ def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone:
         swatch = html.div().classes("swatch").style(f"background: {paint.hex}")
         with swatch.props(f'role="img" aria-label="The colour {paint.hex}"'):
             html.span(str(paint.number)).classes("number")
-        html.h2(paint.label)
-        html.p(_used(paint)).classes("figure hint")
+        html.h2(paint.called[0].upper() + paint.called[1:])
+        html.p(f"{paint.hex} · {_used(paint)}").classes("figure hint")
         html.p(_where(studio, paint)).classes("hint")
         if not alone:
             if paint.is_named and not studio.mixing.has_own_tubes:
@@ -157,7 +165,8 @@ def _recipe(studio: Studio, paint: PlannedPaint, recipe: Recipe) -> None:
         for text, colour in (("wanted", paint.hex), ("this gives", given)):
             with html.div().style(f"background: {colour}; color: {_legible_on(colour)}"):
                 ui.label(text)
-    ui.label(f"{_judged(recipe)} (CIEDE2000 {recipe.error:.1f})").classes("figure")
+    with ui.label(_judged(recipe)):
+        ui.tooltip(f"CIEDE2000 {recipe.error:.1f}")
 
 
 def _judged(recipe: Recipe) -> str:

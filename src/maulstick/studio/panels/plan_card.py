@@ -7,6 +7,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.plan.job import Job
 from maulstick.studio.panels.loss_curve import LossCurve
+from maulstick.studio.panels.plan_form import in_words
 from maulstick.studio.panels.plan_weights import PlanWeights
 from maulstick.studio.planner import TARGET, order_frame
 from maulstick.studio.plans import Phase, Plan
@@ -16,7 +17,11 @@ from maulstick.studio.studio import Studio
 from maulstick.studio.undoing import offer_undo
 
 _FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}
-_SPLIT = "(event) => event.target.previousElementSibling.style.setProperty('--split', event.target.value + '%')"
+_SPLIT = """(event) => {
+  const pictures = event.target.closest(".plan").querySelector(".compare");
+  pictures.style.setProperty("--split", event.target.value + "%");
+}"""
+_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
 
 
 class PlanCard:
@@ -32,9 +37,9 @@ class PlanCard:
             with ui.element().classes("compare") as self._pictures:
                 self._canvas = html.img(alt=f"The strokes of {plan.name}")
                 self._target = html.img(alt="").classes("target")
-            self._split = html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT)
-            self._split.classes("split").props('aria-label="From the picture to the plan"')
-            self._split.props["^value"] = 100
+            with html.label().classes("weight") as self._split:
+                ui.label("Picture or plan")
+                html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
             self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
             ui.label(_asked(plan.asked)).classes("hint")
@@ -59,7 +64,7 @@ class PlanCard:
         plan = self.plan
         finished = plan.is_painting and not plan.is_busy
         self._phase.set_text(plan.phase.value)
-        self._card.classes(add="busy" if plan.is_busy else "", remove="busy")
+        self._card.classes(remove="planning waiting", add=_CLASSES.get(plan.phase))
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
         self._said.set_text(_said(plan))
@@ -74,6 +79,8 @@ class PlanCard:
             self._until.set(self._frames - 1, most=self._frames - 1)
         self._until.element.visible = finished and self._frames > 1
         self._show_canvas(finished)
+        self._stop.set_text("Do not plan it" if plan.phase is Phase.WAITING else "Stop and keep")
+        self._on.set_text("Try again" if plan.phase is Phase.FAILED else "Go on")
         self._stop.visible = plan.phase in (Phase.WAITING, Phase.PLANNING)
         self._on.visible = plan.phase in (Phase.STOPPED, Phase.FAILED)
         self._mix.visible = self._files.visible = finished
@@ -125,8 +132,8 @@ class PlanCard:
 
 
 def _asked(job: Job) -> str:
-    colours = "one ink" if job.ink is not None else f"{job.paints} paints"
-    return f"{job.style}, {job.brush}, {job.strokes} strokes, {colours}, {job.size}"
+    colours = "one ink" if job.ink is not None else "1 paint" if job.paints == 1 else f"{job.paints} paints"
+    return f"{job.style}, {job.brush}, {job.strokes} strokes, {colours}, {in_words(job.size)}"
 
 
 def _said(plan: Plan) -> str:

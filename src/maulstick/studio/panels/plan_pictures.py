@@ -22,7 +22,7 @@ class PictureChoice:
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
         with ui.element().classes("line"):
             upload_button("Bring a picture", _PICTURES, self._bring)
-            self._portrait = ui.button("Use the portrait", on_click=self._use_portrait).props("flat no-caps")
+            self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 
     @property

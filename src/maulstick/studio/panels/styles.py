@@ -3,70 +3,70 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from nicegui import html, ui
+from nicegui import app, html, ui
 
 from maulstick.studio.panels.styles_compared import show_compared
 from maulstick.studio.panels.styles_opened import show_opened
-from maulstick.studio.panels.styles_shown import about, fill, sheet_picture
+from maulstick.studio.panels.styles_shown import AS_TURNED, about, address_of, fill, sheet_picture
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
 from maulstick.studio.styles import MOST, Entry, Thrown
 from maulstick.style.cards import StyleCard
 
 _STYLE = Path(__file__).with_name("styles.css")
+_LEFT, _TICKED = "style-left", "styles-ticked"
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: `style` is the hand to open at once."""
+    """Build it. query: `style` is the hand to look at closely, `compare` those to see side by side, as in a,b."""
     ui.add_css(_STYLE)
-    wanted = query.get("style", "")
-    StylesPanel(studio, [wanted] if wanted in studio.styles.names() else [])
+    asked = [query["style"]] if "style" in query else query.get("compare", "").split(",")
+    names = studio.styles.names()
+    StylesPanel(studio, [name for name in dict.fromkeys(asked) if name in names][:MOST])
 
 
 class StylesPanel:
-    """What one page looks at: none of the styles in particular, one, or some side by side."""
+    """What a page looks at by its address: none of the styles in particular, one, or some side by side."""
 
     def __init__(self, studio: Studio, looked_at: Sequence[str]) -> None:
-        self._studio, self._looked_at, self._left = studio, list(looked_at), ""
-        self._ticked: list[str] = []
+        self._studio, self._looked_at = studio, looked_at
+        self._kept = app.storage.client  # for as long as the page is open, whatever it shows
         self._root = ui.element().classes("styles")
-        self._show()
+        if looked_at:
+            self._look_closely()
         shown_by(self._root, studio.styles.changed, self._follow)
 
-    def _look_at(self, names: Sequence[str]) -> None:
-        self._left = self._looked_at[0] if len(self._looked_at) == 1 else ""
-        self._looked_at = list(names)
-        focused = self._show()
-        if focused is not None:  # what had the focus is gone
-            focused.on("vnodeMounted", js_handler="(node) => node.el.focus()")
+    def _look_closely(self) -> None:
+        with self._root:
+            if len(self._looked_at) == 1:
+                self._kept[_LEFT] = self._looked_at[0]
+                way_out = show_opened(self._studio, self._looked_at[0])
+            else:
+                self._kept[_TICKED] = list(self._looked_at)
+                way_out = show_compared(self._studio, self._looked_at)
+        if not ui.context.client.sub_pages_router.is_initial_request:
+            _focus(way_out)
 
     def _follow(self) -> None:
         """What somebody looks at closely stays as it is for as long as it is there."""
-        names = self._studio.styles.names()
-        self._ticked = [name for name in self._ticked if name in names]
-        if not self._looked_at or not set(self._looked_at) <= set(names):
-            self._look_at([])
+        if not self._looked_at:
+            self._root.clear()
+            with self._root:
+                self._gallery()
+        elif not set(self._looked_at) <= set(self._studio.styles.names()):
+            ui.navigate.to(address_of([]))
 
-    def _show(self) -> ui.element | None:
-        """Build it anew; what keys then act upon."""
-        self._root.clear()
-        with self._root:
-            if not self._looked_at:
-                return self._gallery()
-            if len(self._looked_at) == 1:
-                return show_opened(self._studio, self._looked_at[0], self._look_at)
-            return show_compared(self._studio, self._looked_at, self._look_at)
-
-    def _gallery(self) -> ui.element | None:
+    def _gallery(self) -> None:
         styles = self._studio.styles
+        self._ticked = [name for name in self._kept.get(_TICKED, []) if name in styles.names()]
         html.h1("Hands to paint with")
         html.p(
             "Each sheet shows what a person drew and, below it, what Maulstick draws in that hand. "
-            "Look closer at one, or tick a few to see how they differ."
+            f"{AS_TURNED} Look closer at one, or tick a few to see how they differ."
         ).classes("hint")
         ways_in = {thrown.name: self._thrown(thrown) for thrown in styles.thrown_away[-3:]}
         with ui.element().classes("line chosen"):
-            self._compare = ui.button("Compare", icon="compare", on_click=lambda: self._look_at(self._ticked))
+            self._compare = ui.button("Compare", icon="compare", on_click=lambda: _look_at(self._ticked))
             self._told = ui.label().classes("hint").props('role="status"')
             ui.button("Draw a hand", icon="draw", on_click=lambda: ui.navigate.to("/")).props("outline")
         sheets: dict[str, ui.element] = {}
@@ -79,7 +79,9 @@ class StylesPanel:
                         sheets[entry.name], ways_in[entry.name] = self._card(entry, entry.card)
         self._count()
         ui.timer(0, lambda: self._draw(sheets), once=True)
-        return ways_in.get(self._left)
+        left = self._kept.pop(_LEFT, "")
+        if left in ways_in:
+            _focus(ways_in[left])
 
     def _thrown(self, thrown: Thrown) -> ui.element:
         """A line about what was deleted; its button that has it again."""
@@ -99,7 +101,7 @@ class StylesPanel:
     def _card(self, entry: Entry, card: StyleCard) -> tuple[ui.element, ui.element]:
         """A style among the others; where its sheet goes, and the button that opens it."""
         picture = html.div().classes("thumb")
-        picture.on("click", lambda: self._look_at([entry.name]))
+        picture.on("click", lambda: _look_at([entry.name]))
         with picture:
             ui.label("Drawing its sheet …").classes("hint")
         with ui.element().classes("line between"):
@@ -108,7 +110,7 @@ class StylesPanel:
         html.p(about(card)).classes("hint")
         html.p(f"From {card.source}", title=card.source).classes("hint source")
         with ui.element().classes("line between foot"):
-            look = ui.button("Look closer", on_click=lambda: self._look_at([entry.name])).props("flat")
+            look = ui.button("Look closer", on_click=lambda: _look_at([entry.name])).props("flat")
             look.props(f'aria-label="Look closer at {entry.name}"')
             tick = ui.checkbox("Compare", value=entry.name in self._ticked)
             tick.props(f'aria-label="Compare {entry.name}"')
@@ -117,6 +119,7 @@ class StylesPanel:
 
     def _tick(self, name: str, is_ticked: bool) -> None:
         self._ticked = [other for other in self._ticked if other != name] + [name] * is_ticked
+        self._kept[_TICKED] = self._ticked
         self._count()
 
     def _count(self) -> None:
@@ -131,3 +134,12 @@ class StylesPanel:
             if place.is_deleted:
                 return
             await fill(place, self._studio.styles.sheet(name), lambda path: sheet_picture(path, "", "cropped"))
+
+
+def _look_at(names: Sequence[str]) -> None:
+    ui.navigate.to(address_of(names))
+
+
+def _focus(element: ui.element) -> None:
+    """Let keys act upon it once it is there: what had the focus is gone."""
+    element.on("vnodeMounted", js_handler="(node) => node.el.focus()")

@@ -1,19 +1,23 @@
 """Some styles side by side: how much their strokes differ, in what, and all of them on one map."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from nicegui import html, ui
 
 from maulstick.studio.panels.styles_map import StrokeMap
-from maulstick.studio.panels.styles_shown import shown_later
+from maulstick.studio.panels.styles_shown import AS_TURNED, address_of, shown_later
 from maulstick.studio.studio import Studio
 from maulstick.studio.style_work import Difference
 
 
-def show_compared(studio: Studio, names: Sequence[str], look_at: Callable[[Sequence[str]], None]) -> ui.element:
-    """Build it; what keys then act upon. look_at: what the page shows next; nothing is the gallery."""
+def show_compared(studio: Studio, names: Sequence[str]) -> ui.element:
+    """Build it; what keys then act upon."""
     styles = studio.styles
-    back = ui.button("All hands", icon="arrow_back", on_click=lambda: look_at([])).props("flat").classes("back")
+    back = (
+        ui.button("All hands", icon="arrow_back", on_click=lambda: ui.navigate.to(address_of([])))
+        .props("flat")
+        .classes("back")
+    )
     html.h1(f"{', '.join(names[:-1])} and {names[-1]}")
     with ui.element().classes("halves"):
         with html.section().classes("sheet"):
@@ -21,6 +25,7 @@ def show_compared(studio: Studio, names: Sequence[str], look_at: Callable[[Seque
             shown_later("Comparing their strokes …", lambda: styles.differences_of(names), _differences)
         with html.section().classes("sheet"):
             html.h2("All their strokes, like beside like")
+            html.p(AS_TURNED).classes("hint")
             shown_later("Finding out which strokes are alike …", lambda: styles.map_of(names), StrokeMap)
     return back
 

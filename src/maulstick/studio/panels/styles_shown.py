@@ -1,6 +1,6 @@
 """What the styles look like wherever they are shown."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -11,7 +11,16 @@ from maulstick.style.cards import StyleCard
 
 Result = TypeVar("Result")
 
+AS_TURNED = "Each stroke is turned so that it begins on the left and ends on the right."
+"""Of the sheets and the maps, which show strokes as a style knows them."""
+
 _KINDS = {"exemplar": "learned from the strokes themselves", "trajvae": "learned by a small network"}
+
+
+def address_of(names: Sequence[str]) -> str:
+    """Where the gallery of the hands is, one of them looked at closely, or some side by side."""
+    asked = "" if not names else f"?style={names[0]}" if len(names) == 1 else f"?compare={','.join(names)}"
+    return f"/styles{asked}"
 
 
 def about(card: StyleCard) -> str:

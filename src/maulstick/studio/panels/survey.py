@@ -92,22 +92,23 @@ class _Survey:
                 ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
             if "//127." in address or "//localhost" in address:
                 html.p(
-                    "These links open on this computer only. For people elsewhere, start the studio with --host and "
-                    "open it by the link that it prints."
+                    "These links open on this computer only. For people elsewhere: ask whoever installed Maulstick to "
+                    "open it to your network (--host), and make the links there."
                 ).classes("hint")
             self._links = html.ul().classes("links")
-        with html.section().classes("sheet").props('aria-label="Results"'):
+        with html.section().classes("sheet").props('aria-label="Results"') as self._said:
             with ui.element().classes("line"):
                 html.h2("What they said")
                 ui.button("All answers as CSV", icon="download", on_click=self._download).props("outline")
             self._results = ui.element().classes("results")
+        self._said.visible = False  # until the links are there, which would push it down
         shown_by(self._root, studio.surveys.changed, lambda: background_tasks.create(self._show(), context=self._root))
 
     async def _show(self) -> None:
         try:
             told, people = await self._surveys.told(self._name), await self._surveys.people(self._name)
         except MaulstickError as error:
-            self._count.text = str(error)
+            self._count.text, self._said.visible = str(error), True
             return
         if self._root.is_deleted:
             return
@@ -117,6 +118,7 @@ class _Survey:
         if people != self._people:
             self._people = people
             self._show_links([person for person in people if not person.finished])
+        self._said.visible = True
         self._results.clear()
         with self._results:
             _tables(told)

@@ -5,7 +5,6 @@ from typing import Any
 
 from nicegui import app, events, html, ui
 
-from maulstick.studio.gallery import keep_picture
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
 from maulstick.studio.survey_draft import Draft, HandDraft, PairDraft
@@ -23,12 +22,12 @@ class SurveyForm:
         self._studio, self._made = studio, made
         self._draft: Draft = app.storage.client.setdefault(_KEPT, Draft())
         self._drawings: dict[str, str] = {}
+        self._looks: list[tuple[str, ui.select]] = []
         self._root = html.section().classes("survey-form").props('aria-label="A new survey"')
         with self._root:
             with html.div().classes("sheet"):
                 html.h2("A new survey")
-                title = ui.input("What is it called? People will read this.").bind_value(self._draft, "title")
-                title.props("outlined maxlength=120")
+                _text("What is it called? People will read this.", self._draft, "title", 120)
                 html.p(
                     "It is put together from your hands, plans and pictures. Bring drawings on paper as photographs, "
                     "cut at the edges of the sheet."
@@ -41,6 +40,7 @@ class SurveyForm:
                 ui.button("Start over", on_click=self._start_over).props("flat")
         shown_by(self._root, studio.plans.changed, self._follow)
         shown_by(self._root, studio.drawing.hands.changed, self._follow)
+        shown_by(self._root, studio.gallery.changed, self._follow)
 
     def _follow(self) -> None:
         drawings = self._studio.surveys.drawings()
@@ -50,6 +50,7 @@ class SurveyForm:
 
     def _show(self) -> None:
         self._parts.clear()
+        self._looks.clear()
         with self._parts:
             with html.section().classes("sheet").props('aria-label="Whose strokes are these?"'):
                 html.h2("Whose strokes are these?")
@@ -76,9 +77,7 @@ class SurveyForm:
                         ("First look, as in: loops", "first_look"),
                         ("Second look, as in: lines", "second_look"),
                     ):
-                        named = ui.input(label, on_change=self._name_looks)
-                        named.bind_value(self._draft, name).props("outlined dense maxlength=60")
-                self._looks: list[tuple[str, ui.select]] = []
+                        _text(label, self._draft, name, 60).props("dense").on_value_change(self._name_looks)
                 for number, pair in enumerate(self._draft.pairs, start=1):
                     self._show_pair(number, pair)
                 with ui.element().classes("line"):
@@ -91,9 +90,9 @@ class SurveyForm:
 
     def _show_hand(self, number: int, hand: HandDraft) -> None:
         with html.div().classes("item").props(f'role="group" aria-label="Hand {number}"'):
-            ui.input("Name", value=hand.name).bind_value(hand, "name").props("outlined dense maxlength=60")
+            _text("Name", hand, "name", 60).props("dense")
             self._choice("Drawn by this person", hand, "by_hand")
-            self._choices("In their style, by the machine", hand)
+            self._choices("By the machine", hand)
             self._remover(f"Remove hand {number}", self._draft.hands, hand)
 
     def _show_pair(self, number: int, pair: PairDraft) -> None:
@@ -154,9 +153,7 @@ class SurveyForm:
 
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
-            name = self._studio.folder.free_name("pictures", event.file.name)
-            await self._studio.desk.do(keep_picture, file, self._studio.folder.of("pictures", name))
-        self._follow()
+            name = await self._studio.gallery.keep(file, str(event.file.name))
         ui.notify(f"{name} can be chosen now.")
 
     async def _make_it(self) -> None:
@@ -172,6 +169,11 @@ class SurveyForm:
     def _start_over(self) -> None:
         app.storage.client[_KEPT] = self._draft = Draft()
         self._show()
+
+
+def _text(label: str, draft: Draft | HandDraft, name: str, most: int) -> ui.input:
+    text = ui.input(label).bind_value(draft, name, forward=lambda said: str(said or "")[:most])
+    return text.props(f"outlined maxlength={most}")
 
 
 def _asked(label: str, draft: Draft, name: str, most: int) -> None:

@@ -64,7 +64,7 @@ def _lay(studio: Studio) -> None:
         dialog.close()
         ui.notify("The paints stand in this row now.")
 
-    with ui.dialog() as dialog, html.div().classes("sheet tube-table"):
+    with ui.dialog().props('aria-label="Wells in a row"') as dialog, html.div().classes("sheet tube-table"):
         html.h2("Wells in a row")
         html.p(
             "The paints of one painting from top to bottom, then a well of water, then a cloth at paper height."

@@ -68,7 +68,7 @@ def _change(studio: Studio) -> None:
         dialog.close()
         ui.notify(f"{event.file.name} was read; the recipes follow.")
 
-    with ui.dialog() as dialog, html.div().classes("sheet tube-table"):
+    with ui.dialog().props('aria-label="Your tubes"') as dialog, html.div().classes("sheet tube-table"):
         html.h2("Your tubes")
         html.p("What stands on each tube, and its colour as it dries.").classes("hint")
         table = ui.element().classes("rows")
