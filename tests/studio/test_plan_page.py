@@ -70,8 +70,7 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     expect(shown).to_have_attribute("src", re.compile("/order/00.jpg"))
     card(mine).get_by_label("Picture or plan").fill("40")
     assert card(mine).locator(".compare").evaluate("each => each.style.getPropertyValue('--split')") == "40%"
-    for image in card(mine).locator(".compare img").all():
-        assert image.evaluate("each => each.naturalWidth") > 100
+    mine.wait_for_function("[...document.querySelectorAll('.compare img')].every((each) => each.naturalWidth > 100)")
 
     card(mine).get_by_role("button", name="Throw my-sunset away").click()
     for each in (mine, theirs):

@@ -75,7 +75,6 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=30,
-        binding_refresh_interval=None,  # nothing changes behind the back of what it is bound to
     )
     return app
 
@@ -88,8 +87,9 @@ async def _warm(studio: Studio) -> None:
 
 
 def _is_broken(record: logging.LogRecord) -> bool:
-    """Whether the terminal should be told: a person's mistake is for their page alone."""
-    return not (record.exc_info and isinstance(record.exc_info[1], MaulstickError))
+    """Whether the terminal should be told: a person's mistake is for their page alone, and slowness for nobody."""
+    is_mistake = record.exc_info and isinstance(record.exc_info[1], MaulstickError)
+    return record.levelno >= logging.ERROR and not is_mistake
 
 
 def _listening(host: str, port: int) -> socket.socket:
