@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect, sync_playwright
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
+_PATIENCE_OF_A_PAGE = 120.0  # seconds
 _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
 
@@ -36,12 +37,20 @@ class RunningStudio:
         with self._log.open("ab") as log:
             before = log.tell()
             self._process = subprocess.Popen(words, stdout=log, stderr=log, env=self._environment)
+        try:
+            self.url, self._port = self._link(before)
+        except AssertionError:
+            self.kill()  # nobody has it yet who would close it
+            raise
+
+    def _link(self, before: int) -> tuple[str, str]:
+        """The address and its port, as it says them after so many letters."""
         until = time.monotonic() + _PATIENCE
         while not (link := re.search(r"^http://\S+:(\d+)/\S*$", self.output[before:], re.MULTILINE)):
             assert self._process.poll() is None, self.output
             assert time.monotonic() < until, "no link came"
             time.sleep(0.05)
-        self.url, self._port = link[0].removesuffix("/"), link[1]
+        return link[0].removesuffix("/"), link[1]
 
     @property
     def output(self) -> str:
@@ -87,7 +96,9 @@ def browser() -> Iterator[Browser]:
         pytest.skip("there is no Chromium")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        expect.set_options(timeout=1e3 * _PATIENCE_OF_A_PAGE)
         yield browser
+        expect.set_options(timeout=None)  # it belongs to all modules
         browser.close()
 
 

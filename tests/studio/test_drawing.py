@@ -210,6 +210,22 @@ def test_a_hand_is_never_drawn_over_another_that_took_its_name(folder: Folder) -
     assert list(folder.of("hands", "my-hand").iterdir()) == []
 
 
+def test_a_hand_that_another_page_threw_away_is_kept_anew_once_one_draws_on(folder: Folder) -> None:
+    async def work(drawing: Drawing) -> None:
+        drawing.add(1000, LINE)
+        await drawing.close()
+        folder.throw_away(folder.of("hands", "my-hand"))
+        drawing.add(1001, LINE)
+        await drawing.close()
+        assert drawing.trouble == ""
+        folder.throw_away(folder.of("hands", "my-hand"))
+        await drawing.rename("cat")
+        drawing.add(1002, LINE)
+
+    assert at_the_desk(folder, work).name == "cat"
+    assert len(read_sheet(folder.of("hands", "cat") / DRAWING).strokes) == 3
+
+
 def test_a_full_disk_is_told_of_and_the_sheet_stays(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
         with patch("maulstick.studio.drawing.atomic_write", side_effect=OutputError("the disk is full")):

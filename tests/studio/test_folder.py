@@ -151,6 +151,31 @@ def test_what_cannot_be_moved_whole_stays_where_it_is(folder: Folder) -> None:
     assert contents(styles) == {"cat.json": b"{}"}
 
 
+def test_former_files_are_in_the_trash_and_still_in_their_places(folder: Folder) -> None:
+    (folder.root / "tray.json").write_text("{}")
+    grave = folder.keep_former(folder.root / "tray.json", folder.root / "none.json")
+    assert contents(grave) == {"tray.json": b"{}"}
+    assert (folder.root / "tray.json").read_text() == "{}"
+    assert not folder.keep_former(folder.root / "none.json").exists()
+
+
+def test_what_cannot_be_copied_into_the_trash_is_told_and_leaves_nothing_there(folder: Folder) -> None:
+    (folder.root / "tray.json").write_text("{}")
+    with (
+        patch("maulstick.studio.folder.atomic_write", side_effect=OutputError("the disk is full")),
+        pytest.raises(OutputError, match=r"cannot copy tray\.json into the trash: the disk is full"),
+    ):
+        folder.keep_former(folder.root / "tray.json")
+    assert list((folder.root / "trash").iterdir()) == []
+
+
+def test_what_came_half_before_a_power_cut_is_cleared_away(tmp_path: Path) -> None:
+    with Folder.opened(tmp_path) as folder:
+        folder.incoming().write_bytes(b"half")
+    with Folder.opened(tmp_path):
+        assert [path.name for path in tmp_path.iterdir() if "incoming" in path.name] == []
+
+
 def test_one_studio_at_a_time_works_in_a_folder(tmp_path: Path) -> None:
     with Folder.opened(tmp_path), pytest.raises(InputError, match="another studio works in"), Folder.opened(tmp_path):
         pass

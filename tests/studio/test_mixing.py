@@ -85,9 +85,9 @@ def test_what_is_mixed_is_kept_and_another_colour_is_not_mixed_yet(folder: Folde
         with pytest.raises(InputError, match=f"there is no paint 'mauve'; there are: {BLUE}, {RED}"):
             await mixing.tick("cat", "mauve", True)
         await mixing.tick_all("cat")
-        assert await mixing.all_mixed("cat")
+        assert not await missing(mixing, "cat")
         again = Mixing(folder, mixing._desk)
-        assert await again.all_mixed("cat")
+        assert not await missing(again, "cat")
         await again.tick("cat", BLUE, False)
         seen.append(await missing(mixing, "cat"))
         await mixing.tick_all("cat")
@@ -111,7 +111,7 @@ def test_recipes_come_from_the_tubes_that_one_has(folder: Folder) -> None:
         wanted = np.array([paint.colour for paint in BLUE_FIRST.paints])
         assert mixing.tubes() == USUAL_PAINTS
         assert await mixing.advice("cat") == mixing_advice(wanted, USUAL_PAINTS)
-        mixing.own(tubes_csv([("my red", "#ff0000"), ("my blue", "#0000ff")]))
+        await mixing.own(tubes_csv([("my red", "#ff0000"), ("my blue", "#0000ff")]))
         assert mixing.tubes() == mine
         assert mixing.has_own_tubes
         assert await mixing.advice("cat") == mixing_advice(wanted, mine)
@@ -130,23 +130,45 @@ def test_recipes_come_from_the_tubes_that_one_has(folder: Folder) -> None:
 )
 def test_tubes_that_are_none_are_refused_and_the_earlier_ones_stay(folder: Folder, content: bytes, why: str) -> None:
     mixing = Mixing(folder, Desk())
-    mixing.own(b"ochre,#c08a35")
+    asyncio.run(mixing.own(b"ochre,#c08a35"))
     with pytest.raises(InputError, match=why):
-        mixing.own(content)
+        asyncio.run(mixing.own(content))
     assert [tube.name for tube in mixing.tubes()] == ["ochre"]
 
 
 def test_a_tray_comes_goes_and_comes_back(folder: Folder) -> None:
     mixing = Mixing(folder, Desk())
     with pytest.raises(InputError, match="that file is not a tray: "):
-        mixing.use_tray(b"{}")
+        asyncio.run(mixing.use_tray(b"{}"))
     assert not mixing.has_tray
-    mixing.use_tray(TRAY.model_dump_json().encode())
+    asyncio.run(mixing.use_tray(TRAY.model_dump_json().encode()))
     assert mixing.has_tray
     grave = mixing.remove_tray()
     assert not mixing.has_tray
     mixing.take_back_tray(grave)
     assert mixing.has_tray
+
+
+def test_another_tray_and_other_tubes_leave_the_former_ones_in_the_trash(folder: Folder) -> None:
+    async def replace(mixing: Mixing) -> None:
+        await mixing.own(b"ochre,#c08a35")
+        await mixing.use_tray(TRAY.model_dump_json().encode())
+        assert list((folder.root / "trash").iterdir()) == []
+        await mixing.own(b"umber,#6b4a2a")
+        await mixing.lay_tray("cat", RowOfWells(x=-0.06, y=0.02, step=0.04, height=-0.004, clearance=0.03, reach=0.3))
+
+    asked(folder, replace)
+    tubes, tray = sorted((folder.root / "trash").glob("*/*"))
+    assert tubes.read_text() == "name,colour\nochre,#c08a35\n"
+    assert read_tray(tray) == TRAY
+
+
+def test_two_ticks_at_once_are_both_kept(folder: Folder) -> None:
+    async def tick(mixing: Mixing) -> list[str]:
+        await asyncio.gather(mixing.tick("cat", RED, True), mixing.tick("cat", BLUE, True))
+        return await missing(mixing, "cat")
+
+    assert asked(folder, tick) == []
 
 
 def test_a_row_of_wells_has_one_for_each_paint_then_water_then_a_cloth(folder: Folder) -> None:

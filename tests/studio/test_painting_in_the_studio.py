@@ -20,7 +20,6 @@ QUICK = "Simulated easel, as fast as it can"
 @pytest.fixture(autouse=True)
 def painting(tmp_path: Path) -> Path:
     """A plan that is there before the studio opens."""
-    expect.set_options(timeout=PATIENCE)
     return put_plan(tmp_path / "studio", "lines")
 
 
@@ -36,6 +35,7 @@ def outcome(page: Page) -> str:
 
 def go_on(page: Page) -> None:
     """With the rest, quickly."""
+    expect(page.get_by_text("It was begun")).to_be_visible()  # what was asked before is filled in by then
     page.get_by_label("Machine").click()
     page.get_by_role("option", name=QUICK).click()
     if page.get_by_text("Is it on the paper?").is_visible():
@@ -92,6 +92,8 @@ def test_escape_stops_it_from_any_panel_and_a_killed_studio_goes_on_when_it_is_b
     elsewhere.keyboard.press("Escape")
     assert outcome(tab) == "You stopped it. The pen is lifted."
     tab.get_by_role("button", name="Start again on a new sheet").click()
+    expect(tab.get_by_text("The sheet so far counts as thrown away.")).to_be_visible()
+    tab.get_by_role("button", name="Take a new sheet").click()
     wait_for_stroke(tab, 2)
     studio.kill()
     wait_until_nobody_paints(painting)

@@ -1,32 +1,39 @@
 """The machine of the studio without its page: real processes, the simulated easel, and a Grbl on a pseudo-terminal."""
 
+import ast
 import asyncio
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
+import maulstick
 from maulstick.errors import InputError
 from maulstick.jobs.run.asked import Asked
 from maulstick.jobs.run.session import Errand, rehearse
 from maulstick.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
+from maulstick.studio import run_words
 from maulstick.studio.desk import Desk
 from maulstick.studio.folder import Folder
 from maulstick.studio.mixing import Mixing
+from maulstick.studio.painter import Done
 from maulstick.studio.run import Run
 from maulstick.studio.run_words import on_the_page
 from tests.robot.fake_grbl import FakeGrbl
 from tests.robot.small_paintings import SIX, line, painting_of
 from tests.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
+from tests.studio.work import never_stop
 
 PATIENCE = 120.0  # seconds, for a machine that does much else
 SIM, SLOW = Asked(robot="sim"), Asked(robot="sim:real")
@@ -215,14 +222,20 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             for port in (device.port, link):
                 with pytest.raises(InputError, match=r"another maulstick drives grbl:.*; wait until it"):
                     await asyncio.to_thread(rehearse, Errand(other, Asked(robot=f"grbl:{port}", easel=easel)))
-            run.done()
+            first = run.state.asked_for
+            run.done(first)
             await until(run, lambda: bool(run.state.question))
+            run.done(first)  # in another tab, late
+            assert run._process is not None
+            run._process.tell(Done(first))  # as if that had been under way
+            await asyncio.sleep(0.5)
+            assert run.state.question == "put in the marker with paint 2 (blue)"
             assert len(events(painting, "end")) == 3
             run.stop()
             assert await over(run) == "You stopped it. The pen is lifted."
             await run.resume("six", Asked(), None)
             await until(run, lambda: bool(run.state.question))
-            run.done()
+            run.done(run.state.asked_for)
             assert await over(run) == "six is painted."
 
     with FakeGrbl() as device:
@@ -327,6 +340,44 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
     ]
 
 
+def test_what_does_not_answer_a_stop_is_told_and_can_be_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put_plan(tmp_path, "lines")
+    monkeypatch.setattr("maulstick.studio.run.paint_in_process", never_stop)
+    monkeypatch.setattr("maulstick.studio.run._LONGEST_STOP", 0.01)
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("lines", SIM)
+            await until(run, lambda: run.state.phase == "painting")
+            run.give_up()  # which is for what was stopped before
+            assert run.is_busy
+            run.stop()
+            await until(run, lambda: run.state.silent)
+            assert run.state.phase == "stopping"
+            run.give_up()
+            assert (run.state.sentence, run.state.fault) == (
+                "It was ended without an answer. Look at the machine: its pen may still be down.",
+                True,
+            )
+            assert not run.state.silent
+            await run.begin("lines", SIM)  # nothing of the old one is left
+
+    asyncio.run(paint())
+
+
+def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old_one(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+    with Journal.open(journal_of(painting)) as journal:
+        journal.revise(painting)
+        journal.tell(Asked(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+    assert rehearse(Errand(painting, Asked(robot="sim", tray=None), resume=True)).strokes == STROKES
+    for asked, tray in ((Asked(), "old.json"), (Asked(tray=tmp_path / "new.json"), "new.json")):
+        with pytest.raises(InputError, match=tray):
+            rehearse(Errand(painting, asked, resume=True))
+    after = Asked(robot="sim", tray=None).after(Asked(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+    assert (after.tray, after.speed) == (None, 0.01)
+
+
 def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
     put_plan(tmp_path, "lines")
 
@@ -343,6 +394,31 @@ def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
             assert standing.painted >= 1
 
     asyncio.run(paint())
+
+
+SENTENCES_MADE_ELSEWHERE = (
+    str(InputError.of_range("--speed", 0, "from 0.1 to 10000 mm/s")),
+    str(InputError.of_range("--replan", -1, "at least 1 stroke, or 0 for never again")),
+)
+
+
+def sentences_of(file: Path) -> Iterator[str]:
+    """What its strings say, with an x for whatever stands between braces."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.JoinedStr):
+            yield "".join(str(part.value) if isinstance(part, ast.Constant) else "x" for part in node.values)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+@pytest.mark.parametrize("pattern", [pattern for pattern, _ in run_words._ON_THE_PAGE])
+def test_whatever_the_page_says_otherwise_is_said_somewhere(pattern: str) -> None:
+    source = Path(maulstick.__file__).parent
+    files = [file for folder in ("robot", "jobs/run") for file in (source / folder).rglob("*.py")] + [
+        source / "brush" / "press.py"
+    ]
+    said = chain(SENTENCES_MADE_ELSEWHERE, *map(sentences_of, filter(Path.is_file, files)))
+    assert any(re.search(pattern, sentence) for sentence in said)
 
 
 @pytest.mark.parametrize(

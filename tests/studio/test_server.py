@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from websockets.sync.client import connect
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError
 from maulstick.studio.folder import Folder
 from maulstick.studio.server import serve
 from tests.studio.conftest import COMMAND, RunningStudio
@@ -27,12 +27,12 @@ def ran(*words: str, code: str | None = None) -> subprocess.CompletedProcess[str
 
 
 def test_a_port_in_use_is_told(tmp_path: Path, taken: socket.socket) -> None:
-    with taken, pytest.raises(OutputError, match=r"cannot listen on port \d+ of 127\.0\.0\.1: Address already in use"):
+    with taken, pytest.raises(InputError, match=r"cannot listen at 127\.0\.0\.1, port \d+: Address already in use"):
         serve(tmp_path, "127.0.0.1", taken.getsockname()[1], browse=False)
 
 
 def test_an_address_of_another_machine_is_told(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"cannot listen on port 0 of 192\.0\.2\.200: .*; choose another --port, or"):
+    with pytest.raises(InputError, match=r"cannot listen at 192\.0\.2\.200, port 0: .*; choose another --port, or"):
         serve(tmp_path, "192.0.2.200", 0, browse=False)
 
 

@@ -42,8 +42,7 @@ def styles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Styles]:
 class Found:
     """What the desk found out."""
 
-    at_hand: list[Path | None]
-    sheet: Path
+    sheets: list[Path]
     size: tuple[int, int]
     refusal: str
     map: Map
@@ -58,15 +57,16 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Found]:
         desk = Desk()
         styles = Styles(folder, desk)
         try:
-            before = styles.sheet_at_hand("loops")
             sheet = await styles.sheet("loops")
+            drawn = sheet.stat().st_mtime_ns
+            again = await styles.sheet("loops")
+            assert again.stat().st_mtime_ns == drawn
             with pytest.raises(MaulstickError) as refused:
                 await styles.sheet("torn")
             with Image.open(sheet) as picture:
                 size = picture.size
             return Found(
-                [before, styles.sheet_at_hand("loops")],
-                sheet,
+                [sheet, again],
                 size,
                 str(refused.value),
                 await styles.map_of(THREE),
@@ -83,7 +83,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Found]:
 
 
 def test_a_sheet_is_drawn_once_and_kept(found: Found) -> None:
-    assert found.at_hand == [None, found.sheet]
+    assert found.sheets[0] == found.sheets[1]
     assert found.size[0] > found.size[1] > 500
 
 
@@ -194,6 +194,31 @@ def test_a_deleted_style_does_not_come_back_over_another(styles: Styles) -> None
     with pytest.raises(OutputError, match=r"there is a cat\.\w+ again meanwhile"):
         asyncio.run(styles.take_back(styles.thrown_away[0]))
     assert len(styles.thrown_away) == 1, "it can still be had once the other is renamed"
+
+
+def test_a_style_that_is_learned_anew_is_in_its_place_until_then_and_afterwards_in_the_trash(styles: Styles) -> None:
+    before = (STYLES.own() / "cat.json").read_bytes()
+
+    async def learn() -> None:
+        assert (STYLES.own() / "cat.json").read_bytes() == before
+        write_style(replace(exemplar_of(circle, 9), called="cat"), "me.ink.npz", STYLES.own())
+
+    assert asyncio.run(styles.renew("cat", learn))
+    (thrown,) = styles.thrown_away
+    assert (thrown.grave / "cat.json").read_bytes() == before
+    assert read_style(thrown.grave / "cat.json").name == "cat"
+    assert len(read_style(style_path("cat")).hand) == 9
+
+
+def test_a_style_that_cannot_be_learned_anew_stays_and_leaves_nothing_in_the_trash(styles: Styles) -> None:
+    async def fail() -> None:
+        raise InputError("draw more")
+
+    with pytest.raises(InputError, match="draw more"):
+        asyncio.run(styles.renew("cat", fail))
+    assert len(read_style(style_path("cat")).hand) == 8
+    assert list(styles.sheets.parents[1].joinpath("trash").iterdir()) == []
+    assert styles.thrown_away == []
 
 
 def test_what_comes_with_maulstick_stays(styles: Styles) -> None:

@@ -9,9 +9,6 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.studio.conftest import RunningStudio
 
-PATIENCE = 60_000  # milliseconds, for a machine that does much else
-expect.set_options(timeout=PATIENCE)
-
 
 @pytest.fixture
 def brought(tmp_path: Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -148,19 +149,25 @@ def test_a_survey_that_is_none_is_refused(folder: Folder, name: str) -> None:
 SECRET = "the studio itself"
 
 
-def answered(folder: Folder, path: str, kind: str = "http") -> tuple[int, str]:
-    """What somebody without the studio's token gets: the status, or the code that a socket is closed with; the body."""
+def answered(
+    folder: Folder, path: str, kind: str = "http", form: bytes | None = None, progressed: Callable[[], None] = print
+) -> tuple[int, str]:
+    """What somebody without the studio's token gets: the status, or the code that a socket is closed with; the body.
+
+    form: is sent, where there is one.  progressed: as `Surveys.somebody_progressed`.
+    """
     inside = Starlette(routes=[Mount("/survey", survey_pages()), Mount("/", PlainTextResponse(SECRET))])
-    inside.state.studio = SimpleNamespace(folder=folder)
+    inside.state.studio = SimpleNamespace(folder=folder, surveys=SimpleNamespace(somebody_progressed=progressed))
     app, sent = Gate(inside, "token"), []
     scope: Scope = {
-        "type": kind, "method": "GET", "path": path, "raw_path": path.encode(), "root_path": "", "query_string": b"",
+        "type": kind, "method": "GET" if form is None else "POST", "path": path, "raw_path": path.encode(),
+        "root_path": "", "query_string": b"",
         "headers": [(b"host", b"studio"), (b"origin", b"http://studio")], "scheme": "http", "http_version": "1.1",
         "server": ("studio", 80),
     }  # fmt: skip
 
     async def receive() -> Message:
-        return {"type": "websocket.connect"} if kind == "websocket" else {"type": "http.request", "body": b""}
+        return {"type": "websocket.connect"} if kind == "websocket" else {"type": "http.request", "body": form or b""}
 
     async def send(message: Message) -> None:
         sent.append(message)
@@ -198,6 +205,37 @@ def test_participants_reach_nothing_but_their_own_pages(folder: Folder, token: s
     assert status == 404
     assert SECRET not in body
     assert token not in body
+
+
+def test_pages_are_told_of_what_was_taken_and_of_nothing_else(folder: Folder, token: str) -> None:
+    told: list[bytes] = []
+    early, begin, answer = b"number=0&chosen=B", b"begin=1", b"number=0&chosen=A"
+    for_nothing = b"number=0", b"number=5&chosen=A", b"number=0&chosen=?", b""
+    forms: tuple[bytes, ...] = (early, begin, begin, *for_nothing, answer, answer)
+    for form in forms:
+        for whose in ("nobody", token):
+            answered(folder, f"/survey/strokes/{whose}", form=form, progressed=partial(told.append, form))
+    assert told == [begin, answer]
+
+
+def test_many_answers_are_one_refresh_and_all_who_wait_share_one_result(folder: Folder, token: str) -> None:
+    async def live() -> tuple[int, bool]:
+        desk, refreshed = Desk(), asyncio.Event()
+        surveys = Surveys(folder, desk)
+        times: list[int] = []
+        surveys.changed.subscribe(lambda: times.append(1))
+        surveys.changed.subscribe(refreshed.set)
+        try:
+            for _ in range(5):
+                surveys.somebody_progressed()
+            first, second, _ = await asyncio.gather(
+                surveys.told("strokes"), surveys.told("strokes"), asyncio.wait_for(refreshed.wait(), 60)
+            )
+            return len(times), first is second
+        finally:
+            desk.close()
+
+    assert asyncio.run(live()) == (1, True)
 
 
 @pytest.mark.parametrize("path", ["/survey", "/", "/surveys/strokes", "/picture/pictures/ann/small.jpg"])

@@ -114,3 +114,12 @@ def task_of_no_answer() -> object:
 def task_that_leaves() -> NoReturn:
     """As a library would that thinks the program is its own."""
     sys.exit(0)
+
+
+def never_stop(line: Line, *errand: object) -> None:
+    """As a driver does that hangs."""
+    from maulstick.jobs.run.session import Outlook
+
+    line.say(Outlook(1, 1.0, 1.0, 0, 1))
+    for _ in line.hear():
+        pass

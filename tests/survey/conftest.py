@@ -138,5 +138,5 @@ def running() -> Iterator[Server]:
 @pytest.fixture
 def server(running: Server, folder: Path) -> Server:
     """The participants' pages of `folder`."""
-    running.app = participants(folder)
+    running.app = participants(folder, lambda: None)
     return running

@@ -213,7 +213,7 @@ def test_a_script_in_a_title_or_a_name_stays_text(server: Server, tmp_path: Path
     match = Match(hands=tuple(hand.model_copy(update={"name": hand.name + script}) for hand in match.hands), asked=1)
     build(tmp_path / "other", script, match, opinions.model_copy(update={"systems": (script, "<b>new")}))
     (token,) = Answers(tmp_path / "other").mint(1)
-    server.app = participants(tmp_path / "other")
+    server.app = participants(tmp_path / "other", lambda: None)
     pages = [server.get(f"/{token}").text]
     server.post(f"/{token}", begin="yes")
     for number in range(6):
@@ -253,7 +253,7 @@ def test_a_question_that_is_gone_is_not_asked(server: Server, folder: Path, begu
     record = json.loads((folder / "survey.json").read_text())
     del record["opinions"]
     (folder / "survey.json").write_text(json.dumps(record))
-    server.app = participants(folder)
+    server.app = participants(folder, lambda: None)
     assert "Thank you!" in server.get(f"/{begun}").text
     assert server.post(f"/{begun}", number=2, chosen="A").status == 303
     assert len(Answers(folder).all()) == 2

@@ -1,6 +1,7 @@
 import json
 import re
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -55,6 +56,18 @@ def test_a_bad_picture_is_told_before_anything_is_written(tmp_path: Path) -> Non
     with pytest.raises(InputError, match="is not a picture"):
         build(tmp_path / "survey", "Whose?", match, opinions)
     assert not (tmp_path / "survey").exists()
+
+
+def test_a_full_disk_leaves_no_half_survey(tmp_path: Path) -> None:
+    match, opinions = sources(tmp_path / "sources")
+    (tmp_path / "surveys").mkdir()
+    full = OutputError("the disk is full")
+    with (
+        patch("maulstick.survey.questionnaire.write_record", side_effect=full),
+        pytest.raises(OutputError, match="the disk is full"),
+    ):
+        build(tmp_path / "surveys" / "mine", "Whose?", match, opinions)
+    assert list((tmp_path / "surveys").iterdir()) == []
 
 
 def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:

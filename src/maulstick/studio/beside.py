@@ -14,7 +14,6 @@ from PIL import Image as Pillow
 
 from maulstick.jobs.run.person import Person
 from maulstick.jobs.run.scene import Scene
-from maulstick.jobs.run.standing import standing_of
 from maulstick.light import Image
 from maulstick.picture import read_picture
 from maulstick.robot.execute import Progress
@@ -45,14 +44,13 @@ class _Moment:
 class Beside(Person):
     """Says over the line what they are to see, and hears what they want.
 
-    painting: its file.  painted: strokes that are there already.
-    done: set once they have done what they were asked for.
+    painted: strokes that are there already.
     """
 
-    def __init__(self, line: Line, scene: Scene, painting: Path, painted: int) -> None:
+    def __init__(self, line: Line, scene: Scene, painted: int) -> None:
         super().__init__(scene.robot)
-        self.done = threading.Event()
-        self._line, self._scene, self._painting = line, scene, painting
+        self._line, self._scene = line, scene
+        self._question, self._done = 0, threading.Event()
         self._stroke = painted
         self._strokes: int | None = len(scene.plan.strokes)
         self._wants_a_look = False
@@ -81,8 +79,6 @@ class Beside(Person):
 
     def watch(self, progress: Progress) -> None:
         """As in `Person`."""
-        if self._strokes is None and (standing := standing_of(self._painting)) is not None:
-            self._strokes = standing.strokes
         paint = None if progress.action is None else progress.action.paint
         match progress.action:
             case Draw():
@@ -105,12 +101,14 @@ class Beside(Person):
 
     def ask(self, action: Ask) -> None:
         """As in `Person`."""
-        self.done.clear()
+        self._question += 1
+        self._done.clear()  # after that, so that an answer to an earlier one is none to this
         paint = self._scene.plan.paints[action.paint]
-        self._line.say(Asking(action.message.replace(f"the paint {paint.label}", called(paint, action.paint))))
-        while not (self.done.wait(_GLANCE) or self.stopped):
+        message = action.message.replace(f"the paint {paint.label}", called(paint, action.paint))
+        self._line.say(Asking(self._question, message))
+        while not (self._done.wait(_GLANCE) or self.stopped):
             pass
-        self._line.say(Asking(None))
+        self._line.say(Asking(self._question, None))
 
     def note(self, sentence: str) -> None:
         """As in `Person`."""
@@ -124,6 +122,10 @@ class Beside(Person):
             going = replace(moment.going, doing=PLANNING, strokes=None)
             self._moment = _Moment(going, time.monotonic())
 
+    def expect_strokes(self, number: int) -> None:
+        """As in `Person`."""
+        self._strokes = number
+
     def leave(self, photograph: Path) -> None:
         """As in `Person`."""
         self._line.say(Photograph(_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
@@ -132,6 +134,11 @@ class Beside(Person):
         """As in `Person`."""
         wanted, self._wants_a_look = self._wants_a_look, False
         return wanted
+
+    def confirm(self, question: int) -> None:
+        """They have done what they were asked for in that question; it may be an earlier one than this."""
+        if question == self._question:
+            self._done.set()
 
     def look_after_this_stroke(self) -> None:
         """They want the camera to look now."""

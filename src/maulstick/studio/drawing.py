@@ -52,7 +52,7 @@ class Drawing:
         self.trouble = ""
         self._folder, self._desk = folder, desk
         self.name: str
-        self._has_folder: bool
+        self._had_folder: bool
         self._unsaved = False
         self._keeper: asyncio.Task[None] | None = None
         self._ids = count()
@@ -109,9 +109,9 @@ class Drawing:
             if wish == self.name:
                 return
             name = self._folder.free_name("hands", wish)
-            if self._has_folder:
+            if has_folder := self._has_folder:
                 self._path.rename(self._folder.of("hands", name))
-            self.name = name
+            self.name, self._had_folder = name, has_folder
         self.changed.emit()
 
     async def throw_away(self, name: str) -> Path:
@@ -135,6 +135,10 @@ class Drawing:
     def _path(self) -> Path:
         return self._folder.of("hands", self.name)
 
+    @property
+    def _has_folder(self) -> bool:
+        return self._had_folder and self._path.is_dir()  # another page may have thrown it away
+
     def _last(self) -> tuple[Sheet, str | None]:
         drawn = [path / DRAWING for path in map(self.hands.path, self.hands.names()) if (path / DRAWING).is_file()]
         if not drawn:
@@ -148,7 +152,7 @@ class Drawing:
 
     def _lay(self, sheet: Sheet, name: str | None) -> None:
         self.name, self.size = name or self._folder.free_name("hands", "my-hand"), sheet.size
-        self._has_folder = name is not None
+        self._had_folder = name is not None
         self.strokes = {next(self._ids): stroke for stroke in sheet.strokes}
         self._points = sum(len(stroke.points) for stroke in sheet.strokes)
         self._done: deque[_Step] = deque(maxlen=_STEPS)
@@ -214,7 +218,7 @@ class Drawing:
             self._path.mkdir()
         except OSError as error:
             raise OutputError(f"cannot write {self._path}: {error.strerror}; make room for it there") from error
-        self._has_folder = True
+        self._had_folder = True
 
     def _say(self, trouble: str) -> None:
         if trouble != self.trouble:

@@ -16,7 +16,7 @@ class Easels:
     """The easels there are; one that somebody puts into the folder ``easels`` is there, too."""
 
     def __init__(self, folder: Folder) -> None:
-        self._root = folder.root / "easels"
+        self._folder, self._root = folder, folder.root / "easels"
 
     def names(self) -> list[str]:
         """In order."""
@@ -29,7 +29,9 @@ class Easels:
         return self._root / f"{name}.json"
 
     def keep(self, file: str, content: bytes) -> str:
-        """Keep an easel, in the place of another that came from a file of that name; its name now.
+        """Keep an easel, in the place of another that came from a file of that name, which is in the trash then.
+
+        Returns its name now. Waits for the disk, and may be called in any thread.
 
         Raises InputError where that is no easel, OutputError where it cannot be kept.
         """
@@ -39,7 +41,8 @@ class Easels:
             self._root.mkdir(exist_ok=True)
         except OSError as error:
             raise OutputError(f"cannot make the folder {self._root}: {error.strerror}; make room for it") from error
-        write_easel(easel, self._root / f"{name}.json")
+        self._folder.keep_former(path := self._root / f"{name}.json")
+        write_easel(easel, path)
         return name
 
 

@@ -14,9 +14,12 @@ from typing import final
 from filelock import FileLock, Timeout
 
 from maulstick.errors import InputError, OutputError
+from maulstick.files import atomic_write
 from maulstick.shelf import NAME
 
 KINDS = ("hands", "pictures", "plans", "surveys")
+
+_INCOMING = ".incoming-"
 
 
 @final
@@ -39,6 +42,7 @@ class Folder:
             for kind in (*KINDS, "trash"):
                 (folder.root / kind).mkdir(parents=True, exist_ok=True)
             lock.acquire()
+            folder._clear_incoming()
         except Timeout:
             raise InputError(f"another studio works in {root}; use that one, or name another folder") from None
         except OSError as error:
@@ -72,12 +76,36 @@ class Folder:
             name = f"{plain}-{number}"
         return name
 
+    def incoming(self) -> Path:
+        """A new place for what comes from outside, until it is known what it is."""
+        return self.root / f"{_INCOMING}{secrets.token_hex(8)}"
+
+    def keep_former(self, *paths: Path) -> Path:
+        """Copy those files that there are into the trash, as others are about to take their places.
+
+        Returns where the copies are, together; where there were no files, nothing is there. Raises OutputError where
+        one cannot be copied.
+        """
+        grave = self._grave()
+        try:
+            grave.mkdir()
+            for path in paths:
+                if path.is_file():
+                    atomic_write(grave / path.name, path.read_bytes())
+            if not any(grave.iterdir()):
+                grave.rmdir()
+        except OSError as error:
+            shutil.rmtree(grave, ignore_errors=True)
+            what = ", ".join(path.name for path in paths)
+            raise OutputError(f"cannot copy {what} into the trash: {error.strerror or error}") from error
+        return grave
+
     def throw_away(self, *paths: Path) -> Path:
         """Move files or folders into the trash; where they are then, together.
 
         Raises OutputError, and leaves all of them where they are, where one cannot be moved.
         """
-        grave = self.root / "trash" / f"{time.time_ns()}-{secrets.token_hex(4)}"
+        grave = self._grave()
         grave.mkdir()
         _move({path: grave / path.name for path in paths})
         return grave
@@ -96,6 +124,13 @@ class Folder:
         _move(places)
         grave.rmdir()
         return list(places.values())
+
+    def _grave(self) -> Path:
+        return self.root / "trash" / f"{time.time_ns()}-{secrets.token_hex(4)}"
+
+    def _clear_incoming(self) -> None:
+        for path in self.root.glob(f"{_INCOMING}*"):
+            path.unlink(missing_ok=True)
 
 
 def _move(places: dict[Path, Path]) -> None:

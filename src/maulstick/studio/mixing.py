@@ -62,6 +62,7 @@ class Mixing:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
         self._tubes, self._tray = folder.root / "tubes.csv", folder.root / "tray.json"
+        self._ticking = asyncio.Lock()  # or of two ticks at once one would be lost
         self._looking = asyncio.Lock()  # or two pages would have the same worked out twice
         self._seen: dict[str, tuple[object, tuple[PlannedPaint, ...]]] = {}
         self._advised: dict[str, tuple[object, tuple[Recipe, ...]]] = {}
@@ -95,10 +96,6 @@ class Mixing:
         paints, mixed = await self.paints(plan), self.mixed(plan)
         return [paint for paint in paints if paint.strokes and paint.label not in mixed]
 
-    async def all_mixed(self, plan: str) -> bool:
-        """Whether the plan can be painted, as far as its paints go."""
-        return not await self.missing(plan)
-
     def mixed(self, plan: str) -> frozenset[str]:
         """The labels of the paints that are mixed; there may be others that the plan no longer has."""
         path = self._folder.of("plans", plan) / "mixed.json"
@@ -109,12 +106,15 @@ class Mixing:
         labels = {paint.label for paint in await self.paints(plan)}
         if label not in labels:
             raise InputError.of_choice("paint", label, labels)
-        before = self.mixed(plan)
-        self._write(plan, labels & (before | {label} if mixed else before - {label}))
+        async with self._ticking:
+            before = self.mixed(plan)
+            await self._write(plan, labels & (before | {label} if mixed else before - {label}))
 
     async def tick_all(self, plan: str) -> None:
         """All paints of the plan are mixed."""
-        self._write(plan, {paint.label for paint in await self.paints(plan)})
+        labels = {paint.label for paint in await self.paints(plan)}
+        async with self._ticking:
+            await self._write(plan, labels)
 
     def tubes(self) -> _Tubes:
         """The paints in tubes that one has; a dozen usual ones until one says otherwise."""
@@ -125,16 +125,9 @@ class Mixing:
         """Whether one has said which tubes one has."""
         return self._tubes.is_file()
 
-    def own(self, tubes: bytes) -> None:
+    async def own(self, tubes: bytes) -> None:
         """One has these tubes: a file as `read_paints` takes it. Raises InputError as it does."""
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "tubes"
-            path.write_bytes(tubes)
-            try:
-                read = read_paints(path)
-            except InputError as error:
-                raise InputError(str(error).replace(str(path), "the list of tubes")) from None
-        atomic_write(self._tubes, tubes_csv((tube.name, hex_colour(tube.colour)) for tube in read))
+        await asyncio.to_thread(self._keep_tubes, tubes)
         self.changed.emit()
 
     @property
@@ -142,16 +135,9 @@ class Mixing:
         """Whether paints stand in a tray; else the pen or the brush is put into the holder when it is asked for."""
         return self._tray.is_file()
 
-    def use_tray(self, content: bytes) -> None:
+    async def use_tray(self, content: bytes) -> None:
         """Paints stand in this tray. Raises InputError where that is not the file of one."""
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "tray.json"
-            path.write_bytes(content)
-            try:
-                tray: Tray = read_tray(path)
-            except InputError as error:
-                raise InputError(str(error).replace(str(path), "that file")) from None
-        write_record(tray, self._tray)
+        await asyncio.to_thread(lambda: self._keep_tray(_tray_of(content)))
         self.changed.emit()
 
     async def lay_tray(self, plan: str, row: RowOfWells) -> None:
@@ -171,7 +157,7 @@ class Mixing:
             tray = Tray.model_validate(words)
         except ValidationError as error:
             raise InputError(f"the wells cannot be so: {first_fault(error)}") from error
-        write_record(tray, self._tray)
+        await asyncio.to_thread(self._keep_tray, tray)
         self.changed.emit()
 
     def remove_tray(self) -> Path:
@@ -185,10 +171,26 @@ class Mixing:
         self._folder.take_back(grave, self._folder.root)
         self.changed.emit()
 
-    def _write(self, plan: str, labels: set[str] | frozenset[str]) -> None:
+    async def _write(self, plan: str, labels: set[str] | frozenset[str]) -> None:
         if labels != self.mixed(plan):
-            write_record(Mixed(paints=tuple(sorted(labels))), self._folder.of("plans", plan) / "mixed.json")
+            path = self._folder.of("plans", plan) / "mixed.json"
+            await asyncio.to_thread(write_record, Mixed(paints=tuple(sorted(labels))), path)
             self.changed.emit()
+
+    def _keep_tray(self, tray: Tray) -> None:
+        self._folder.keep_former(self._tray)
+        write_record(tray, self._tray)
+
+    def _keep_tubes(self, content: bytes) -> None:
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "tubes"
+            path.write_bytes(content)
+            try:
+                read = read_paints(path)
+            except InputError as error:
+                raise InputError(str(error).replace(str(path), "the list of tubes")) from None
+        self._folder.keep_former(self._tubes)
+        atomic_write(self._tubes, tubes_csv((tube.name, hex_colour(tube.colour)) for tube in read))
 
 
 def tubes_csv(tubes: Iterable[tuple[str, str]]) -> bytes:
@@ -196,6 +198,16 @@ def tubes_csv(tubes: Iterable[tuple[str, str]]) -> bytes:
     file = io.StringIO(newline="")
     csv.writer(file, lineterminator="\n").writerows([("name", "colour"), *tubes])
     return file.getvalue().encode()
+
+
+def _tray_of(content: bytes) -> Tray:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "tray.json"
+        path.write_bytes(content)
+        try:
+            return read_tray(path)
+        except InputError as error:
+            raise InputError(str(error).replace(str(path), "that file")) from None
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

@@ -28,13 +28,19 @@ _LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once nobody is ther
 
 
 class Wish(Enum):
-    """What it hears. LOOK: photograph the sheet after this stroke, and plan again.  DONE: what was asked for."""
+    """What it hears. LOOK: photograph the sheet after this stroke, and plan again."""
 
     STOP = "stop"
     PAUSE = "pause"
     GO_ON = "go on"
     LOOK = "look"
-    DONE = "done"
+
+
+@dataclass(frozen=True)
+class Done:
+    """Heard once what was asked for, in the question of that number, is done."""
+
+    question: int
 
 
 @dataclass(frozen=True)
@@ -58,8 +64,9 @@ class Going:
 
 @dataclass(frozen=True)
 class Asking:
-    """Something a person has to do, after which they say that it is DONE; None once they have."""
+    """The `question`-th thing that a person has to do, after which they say that it is `Done`; None once they have."""
 
+    question: int
     message: str | None
 
 
@@ -109,7 +116,7 @@ def paint_in_process(line: Line, errand: "Errand", unfinished: bool | None) -> N
         return unfinished
 
     def person_beside(scene: "Scene", painted: Collection[int]) -> Beside:
-        person = Beside(line, scene, errand.painting, len(painted))
+        person = Beside(line, scene, len(painted))
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, person.interrupt)
         ear.belong_to(person)
@@ -153,8 +160,8 @@ class _Ear:
                 self.person.pause.held = False
             case Wish.LOOK:
                 self.person.look_after_this_stroke()
-            case Wish.DONE:
-                self.person.done.set()
+            case Done(question=question):
+                self.person.confirm(question)
 
     def stay_alone(self) -> None:
         """Nobody is there any more."""

@@ -20,6 +20,7 @@ from maulstick.studio.mixing import Mixing
 from maulstick.studio.painter import (
     PLANNING,
     Asking,
+    Done,
     Ended,
     Going,
     Note,
@@ -33,6 +34,7 @@ from maulstick.studio.process import Failed, Process
 from maulstick.studio.run_words import on_the_page, told_on_the_page
 
 _FAREWELL = 8.0  # seconds for the pen to be lifted when the studio closes
+_LONGEST_STOP = 10.0  # seconds until people are told that the machine does not answer
 _MOST_NOTES = 50
 _PEN = {True: "The pen is lifted.", False: "The pen may still be down: lift it by hand."}
 _LOOK_AT_IT = "Look at the machine: its pen may still be down."
@@ -46,7 +48,8 @@ class State:
 
     plan: what it is or was of.  asked: of the machine.  outlook: what it will come to.  going: where it is.
     photograph: the sheet as it was last seen, a JPEG, the `seen`-th one of this studio.
-    question: what a person has to do before it goes on.  held: whether it waits after this stroke.
+    question: what a person has to do before it goes on, the `asked_for`-th thing in this run.
+    held: whether it waits after this stroke.  silent: whether it was stopped and does not answer.
     will_look: whether the camera was asked to look after this stroke.
     sentence: how a check or a run came out, and whether that is a `fault`.
     """
@@ -59,7 +62,9 @@ class State:
     photograph: bytes = b""
     seen: int = 0
     question: str = ""
+    asked_for: int = 0
     held: bool = False
+    silent: bool = False
     will_look: bool = False
     notes: tuple[str, ...] = ()
     sentence: str = ""
@@ -141,7 +146,15 @@ class Run:
             self._end("The check was stopped.", fault=False)
             return
         self._process.tell(Wish.STOP)
+        if self.state.phase != "stopping":
+            asyncio.get_running_loop().call_later(_LONGEST_STOP, self._wonder_about, self._process)
         self._now(phase="stopping")
+
+    def give_up(self) -> None:
+        """End what was stopped and does not answer, whatever its machine does."""
+        if self._process is not None and self.state.silent:
+            self._process.kill()
+            self._end(f"It was ended without an answer. {_LOOK_AT_IT}", fault=True)
 
     def pause(self) -> None:
         """Wait after this stroke."""
@@ -155,9 +168,10 @@ class Run:
         """Look at the sheet after this stroke, and plan what is left again."""
         self._wish(Wish.LOOK, will_look=True)
 
-    def done(self) -> None:
-        """What a person was asked for is done."""
-        self._wish(Wish.DONE, question="")
+    def done(self, question: int) -> None:
+        """What a person was asked for in that question is done; nothing where another one is asked by now."""
+        if self.state.question and question == self.state.asked_for:
+            self._wish(Done(question), question="")
 
     async def close(self) -> None:
         """Stop the machine, and wait until its pen is lifted."""
@@ -201,6 +215,10 @@ class Run:
         self.state = State(phase, errand.painting.parent.name, errand.asked, seen=self.state.seen + 1)
         self.changed.emit()
 
+    def _wonder_about(self, process: Process) -> None:
+        if process is self._process:
+            self._now(silent=True)
+
     def _hear(self, word: object) -> None:
         state = self.state
         match word:
@@ -211,8 +229,8 @@ class Run:
                 self._now(outlook=word, phase="painting" if state.phase == "starting" else state.phase)
             case Going():
                 self._now(going=word, will_look=state.will_look and word.doing != PLANNING)
-            case Asking(message=message):
-                self._now(question=message or "")
+            case Asking(question=number, message=message):
+                self._now(question=message or "", asked_for=number)
             case Photograph(jpeg=jpeg):
                 self._now(photograph=jpeg, seen=state.seen + 1)
             case Note(sentence=sentence):
@@ -231,9 +249,9 @@ class Run:
     def _end(self, sentence: str, *, fault: bool) -> None:
         self._process = None
         sentence = on_the_page(sentence)
-        self._now(phase="ended", sentence=sentence, fault=fault, question="", held=False, will_look=False)
+        self._now(phase="ended", sentence=sentence, fault=fault, question="", held=False, silent=False, will_look=False)
 
-    def _wish(self, wish: Wish, **changes: Any) -> None:
+    def _wish(self, wish: Wish | Done, **changes: Any) -> None:
         if self._process is not None and self.state.phase == "painting":
             self._process.tell(wish)
             self._now(**changes)

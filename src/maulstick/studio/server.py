@@ -15,13 +15,14 @@ import uvicorn
 from fastapi import FastAPI
 from nicegui import ui
 
-from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.asked import asked
 from maulstick.studio.folder import Folder
 from maulstick.studio.frame import page
 from maulstick.studio.gate import Gate
 from maulstick.studio.studio import Studio
 from maulstick.studio.survey_pages import survey_pages
+from maulstick.survey.serve import listening
 
 _FIRST_PAGE = 3.0  # seconds
 _GRACE = 3  # seconds for pages to close
@@ -32,16 +33,16 @@ def serve(root: Path, host: str, port: int, browse: bool) -> None:
     """Let people work in the studio of this folder until Ctrl-C.
 
     host: an address of this machine; unless it is the loopback, the link has a token.  browse: open a browser, too.
-    Raises InputError and OutputError where the folder or the port cannot be had.
+    Raises InputError where the port cannot be had, and InputError and OutputError where the folder cannot.
     """
     token = None if _is_loopback(host) else secrets.token_urlsafe(16)
-    with Folder.opened(root) as folder, _listening(host, port) as listening:
-        link = _link(host, listening.getsockname()[1], token)
+    with Folder.opened(root) as folder, listening(host, port) as at:
+        link = _link(host, at.getsockname()[1], token)
         app = Gate(_app(folder, link, browse), token)
         server = uvicorn.Server(
             uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=_GRACE, server_header=False)
         )
-        server.run(sockets=[listening])
+        server.run(sockets=[at])
 
 
 def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
@@ -90,17 +91,6 @@ def _is_broken(record: logging.LogRecord) -> bool:
     """Whether the terminal should be told: a person's mistake is for their page alone, and slowness for nobody."""
     is_mistake = record.exc_info and isinstance(record.exc_info[1], MaulstickError)
     return record.levelno >= logging.ERROR and not is_mistake
-
-
-def _listening(host: str, port: int) -> socket.socket:
-    try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, port), family=family)
-    except (OSError, OverflowError) as error:
-        what = getattr(error, "strerror", None) or str(error)
-        raise OutputError(
-            f"cannot listen on port {port} of {host}: {what}; choose another --port, or --host"
-        ) from error
 
 
 def _is_loopback(host: str) -> bool:

@@ -3,7 +3,8 @@
 import asyncio
 import hashlib
 import os
-from collections.abc import Sequence
+import shutil
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -65,13 +66,11 @@ class Styles:
         except InputError as error:
             return Entry(name, STYLES.is_built_in(path), None, str(error))
 
-    def sheet_at_hand(self, name: str) -> Path | None:
-        """The picture of strokes by the hand and by the style, if it was drawn before."""
-        sheet = self._sheet(name)
-        return sheet if sheet.is_file() else None
-
     async def sheet(self, name: str) -> Path:
-        """The same, drawn now if need be. Raises MaulstickError where the style cannot be used."""
+        """The picture of strokes by the hand and by the style, drawn now if need be.
+
+        Raises MaulstickError where the style cannot be used.
+        """
         sheet = self._sheet(name)
         if not sheet.is_file():
             await self._desk.do(draw_sheet, self._path(name), sheet)
@@ -100,6 +99,25 @@ class Styles:
         self.thrown_away.append(thrown := Thrown(name, grave))
         self.changed.emit()
         return thrown
+
+    async def renew(self, name: str, learn: Callable[[], Awaitable[None]]) -> bool:
+        """Learn a style of one's own anew; whether it was another before, which can be taken back then.
+
+        What it was stays in its place until the new one takes it. Raises what `learn` raises.
+        """
+        former = STYLES.own() / f"{name}.json"
+        grave = await asyncio.to_thread(self._folder.keep_former, former, former.with_suffix(".safetensors"))
+        card = grave / former.name
+        try:
+            await learn()
+        finally:
+            is_another = card.is_file() and not (former.is_file() and former.read_bytes() == card.read_bytes())
+            if is_another:
+                self.thrown_away.append(Thrown(name, grave))
+            else:
+                await asyncio.to_thread(shutil.rmtree, grave, ignore_errors=True)
+            self.changed.emit()
+        return is_another
 
     async def take_back(self, thrown: Thrown) -> None:
         """Have again what was deleted. Raises OutputError where there is another of that name meanwhile."""

@@ -1,5 +1,7 @@
 """The participants' pages of every survey in the studio's folder, and nothing but them."""
 
+from threading import Event
+
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import PlainTextResponse
 from starlette.routing import Mount, Router
@@ -24,13 +26,14 @@ async def _of_one(scope: Scope, receive: Receive, send: Send) -> None:
         await _refuse(scope, receive, send)
         return
     try:
-        pages = await run_in_threadpool(participants, studio.folder.of("surveys", name))
+        progressed = Event()
+        pages = await run_in_threadpool(participants, studio.folder.of("surveys", name), progressed.set)
     except InputError:
         await _refuse(scope, receive, send)
         return
     await pages(scope, receive, send)
-    if scope["method"] == "POST":
-        studio.surveys.changed.emit()
+    if progressed.is_set():
+        studio.surveys.somebody_progressed()
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:

@@ -23,6 +23,7 @@ _DRAWINGS = {
 """What can be shown in a survey: by kind, the files, and what they are called."""
 
 _SMALL = {"picture.png": "small.jpg"}
+_PAUSE = 1.0  # seconds between two refreshes for answers: many may come at once
 
 
 @final
@@ -32,6 +33,9 @@ class Surveys:
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
+        self._pause: asyncio.TimerHandle | None = None
+        self._telling = asyncio.Lock()
+        self._waiting: dict[str, asyncio.Task[Told]] = {}
 
     def names(self) -> list[str]:
         """The surveys that there are, newest first."""
@@ -63,7 +67,14 @@ class Surveys:
 
     async def told(self, name: str) -> Told:
         """What its participants said so far. Raises InputError where there is no such survey."""
-        return await self._desk.do(told, self._of(name))
+        if name not in self._waiting:
+            self._waiting[name] = asyncio.create_task(self._tell(name))
+        return await asyncio.shield(self._waiting[name])  # other pages wait for the same
+
+    def somebody_progressed(self) -> None:
+        """A participant began or answered; the pages are told once for all who do within a second."""
+        if self._pause is None:
+            self._pause = asyncio.get_running_loop().call_later(_PAUSE, self._tell_pages)
 
     async def people(self, name: str) -> list[Participant]:
         """Who has a link to it. Raises InputError where there is no such survey."""
@@ -89,6 +100,15 @@ class Surveys:
         """Take it out of the trash. Raises OutputError where another has its name."""
         self._folder.take_back(grave, self._folder.root / "surveys")
         self.changed.emit()
+
+    def _tell_pages(self) -> None:
+        self._pause = None
+        self.changed.emit()
+
+    async def _tell(self, name: str) -> Told:
+        async with self._telling:  # or surveys alone could keep the desk busy
+            del self._waiting[name]  # whoever asks from here on may know of more answers
+            return await self._desk.do(told, self._of(name))
 
     def _of(self, name: str) -> Path:
         path = self._folder.of("surveys", name)

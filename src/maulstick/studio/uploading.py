@@ -1,7 +1,6 @@
 """Files that people bring: a button to choose one, and a place for it that its name has no say in."""
 
 import asyncio
-import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -11,6 +10,8 @@ from nicegui import events, ui
 from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.folder import Folder
 from maulstick.studio.gate import LARGEST
+
+_MOST_OF_A_FEW = 2**20  # bytes
 
 
 def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArguments], Awaitable[None]]) -> ui.button:
@@ -33,7 +34,7 @@ def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArgu
 @asynccontextmanager
 async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIterator[Path]:
     """The content of an uploaded file in a file that goes again afterwards."""
-    path = folder.root / f".incoming-{secrets.token_hex(8)}"
+    path = folder.incoming()
     try:
         await file.file.save(path)
         yield path
@@ -41,6 +42,13 @@ async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIt
         raise MaulstickError(str(error).replace(str(path), str(file.file.name))) from error
     finally:
         await asyncio.to_thread(path.unlink, missing_ok=True)
+
+
+async def small_content(file: events.UploadEventArguments, what: str) -> bytes:
+    """The content of an uploaded file that is a `what`, of a few numbers. Raises InputError where it is too large."""
+    if file.file.size() > _MOST_OF_A_FEW:
+        raise InputError(f"that file is larger than {_MOST_OF_A_FEW >> 10} KiB, too large for a {what}; choose another")
+    return await file.file.read()
 
 
 def _refuse() -> None:

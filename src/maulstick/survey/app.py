@@ -2,6 +2,7 @@
 
 import logging
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final, final
 from urllib.parse import parse_qsl
@@ -42,12 +43,13 @@ _SENTENCES: Final = {
 }
 
 
-def participants(folder: Path) -> Starlette:
+def participants(folder: Path, progressed: Callable[[], None]) -> Starlette:
     """The pages of the survey in `folder`: /TOKEN below wherever this is mounted.
 
+    progressed: is called, in any thread, once a participant has begun, and once one of their answers is kept.
     Raises InputError where there is no survey in it.
     """
-    desk = _Desk(folder)
+    desk = _Desk(folder, progressed)
     app = Starlette(
         routes=[
             Route("/survey.css", _style),
@@ -66,8 +68,8 @@ def participants(folder: Path) -> Starlette:
 class _Desk:
     """Where participants come with their tokens."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, progressed: Callable[[], None]) -> None:
+        self._folder, self._progressed = folder, progressed
         self._survey = read_survey(folder)
         self._answers = Answers(folder)
 
@@ -112,6 +114,8 @@ class _Desk:
         person, asked = self._who(request)
         if "begin" in fields:
             self._answers.begin(person.token)
+            if not person.begun:
+                self._progressed()
         elif not re.fullmatch(_NUMBER, fields["number"]):
             raise HTTPException(400)
         elif person.begun and person.answered == int(fields["number"]) < len(asked):
@@ -125,7 +129,8 @@ class _Desk:
         chosen = dict(zip(letters(asked[number]), asked[number].choices, strict=True)).get(letter)
         if chosen is None:
             raise HTTPException(400)
-        self._answers.answer(person.token, number, asked[number], chosen.name, last=number + 1 == len(asked))
+        if self._answers.answer(person.token, number, asked[number], chosen.name, last=number + 1 == len(asked)):
+            self._progressed()
 
 
 async def _fields(request: Request) -> dict[str, str]:

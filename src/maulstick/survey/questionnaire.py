@@ -6,6 +6,7 @@ Source: Spline-FRIDA, Human Evaluations: one questionnaire matches hands, the ot
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -122,8 +123,8 @@ class Survey(_Part):
 def build(folder: Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
     """Make a survey in a new folder, with copies of all pictures: nothing but their pixels, at most 1024 on a side.
 
-    Raises InputError where a picture cannot be read or the survey asks nothing, before anything is written, and
-    OutputError where the folder has something in it or cannot be written.
+    The folder is there whole or not at all. Raises InputError where a picture cannot be read or the survey asks
+    nothing, and OutputError where the folder has something in it or cannot be written.
     """
     _check_new(folder)
     sources: dict[Path, Path] = {}
@@ -133,12 +134,18 @@ def build(folder: Path, title: str, match: Match | None, opinions: Opinions | No
         raise InputError(f"this is not a survey: {first_fault(error)}") from error
     pictures = {name: encode_png(read_picture(source, LONGEST_PX)) for name, source in sources.items()}
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=".", dir=folder.parent) as beside:
+            made = Path(beside) / folder.name
+            made.mkdir()
+            for name, content in pictures.items():
+                atomic_write(made / name, content)
+            write_record(survey, made / _RECORD)
+            made.replace(folder)  # which fails where something came into it meanwhile
+    except OutputError:
+        raise
     except OSError as error:
         raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another") from error
-    for name, content in pictures.items():
-        atomic_write(folder / name, content)
-    write_record(survey, folder / _RECORD)
     return survey
 
 

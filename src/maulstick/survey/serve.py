@@ -17,8 +17,8 @@ def listening(host: str, port: int) -> socket.socket:
         return socket.create_server(address[:2], family=family)
     except (socket.gaierror, UnicodeError) as error:
         raise InputError(f"there is no address {host}; choose one of this computer for --host") from error
-    except OSError as error:
-        reason = os.strerror(error.errno or 0)
+    except (OSError, OverflowError) as error:
+        reason = os.strerror(error.errno or 0) if isinstance(error, OSError) else str(error)
         raise InputError(
             f"cannot listen at {host}, port {port}: {reason}; choose another --port, or an address of this computer"
         ) from error
@@ -26,4 +26,5 @@ def listening(host: str, port: int) -> socket.socket:
 
 def serve(folder: Path, at: socket.socket) -> None:
     """Serve the survey in `folder` until Ctrl-C. Raises InputError where there is none."""
-    uvicorn.Server(uvicorn.Config(participants(folder), log_level="error", access_log=False)).run(sockets=[at])
+    pages = participants(folder, progressed=lambda: None)  # whoever wants to know asks for the results
+    uvicorn.Server(uvicorn.Config(pages, log_level="error", access_log=False)).run(sockets=[at])

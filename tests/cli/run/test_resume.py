@@ -98,6 +98,14 @@ def test_starting_anew_keeps_the_old_journal(begun: Path) -> None:
         old = journal_of(begun).read_bytes()
 
 
+def test_where_the_machine_is_not_reached_starting_anew_leaves_all_as_it_was(begun: Path) -> None:
+    before = contents(begun.parent)
+    ran = run("run", begun, "--anew", "--robot", "grbl:/dev/null/none")
+    assert ran.code != 0
+    assert "cannot open the port /dev/null/none" in ran.stderr
+    assert contents(begun.parent) == before
+
+
 def test_a_painting_that_has_changed_since_does_not_go_on(begun: Path) -> None:
     write_painting(SIX.model_copy(update={"strokes": SIX.strokes[:3]}), begun)
     ran = run("run", begun, "--resume", "--unfinished", "again")

@@ -80,19 +80,20 @@ def run(
     from maulstick.jobs.run.asked import Asked
     from maulstick.jobs.run.session import Errand
 
-    asked = Asked(
-        robot=robot,
-        easel=easel,
-        tray=tray,
-        speed=None if speed is None else speed * 1e-3,
-        replan=replan,
-        look=None if replan is None else False,
-        camera=camera,
-        picture=picture,
-        view=view,
-        tag=None if tag is None else tag * 1e-3,
-        colours=colours,
-    )
+    words = {
+        "robot": robot,
+        "easel": easel,
+        "tray": tray,
+        "speed": None if speed is None else speed * 1e-3,
+        "replan": replan,
+        "look": None if replan is None else False,
+        "camera": camera,
+        "picture": picture,
+        "view": view,
+        "tag": None if tag is None else tag * 1e-3,
+        "colours": colours,
+    }
+    asked = Asked.model_validate({name: word for name, word in words.items() if word is not None})
     asked.check()
     answer = None if unfinished is None else UNFINISHED[unfinished]
     paint(Job(Errand(painting, asked, from_stroke, resume, anew), dry_run, answer))

@@ -134,6 +134,9 @@ class Operator(Person):
     def show(self, photograph: Path) -> None:
         """A terminal shows no pictures."""
 
+    def expect_strokes(self, number: int) -> None:
+        """A terminal shows lengths."""
+
     def leave(self, photograph: Path) -> None:
         """As in `Person`."""
         print(photograph, flush=True)

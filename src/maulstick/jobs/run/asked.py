@@ -17,7 +17,7 @@ _SLOWEST, _FASTEST = 1e-4, 10.0  # metres a second
 
 
 class Asked(BaseModel):
-    """The words that were said; lengths in metres.
+    """The words that were said; lengths in metres. One that is not given was not said; None that is given says "none".
 
     replan: strokes between two photographs, 0 for none any more.  look: whether a person may ask for one at any time.
     """
@@ -44,7 +44,7 @@ class Asked(BaseModel):
             raise InputError.of_range("--replan", self.replan, "at least 1 stroke, or 0 for never again")
 
     def after(self, words: Mapping[str, JsonValue]) -> "Asked":
-        """What is asked now, and where nothing is, what was asked before. Raises InputError for another machine."""
+        """What is said now, and where nothing is, what was asked before. Raises InputError for another machine."""
         try:
             before = Asked.model_validate(words)
         except ValidationError as error:
@@ -56,7 +56,7 @@ class Asked(BaseModel):
                 f"this painting was begun on {before.robot}, and what is left belongs on the same sheet; leave out "
                 "--robot, or start on a new sheet with --anew"
             )
-        return before.model_copy(update={name: said for name, said in self if said is not None})
+        return before.model_copy(update={name: said for name, said in self if name in self.model_fields_set})
 
     @property
     def words(self) -> dict[str, JsonValue]:

@@ -61,22 +61,24 @@ class Watching:
         check_replannable(plan)
 
     @contextmanager
-    def opened(self, scene: "Scene", journal: Journal) -> Iterator[Eye]:
-        """The camera, as an eye that has seen the bare sheet, in this run or in the one that this goes on with."""
+    def opened(self, scene: "Scene", before: Journal | None) -> Iterator[Eye]:
+        """The camera, as an eye that has seen the bare sheet, now or in the run `before`, which this goes on with."""
         plan, tags = scene.plan, self._tags(scene.plan)
         view = None if self.view is None else read_view(self.view)
-        canvas, kept = flat_canvas(plan.canvas.width, plan.canvas.height), _beside(journal, ".eye.npz")
-        if journal.revision is not None and not kept.exists():
+        canvas = flat_canvas(plan.canvas.width, plan.canvas.height)
+        if before is not None and not (kept := _eye_of(before)).exists():
             raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
         with (
             scene.simulation.camera(tags) if scene.simulation is not None else open_camera(self.camera or "") as camera
         ):
-            if journal.revision is not None:
-                yield Eye.opened_again(camera, canvas, tags, kept, view)
-                return
-            eye = Eye.opened(camera, canvas, tags, plan.canvas.paper, self._chart(), view)
-            eye.write(kept)
-            yield eye
+            if before is not None:
+                yield Eye.opened_again(camera, canvas, tags, _eye_of(before), view)
+            else:
+                yield Eye.opened(camera, canvas, tags, plan.canvas.paper, self._chart(), view)
+
+    def keep(self, eye: Eye, journal: Journal) -> None:
+        """What it saw of the bare sheet, for whoever goes on."""
+        eye.write(_eye_of(journal))
 
     def paint(self, plan: Painting, workplace: Workplace, eye: Eye, person: Person) -> None:
         """Paint what is left of the plan, and plan again on the way."""
@@ -97,7 +99,9 @@ class Watching:
 
         def again(painting: Painting, photograph: Image) -> Painting:
             with person.beside_a_machine_that_rests():
-                return replanned(painting, journal.painted, photograph, picture)
+                painting = replanned(painting, journal.painted, photograph, picture)
+            person.expect_strokes(len(painting.strokes))
+            return painting
 
         def enough(painted: int) -> bool:
             return painted == self.every or person.wants_a_look()
@@ -109,6 +113,10 @@ class Watching:
 
     def _chart(self) -> Colours | None:
         return None if self.colours is None else read_colours(self.colours)
+
+
+def _eye_of(journal: Journal) -> Path:
+    return _beside(journal, ".eye.npz")
 
 
 def _beside(journal: Journal, ending: str) -> Path:

@@ -52,6 +52,10 @@ class Person(ABC):
         """Show them what the camera saw."""
 
     @abstractmethod
+    def expect_strokes(self, number: int) -> None:
+        """Tell them of how many strokes the painting is, now that the rest was planned again."""
+
+    @abstractmethod
     def leave(self, photograph: Path) -> None:
         """Tell them, at the end, where a picture of the sheet now is."""
 

@@ -18,6 +18,7 @@ from maulstick.jobs.run.person import Person
 from maulstick.jobs.run.scene import Scene
 from maulstick.painting import Painting, read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
+from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Action, Draw, drawn_metres, routine, seconds_of
 from maulstick.robot.workplace import Workplace
 
@@ -79,13 +80,12 @@ def paint(
     person_beside: the machine of a scene on which these strokes are painted.
     Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
     """
-    plan, path = _plan_of(errand), journal_of(errand.painting)
+    plan = _plan_of(errand)
     if not errand.resume:
         scene = Scene.of(errand.asked, plan)
         with driven_alone(errand.asked.machine):
-            _make_room(path, errand)
-            with Journal.open(path) as journal:
-                _paint(errand, scene, journal, person_beside)
+            _see_that_it_may_begin(errand)
+            _paint(errand, scene, None, person_beside)
         return
     with _reopened(errand) as (scene, journal), driven_alone(scene.asked.machine):
         if (stroke := journal.unfinished) is not None:
@@ -113,15 +113,31 @@ def _reopened(errand: Errand) -> Iterator[tuple[Scene, Journal]]:
         yield Scene.of(errand.asked.after(journal.words), read_painting(journal.painting())), journal
 
 
-def _make_room(path: Path, errand: Errand) -> None:
-    """For a new journal."""
-    if not path.exists() or path.stat().st_size == 0:
-        return
-    if not errand.anew:
+def _was_begun(path: Path) -> bool:
+    return path.exists() and path.stat().st_size > 0
+
+
+def _see_that_it_may_begin(errand: Errand) -> None:
+    path = journal_of(errand.painting)
+    if _was_begun(path) and not errand.anew:
         raise InputError(
             f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --anew"
         )
-    stem = errand.painting.stem
+    with locked(path):  # rather than once the machine is connected
+        return
+
+
+@contextmanager
+def _new_journal(painting: Path) -> Iterator[Journal]:
+    path = journal_of(painting)
+    if _was_begun(path):
+        _make_room(path, painting.stem)
+    with Journal.open(path) as journal:
+        yield journal
+
+
+def _make_room(path: Path, stem: str) -> None:
+    """For a new journal."""
     kept = next(folder for i in count(1) if not (folder := path.with_name(f"{stem}.run{i}")).exists())
     with locked(path):
         try:
@@ -143,22 +159,28 @@ def _rehearsed(scene: Scene, done: Collection[int]) -> Outlook:
 def _paint(
     errand: Errand,
     scene: Scene,
-    journal: Journal,
+    before: Journal | None,
     person_beside: Callable[[Scene, Collection[int]], Person],
 ) -> None:
+    """before: the journal that is gone on with; without, a new one takes its place once the machine is connected."""
     first = scene.first(errand.from_stroke)
-    done = {*first, *journal.painted}
+    done = {*first, *(() if before is None else before.painted)}
     scene.paint_again(done)
     person = person_beside(scene, done)
     with ExitStack() as stack:
         with person.beside_a_machine_that_rests():
-            eye = stack.enter_context(scene.watching.opened(scene, journal)) if scene.watching is not None else None
+            eye = stack.enter_context(scene.watching.opened(scene, before)) if scene.watching is not None else None
         robot = stack.enter_context(scene.robot)
         actions = routine(scene.plan, scene.easel, robot.limits, scene.tray, speed=scene.asked.speed, done=done)
         person.expect(Outlook.of(actions, scene, robot.place))
         if not actions:
             return
-        if journal.revision is None:
+        if person.stopped:
+            raise StoppedError
+        journal = before or stack.enter_context(_new_journal(errand.painting))
+        if before is None:
+            if scene.watching is not None and eye is not None:
+                scene.watching.keep(eye, journal)
             journal.revise(errand.painting, painted=first)
         journal.tell(scene.asked.words)
         ask = person.ask if scene.simulation is None else scene.simulation.ask

@@ -2,7 +2,7 @@
 
 from nicegui import Client, html, ui
 
-from maulstick.errors import InputError, MaulstickError
+from maulstick.errors import InputError
 from maulstick.studio.panels.styles_shown import AS_TURNED, address_of
 from maulstick.studio.studio import Studio
 from maulstick.style.cards import STYLES
@@ -17,18 +17,9 @@ async def learn_hand(studio: Studio, name: str, client: Client) -> None:
     old = STYLES.paths().get(STYLES.check_name(name))
     if old is not None and STYLES.is_built_in(old):
         raise InputError(f"a style that comes with Maulstick is called {name}; give this hand another name")
-    thrown = None
-    if old is not None:
-        thrown = await styles.delete(name)
-    try:
-        await studio.drawing.hands.learn(name, name)
-    except MaulstickError:
-        if thrown is not None:
-            await styles.take_back(thrown)
-        raise
-    styles.changed.emit()
+    replaces = await styles.renew(name, lambda: studio.drawing.hands.learn(name, name))
     with client.layout:  # where the button was, there may be something else by now
-        _show(name, f"/sheet/{(await styles.sheet(name)).name}", replaces=old is not None)
+        _show(name, f"/sheet/{(await styles.sheet(name)).name}", replaces=replaces)
 
 
 def _show(name: str, sheet: str, replaces: bool) -> None:

@@ -50,6 +50,7 @@ class _Setting:
     def __init__(self, studio: Studio, plan: str) -> None:
         self._studio, self._run = studio, studio.run
         self._standing: Standing | None = None
+        self._unfilled = True
         self._was_busy = True
         self.on_choice: Callable[[], None] = lambda: None
         self.on_touch: Callable[[], None] = lambda: None
@@ -72,14 +73,22 @@ class _Setting:
                 self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
                 self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
                 self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
-                self._anew = ui.button(ANEW, icon="note_add", on_click=self._begin_anew)
+                self._anew = ui.button(ANEW, icon="note_add", on_click=self._ask_for_a_new_sheet)
                 self._anew.props("outline")
             self._mix = ui.link("", "/paints").classes("hint")
             later = ui.expansion(FINER).classes("more")
+            self._new_sheet = ui.dialog().props('aria-label="A new sheet"')
+            with self._new_sheet, html.div().classes("sheet new-sheet"):
+                html.h2("Start again on a new sheet?")
+                html.p("The sheet so far counts as thrown away.")
+                with ui.element().classes("line end"):
+                    ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
+                    ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
         self._form = AskedForm(studio, first, later, touched=lambda: self.on_touch())
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._follow)
+        shown_by(self.root, studio.mixing.changed, self._form.fit)
         background_tasks.create(self._form.offer_ports(), context=self.root)
 
     @property
@@ -102,7 +111,7 @@ class _Setting:
         self._show_buttons()
 
     def _choose(self) -> None:
-        self._standing = None
+        self._standing, self._unfilled = None, True
         self._follow()
         self.on_choice()
 
@@ -127,6 +136,9 @@ class _Setting:
         self._standing = standing
         if standing is not None and is_other:
             self._form.fill(standing.asked)
+        elif standing is None and self._unfilled:
+            self._form.dip(paints > 1)  # the one pen is in the holder
+        self._unfilled = self._unfilled and bool(fault)
         self._begun.text = fault or _begun(standing)
         self._mix.text = _to_be_mixed(len(missing), paints)
         self._mix.props["href"] = f"/paints?plan={plan}"
@@ -158,7 +170,12 @@ class _Setting:
     async def _begin(self) -> None:
         await self._run.begin(*self._asked())
 
+    def _ask_for_a_new_sheet(self) -> None:
+        self._asked()  # before anybody is asked about the sheet
+        self._new_sheet.open()
+
     async def _begin_anew(self) -> None:
+        self._new_sheet.close()
         await self._run.begin(*self._asked(), anew=True)
 
     async def _go_on(self) -> None:

@@ -33,8 +33,10 @@ class AskedForm:
 
     def __init__(self, studio: Studio, first: ui.element, later: ui.element, touched: Callable[[], None]) -> None:
         self._studio = studio
+        self._tray_file = studio.folder.root / "tray.json"
+        self._easel_files: dict[str, Path] = {}
         with first:
-            self._machine = ui.select(MACHINES, label="Machine", value="sim:real", on_change=self._fit)
+            self._machine = ui.select(MACHINES, label="Machine", value="sim:real", on_change=self.fit)
             self._machine.props(SHORT_MENU)
             self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
             self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
@@ -45,7 +47,7 @@ class AskedForm:
             self._easel = ui.select({}, label="Where the sheet lies").props(SHORT_MENU)
             upload_button("Bring an easel file", ".json", self._take_easel)
             self._tray = ui.switch("Dip the brush into the tray", value=True)
-            self._camera = ui.select({}, label="Camera", on_change=self._fit).props(SHORT_MENU)
+            self._camera = ui.select({}, label="Camera", on_change=self.fit).props(SHORT_MENU)
             self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
             self._every.props("outlined hint='0: only when you ask for it'")
         for field in (
@@ -60,7 +62,7 @@ class AskedForm:
         ):
             field.on("update:model-value", touched, args=[])  # unlike on_change, not when it is filled in for them
         self._offer_easels("")
-        self._fit()
+        self.fit()
 
     async def offer_ports(self) -> None:
         """Let the serial ports be chosen that there are."""
@@ -68,8 +70,16 @@ class AskedForm:
         if not self._port.is_deleted:
             self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
 
+    def dip(self, dips: bool) -> None:
+        """Whether the brush is to be dipped, for a plan that nothing was asked for yet."""
+        self._tray_file = self._studio.folder.root / "tray.json"
+        self._tray.value = dips
+        self.fit()
+
     def fill(self, asked: Asked) -> None:
         """Show what was asked before."""
+        self._tray_file = asked.tray or self._studio.folder.root / "tray.json"
+        self._tray.value = asked.tray is not None
         kind, _, address = asked.machine.partition(":")
         self._machine.value = asked.machine if asked.simulated else kind
         if kind in _AT_A_PORT and address:
@@ -77,23 +87,25 @@ class AskedForm:
         elif not asked.simulated:
             self._address.value = address
         self._speed.value = None if asked.speed in (None, 1e-3 * _FASTEST) else 1e3 * asked.speed
-        easel = "" if asked.easel is None else asked.easel.stem
-        self._offer_easels(easel if easel in self._studio.run.easels.names() else "")
-        self._fit()
+        self._offer_easels("" if asked.easel is None else self._easel_of(asked.easel))
+        self.fit()
         watched = bool(asked.replan or asked.look)
         self._camera.value = (_EASEL_S_OWN if asked.simulated else asked.camera or "") if watched else ""
         self._every.value = asked.replan or 0
 
     def asked(self, picture: Path | None) -> Asked:
-        """What is asked now. picture: that the plan is of. Raises InputError for what cannot be asked."""
+        """All that is asked now, and where something is not, None. picture: that the plan is of.
+
+        Raises InputError for what cannot be asked.
+        """
         looks, every = bool(self._camera.value), _whole(self._every.value)
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
         return Asked(
             robot=self._word(),
-            easel=self._studio.run.easels.path(easel) if easel else None,
-            tray=self._studio.folder.root / "tray.json" if self._tray.visible and self._tray.value else None,
+            easel=(self._easel_files.get(easel) or self._studio.run.easels.path(easel)) if easel else None,
+            tray=self._tray_file if self._tray.visible and self._tray.value else None,
             speed=1e-3 * _speed(self._speed.value),
             replan=every if looks else 0,
             look=looks,
@@ -116,20 +128,29 @@ class AskedForm:
             raise InputError("that is no port and no address; write it as in /dev/ttyUSB0, or 192.168.1.20")
         return f"{kind}:{address}"
 
-    def _fit(self) -> None:
+    def fit(self) -> None:
+        """Show what belongs to the machine, and to the tray if there is one."""
         kind = str(self._machine.value)
         simulated = kind.startswith("sim")
         self._port.visible = kind in _AT_A_PORT
         self._address.visible = not simulated and kind not in _AT_A_PORT
-        self._tray.visible = self._studio.mixing.has_tray
+        self._tray.visible = self._tray_file.is_file()
         own = {"": _CAMERAS[""], _EASEL_S_OWN: "The easel's own camera"}
         cameras = own if simulated else _CAMERAS
         if self._camera.options != cameras:
             self._camera.set_options(cameras, value=self._camera.value if self._camera.value in cameras else "")
         self._every.visible = bool(self._camera.value)
 
+    def _easel_of(self, path: Path) -> str:
+        """What it is called here; one of the command line by its path."""
+        easels = self._studio.run.easels
+        if path.stem in easels.names() and easels.path(path.stem).absolute() == path:
+            return path.stem
+        self._easel_files[str(path)] = path
+        return str(path)
+
     def _offer_easels(self, chosen: str) -> None:
-        names = self._studio.run.easels.names()
+        names = [*self._studio.run.easels.names(), *self._easel_files]
         self._easel.set_options({"": "Where the machine expects it", **{name: name for name in names}}, value=chosen)
 
     async def _take_easel(self, file: events.UploadEventArguments) -> None:

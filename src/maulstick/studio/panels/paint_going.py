@@ -19,13 +19,17 @@ class Controls:
     def __init__(self, studio: Studio) -> None:
         self._studio, self._run = studio, studio.run
         self._paints: tuple[str, tuple[PlannedPaint, ...]] = ("", ())
+        self._asked_for: int | None = None
         self.root = html.section().classes("sheet going")
         with self.root:
             with html.h2():
                 self._title = ui.label()
             with ui.element().classes("question").props('role="alert"') as self._question:
                 self._message = ui.label().classes("message")
-                ui.button("Done", icon="check", on_click=self._run.done).props("size=lg").classes("done")
+                self._answer = ui.element()
+            with ui.element().classes("question").props('role="alert"') as self._silent:
+                ui.label("The machine does not answer. Use its own emergency switch.").classes("message")
+                ui.button("Stop waiting for it", icon="close", on_click=self._run.give_up).props("size=lg outline")
             self._doing = ui.label().classes("now").props('role="status"')
             self._bar = ui.linear_progress(0, show_value=False, size="1rem").props("rounded aria-label='Painted'")
             self._figures = ui.label().classes("figure")
@@ -42,9 +46,12 @@ class Controls:
         """As the run stands."""
         state, going = self._run.state, self._run.state.going
         if not state.is_on:
+            self._show_answer(None)
             return
         self._title.text = f"{state.plan} · {name_of(state.asked.machine)}"
         self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
+        self._show_answer(state.asked_for if state.question else None)
+        self._silent.visible = state.silent
         self._doing.text = _doing(state)
         self._bar.value = 0.0 if going is None else going.drawn / (going.metres or 1.0)
         self._figures.text = _figures(state)
@@ -58,6 +65,17 @@ class Controls:
         if self._paints[0] != state.plan:
             self._paints = (state.plan, ())
             background_tasks.create(self._learn_paints(state.plan), context=self.root)
+
+    def _show_answer(self, question: int | None) -> None:
+        """A button for each question: a click on that of an earlier one, which comes late, is no answer to this."""
+        if question == self._asked_for:
+            return
+        self._asked_for = question
+        self._answer.clear()
+        if question is not None:
+            with self._answer:
+                done = ui.button("Done", icon="check", on_click=lambda: self._run.done(question))
+                done.props("size=lg").classes("done")
 
     def _show_next(self, index: int | None) -> None:
         paint = next((paint for paint in self._paints[1] if paint.number - 1 == index), None)

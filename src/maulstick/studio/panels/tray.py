@@ -7,7 +7,7 @@ from maulstick.studio.mixing import RowOfWells
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
 from maulstick.studio.undoing import offer_undo
-from maulstick.studio.uploading import upload_button
+from maulstick.studio.uploading import small_content, upload_button
 
 _ROW = {
     "x": ("First well: mm right of the sheet's upper left corner", -60.0),
@@ -24,7 +24,7 @@ def build_tray(studio: Studio) -> None:
     """The tray, if paints stand in one, and ways to have one."""
 
     async def bring(event: events.UploadEventArguments) -> None:
-        studio.mixing.use_tray(await event.file.read())
+        await studio.mixing.use_tray(await small_content(event, "tray"))
         ui.notify("The paints stand in this tray now.")
 
     def remove() -> None:

@@ -7,7 +7,7 @@ from maulstick.paints import USUAL_PAINTS
 from maulstick.studio.mixing import tubes_csv
 from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
-from maulstick.studio.uploading import upload_button
+from maulstick.studio.uploading import small_content, upload_button
 
 
 def build_tubes(studio: Studio) -> None:
@@ -57,14 +57,14 @@ def _change(studio: Studio) -> None:
         for name, colour in tubes:
             add(name, colour)
 
-    def keep() -> None:
+    async def keep() -> None:
         tubes = [(str(named.value or "").strip(), str(picked.value)) for _, named, picked in rows]
-        studio.mixing.own(tubes_csv(tube for tube in tubes if tube[0]))
+        await studio.mixing.own(tubes_csv(tube for tube in tubes if tube[0]))
         dialog.close()
         ui.notify("These are your tubes now; the recipes follow.")
 
     async def bring(event: events.UploadEventArguments) -> None:
-        studio.mixing.own(await event.file.read())
+        await studio.mixing.own(await small_content(event, "list of tubes"))
         dialog.close()
         ui.notify(f"{event.file.name} was read; the recipes follow.")
 
