@@ -123,17 +123,15 @@ class EbbBoard:
 
 
 def open_board_line(port: str | None) -> SerialLine:
-    """The line to the board on this port, or to the one board that is plugged in.
+    """The line to the board on this port, or to the one board that is plugged in; raises as `port_of_the_board`."""
+    return SerialLine(port_of_the_board() if port is None else port, _BAUD)
 
-    Raises InputError where there is none, or there are several.
-    """
-    if port is None:
-        found = [it.device for it in list_ports.comports() if (it.vid, it.pid) == _USB]
-        if not found:
-            raise InputError(
-                "no AxiDraw is plugged in; connect its USB cable and power, or name its port: axidraw:PORT"
-            )
-        if len(found) > 1:
-            raise InputError(f"there are several AxiDraws; name one of their ports: {', '.join(sorted(found))}")
-        (port,) = found
-    return SerialLine(port, _BAUD)
+
+def port_of_the_board() -> str:
+    """Where the one board is plugged in. Raises InputError where there is none, or there are several."""
+    found = [it.device for it in list_ports.comports() if (it.vid, it.pid) == _USB]
+    if not found:
+        raise InputError("no AxiDraw is plugged in; connect its USB cable and power, or name its port: axidraw:PORT")
+    if len(found) > 1:
+        raise InputError(f"there are several AxiDraws; name one of their ports: {', '.join(sorted(found))}")
+    return str(found[0])

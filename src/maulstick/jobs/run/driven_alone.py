@@ -40,8 +40,10 @@ def driven_alone(word: str) -> Iterator[None]:
 def _place(word: str) -> str:
     """Where the machine is, by whatever name: its port, or its number in the network."""
     kind, _, address = word.partition(":")
-    if not address:
-        return kind
+    if not address and kind == "axidraw":
+        from maulstick.robot.ebb_board import port_of_the_board  # loads the serial port
+
+        address = port_of_the_board()
     port = Path(address.partition("@")[0])
     if port.exists():
         return str(port.resolve())

@@ -48,6 +48,7 @@ class _Setting:
     """
 
     def __init__(self, studio: Studio, plan: str) -> None:
+        self._touches = 0  # by a person, of the form
         self._studio, self._run = studio, studio.run
         self._standing: Standing | None = None
         self._unfilled = True
@@ -84,12 +85,16 @@ class _Setting:
                 with ui.element().classes("line end"):
                     ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
                     ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
-        self._form = AskedForm(studio, first, later, touched=lambda: self.on_touch())
+        self._form = AskedForm(studio, first, later, touched=self._touch)
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._follow)
         shown_by(self.root, studio.mixing.changed, self._form.fit)
         background_tasks.create(self._form.offer_ports(), context=self.root)
+
+    def _touch(self) -> None:
+        self._touches += 1
+        self.on_touch()
 
     @property
     def plan(self) -> str:
@@ -123,6 +128,7 @@ class _Setting:
         if not plan:
             return
         standing, fault, missing, paints = None, "", list[PlannedPaint](), 0
+        before = self._touches
         try:
             missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
             standing = await self._run.standing(plan)
@@ -134,7 +140,7 @@ class _Setting:
         if standing != self._standing:
             self._answer.value = None  # it was about another stroke
         self._standing = standing
-        if standing is not None and is_other:
+        if standing is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
             self._form.fill(standing.asked)
         elif standing is None and self._unfilled:
             self._form.dip(paints > 1)  # the one pen is in the holder

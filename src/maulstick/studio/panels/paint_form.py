@@ -156,7 +156,8 @@ class AskedForm:
     async def _take_easel(self, file: events.UploadEventArguments) -> None:
         if file.file.size() > _LARGEST_EASEL:
             raise InputError("that file is too large for an easel; choose one from maulstick calibrate touch")
-        name = self._studio.run.easels.keep(file.file.name, await file.file.read())
+        content = await file.file.read()
+        name = await asyncio.to_thread(self._studio.run.easels.keep, str(file.file.name), content)
         self._offer_easels(name)
         ui.notify(f"The sheet lies as {name} says", type="positive")
 
