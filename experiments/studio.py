@@ -78,8 +78,8 @@ def look_at_styles(page: Page, url: str, out: Path) -> None:
     page.goto(f"{url}/styles?style=anna")
     strokes_of_it = page.locator(".stroke-map [data-stroke]")
     expect(strokes_of_it.first).to_be_visible(timeout=PATIENCE)
-    strokes_of_it.nth(9).focus()
-    page.keyboard.press("Enter")
+    strokes_of_it.nth(9).press("Enter")
+    expect(page.get_by_text("No stroke is chosen yet.")).to_be_hidden(timeout=PATIENCE)
     photograph(page, "styles", out)
 
 
