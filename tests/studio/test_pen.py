@@ -156,7 +156,9 @@ def test_strokes_are_undone_redone_and_rubbed_out(page: Opened) -> None:
     press(tab, [(0.05, 0.5), (0.1, 0.5)], [0.5, 0.5])  # where nothing is
     tab.keyboard.press("Control+z")
     count(tab, "^3 strokes")
-    tab.get_by_role("button", name="Draw", exact=True).click()
+    draw = tab.get_by_role("button", name="Draw", exact=True)
+    draw.click()
+    expect(draw).to_have_attribute("aria-pressed", "true")
     press(tab, line(0.6), FORCES)
     count(tab, "^4 strokes")
 

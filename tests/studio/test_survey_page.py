@@ -60,9 +60,9 @@ def test_a_survey_is_built_answered_by_two_and_told(
     expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
     taken = shown.get_by_role("table", name="For whose strokes they were taken")
     expect(taken.get_by_role("columnheader")).to_have_text(["drawn by", "<b>Ann</b>", "Bo"])
+    expect(shown.get_by_role("row", name="all hands")).to_contain_text("of 2")
     counts = [int(cell.split()[0]) for cell in taken.locator("td").all_inner_texts() if cell != "-"]
     assert sum(counts) == 2
-    expect(shown.get_by_role("row", name="all hands")).to_contain_text("of 2")
     with shown.expect_download() as download:
         shown.get_by_role("button", name="All answers as CSV").click()
     assert len(download.value.path().read_text().splitlines()) == 3
