@@ -1,12 +1,15 @@
-"""Files at the edge: one that can be read, and one that is written whole or not at all."""
+"""Files at the edge: one that can be read, one that is written whole or not at all, one that one process holds."""
 
 import errno
 import hashlib
 import os
 import secrets
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from maulstick.errors import InputError, OutputError
 
@@ -93,6 +96,26 @@ def atomic_write(path: str | Path, content: bytes) -> None:
     finally:
         with suppress(OSError):  # it is gone, or its folder never was
             temporary.unlink()
+
+
+@contextmanager
+def held(lock: Path, taken: str, cannot: str, remedy: str, patience: float = 0.0) -> Iterator[None]:
+    """While it lasts no other process holds the file `lock`, which is made, with its folder, where there is none.
+
+    patience: seconds to wait for another.  Raises InputError, which says that it is `taken`, where another goes on
+    holding it, and OutputError, which says what `cannot` be done, why, and the `remedy`, where it cannot be written.
+    """
+    file = FileLock(lock, timeout=patience)
+    try:
+        file.acquire()
+    except Timeout:
+        raise InputError(taken) from None
+    except OSError as error:
+        raise OutputError(f"{cannot}: {error.strerror}; {remedy}") from error
+    try:
+        yield
+    finally:
+        file.release()
 
 
 def sync_folder(folder: Path) -> None:

@@ -20,6 +20,7 @@ LONGEST_KEPT_PX = 4096
 """The longest side of a picture that is kept within another file."""
 
 _LARGEST = 100_000_000  # pixels
+_QUALITY = 88  # of a JPEG
 _STRETCH = 0.02  # of a photograph's shape beside its sheet's
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
@@ -94,6 +95,16 @@ def encode_png(picture: NDArray[np.float32]) -> bytes:
     """A picture (H, W, 3) in [0, 1] as a PNG of 8 bits a channel."""
     file = io.BytesIO()
     Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(file, format="PNG")
+    return file.getvalue()
+
+
+def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> bytes:
+    """A picture (H, W, 3) in [0, 1] as a JPEG, scaled down so that no side is longer."""
+    image = Image.fromarray(np.round(picture * 255).astype(np.uint8))
+    if longest_px is not None:
+        image.thumbnail((longest_px, longest_px))
+    file = io.BytesIO()
+    image.save(file, format="JPEG", quality=_QUALITY)
     return file.getvalue()
 
 

@@ -13,11 +13,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
-from filelock import FileLock, Timeout
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import file_to_read, read_whole, sync_folder
+from maulstick.files import file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
 _LARGEST = 2**28  # bytes: millions of strokes
@@ -91,17 +90,9 @@ def locked(path: Path) -> Iterator[None]:
 
     Raises InputError where another has it, OutputError where nothing can be written there.
     """
-    lock = FileLock(path.with_name(f".{path.name}.lock"), timeout=0)
-    try:
-        lock.acquire()
-    except Timeout:
-        raise InputError(f"another maulstick paints by {path}; wait until it has finished, or stop it") from None
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror}; mend that before painting") from error
-    try:
+    taken = f"another maulstick paints by {path}; wait until it has finished, or stop it"
+    with held(path.with_name(f".{path.name}.lock"), taken, f"cannot write {path}", "mend that before painting"):
         yield
-    finally:
-        lock.release()
 
 
 class Journal:

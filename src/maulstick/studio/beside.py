@@ -1,6 +1,5 @@
 """Whoever sits before the studio's page, as the machine sees them, in the process that drives it."""
 
-import io
 import threading
 import time
 from collections.abc import Iterator
@@ -9,13 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
-import numpy as np
-from PIL import Image as Pillow
-
 from maulstick.jobs.run.person import Person
 from maulstick.jobs.run.scene import Scene
 from maulstick.light import Image
-from maulstick.picture import read_picture
+from maulstick.picture import encode_jpeg, read_picture
 from maulstick.robot.execute import Progress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Ask, Care, Draw
@@ -128,7 +124,7 @@ class Beside(Person):
 
     def leave(self, photograph: Path) -> None:
         """As in `Person`."""
-        self._line.say(Photograph(_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
+        self._line.say(Photograph(encode_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
 
     def wants_a_look(self) -> bool:
         """As in `Person`."""
@@ -149,7 +145,7 @@ class Beside(Person):
             self._say_where_it_is()
             if (sheet := self._sheet) is not None:
                 self._sheet = None
-                self._line.say(Photograph(_jpeg(sheet)))
+                self._line.say(Photograph(encode_jpeg(sheet, _LONGEST_PX)))
         self._say_where_it_is()
 
     def _say_where_it_is(self) -> None:
@@ -158,12 +154,3 @@ class Beside(Person):
         moves = moment.going.doing in _MOVING and not self.pause.held
         passed = time.monotonic() - moment.since if moves else 0.0
         self._line.say(replace(moment.going, left=max(moment.going.left - passed, 0.0)))
-
-
-def _jpeg(picture: Image) -> bytes:
-    """Of a picture (H, W, 3), no longer than a page needs."""
-    image = Pillow.fromarray((255 * picture).round().astype(np.uint8))
-    image.thumbnail((_LONGEST_PX, _LONGEST_PX))
-    file = io.BytesIO()
-    image.save(file, format="JPEG", quality=88)
-    return file.getvalue()

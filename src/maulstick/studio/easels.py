@@ -2,13 +2,13 @@
 
 import re
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import final
 
 from maulstick.errors import InputError, OutputError
-from maulstick.robot.easel import Easel, read_easel, write_easel
+from maulstick.robot.easel import read_easel, write_easel
 from maulstick.shelf import NAME
-from maulstick.studio.folder import Folder
+from maulstick.studio.brought import read_brought
+from maulstick.studio.folder import Folder, plain_name
 
 
 @final
@@ -35,8 +35,8 @@ class Easels:
 
         Raises InputError where that is no easel, OutputError where it cannot be kept.
         """
-        easel = _read(content)
-        name = re.sub(r"[^a-z0-9]+", "-", Path(file).stem.lower()).strip("-")[:40].strip("-") or "easel"
+        easel = read_brought(content, read_easel, "that file")
+        name = plain_name(file) or "easel"
         try:
             self._root.mkdir(exist_ok=True)
         except OSError as error:
@@ -44,13 +44,3 @@ class Easels:
         self._folder.keep_former(path := self._root / f"{name}.json")
         write_easel(easel, path)
         return name
-
-
-def _read(content: bytes) -> Easel:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "easel.json"
-        path.write_bytes(content)
-        try:
-            return read_easel(path)
-        except InputError as error:
-            raise InputError(str(error).replace(str(path), "that file")) from None

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from filelock import FileLock, Timeout
-
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write
+from maulstick.files import atomic_write, held
 from maulstick.shelf import NAME
+
+_LONGEST, _ROOM = 40, 32  # letters of a name; and of one that a number may follow
 
 KINDS = ("hands", "pictures", "plans", "surveys")
 
@@ -37,20 +37,15 @@ class Folder:
         Raises InputError where another studio has it, OutputError where nothing can be written there.
         """
         folder = cls(root.absolute())
-        lock = FileLock(folder.root / ".studio.lock", timeout=0)
-        try:
-            for kind in (*KINDS, "trash"):
-                (folder.root / kind).mkdir(parents=True, exist_ok=True)
-            lock.acquire()
-            folder._clear_incoming()
-        except Timeout:
-            raise InputError(f"another studio works in {root}; use that one, or name another folder") from None
-        except OSError as error:
-            raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
-        try:
+        taken = f"another studio works in {root}; use that one, or name another folder"
+        with held(folder.root / ".studio.lock", taken, f"cannot work in {root}", "name another folder"):
+            try:
+                for kind in (*KINDS, "trash"):
+                    (folder.root / kind).mkdir(exist_ok=True)
+                folder._clear_incoming()
+            except OSError as error:
+                raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
             yield folder
-        finally:
-            lock.release()
 
     def of(self, kind: str, name: str) -> Path:
         """Where something of a kind ("plans") and that name is, or would be. Raises InputError for what is no name."""
@@ -69,7 +64,7 @@ class Folder:
 
     def free_name(self, kind: str, wish: str) -> str:
         """A name like the wish that nothing of the kind has yet, "My cat.JPG" as my-cat or my-cat-2."""
-        plain = re.sub(r"[^a-z0-9]+", "-", Path(wish).stem.lower()).strip("-")[:32].strip("-") or kind[:-1]
+        plain = plain_name(wish)[:_ROOM].strip("-") or kind[:-1]
         taken, number, name = set(self.names(kind)), 1, plain
         while name in taken:
             number += 1
@@ -131,6 +126,11 @@ class Folder:
     def _clear_incoming(self) -> None:
         for path in self.root.glob(f"{_INCOMING}*"):
             path.unlink(missing_ok=True)
+
+
+def plain_name(wish: str) -> str:
+    """The wish, which may be a file's name, as a name can be; empty where nothing of it can."""
+    return re.sub(r"[^a-z0-9]+", "-", Path(wish).stem.lower()).strip("-")[:_LONGEST].strip("-")
 
 
 def _move(places: dict[Path, Path]) -> None:

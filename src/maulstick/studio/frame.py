@@ -8,6 +8,7 @@ from pathlib import Path
 from nicegui import PageArguments, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.studio.showing import shown_by
 from maulstick.studio.studio import Studio
 
 _PANELS = {
@@ -80,9 +81,8 @@ def _doing(studio: Studio) -> None:
         doing = [each for each in (studio.plans.doing, studio.run.doing) if each]
         line.set_text(" · ".join(doing))
 
-    studio.plans.changed.subscribe(say)
-    studio.run.changed.subscribe(say)
-    say()
+    shown_by(line, studio.plans.changed, say)
+    shown_by(line, studio.run.changed, say)
 
 
 def _stop() -> None:

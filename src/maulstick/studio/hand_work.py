@@ -15,6 +15,7 @@ from maulstick.errors import InputError, MaulstickError, OutputError
 from maulstick.files import atomic_write
 from maulstick.ink import KIND, Ink, read_ink, write_ink
 from maulstick.records import write_record
+from maulstick.studio.brought import known_as
 from maulstick.studio.sheet import read_sheet
 
 DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
@@ -48,10 +49,8 @@ def keep_drawing(hand: Path) -> None:
 
 def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) -> None:
     """Make the folder of a hand of an uploaded recording; see `Hands.take_in`."""
-    try:
+    with known_as(file, called):
         ink = _read(file, Path(called).suffix.lower(), pen_millimetres)
-    except MaulstickError as error:
-        raise InputError(str(error).replace(str(file), called)) from error
     if not len(ink):
         raise InputError(f"there are no strokes in {called}; choose another recording")
     try:

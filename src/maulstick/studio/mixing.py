@@ -6,7 +6,6 @@ import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal, final
 
 import numpy as np
@@ -21,6 +20,7 @@ from maulstick.painting import hex_colour
 from maulstick.paints import USUAL_PAINTS, NamedPaint, read_paints
 from maulstick.records import read_record, write_record
 from maulstick.robot.tray import Tray, read_tray
+from maulstick.studio.brought import read_brought
 from maulstick.studio.desk import Desk
 from maulstick.studio.folder import Folder
 from maulstick.studio.planned_paints import PlannedPaint, planned_paints
@@ -137,7 +137,7 @@ class Mixing:
 
     async def use_tray(self, content: bytes) -> None:
         """Paints stand in this tray. Raises InputError where that is not the file of one."""
-        await asyncio.to_thread(lambda: self._keep_tray(_tray_of(content)))
+        await asyncio.to_thread(lambda: self._keep_tray(read_brought(content, read_tray, "that file")))
         self.changed.emit()
 
     async def lay_tray(self, plan: str, row: RowOfWells) -> None:
@@ -182,13 +182,7 @@ class Mixing:
         write_record(tray, self._tray)
 
     def _keep_tubes(self, content: bytes) -> None:
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "tubes"
-            path.write_bytes(content)
-            try:
-                read = read_paints(path)
-            except InputError as error:
-                raise InputError(str(error).replace(str(path), "the list of tubes")) from None
+        read = read_brought(content, read_paints, "the list of tubes")
         self._folder.keep_former(self._tubes)
         atomic_write(self._tubes, tubes_csv((tube.name, hex_colour(tube.colour)) for tube in read))
 
@@ -198,16 +192,6 @@ def tubes_csv(tubes: Iterable[tuple[str, str]]) -> bytes:
     file = io.StringIO(newline="")
     csv.writer(file, lineterminator="\n").writerows([("name", "colour"), *tubes])
     return file.getvalue().encode()
-
-
-def _tray_of(content: bytes) -> Tray:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "tray.json"
-        path.write_bytes(content)
-        try:
-            return read_tray(path)
-        except InputError as error:
-            raise InputError(str(error).replace(str(path), "that file")) from None
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

@@ -1,26 +1,21 @@
 """A plan in a process of its own."""
 
-import io
 import shutil
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from filelock import FileLock, Timeout
-from numpy.typing import NDArray
-from PIL import Image
 
 from maulstick.canvas import Canvas
-from maulstick.errors import InputError
-from maulstick.files import atomic_write
+from maulstick.files import atomic_write, held
 from maulstick.jobs.plan.job import Job, state_files
 from maulstick.painting import Painting
+from maulstick.picture import encode_jpeg
 from maulstick.studio.process import Line
 
 if TYPE_CHECKING:
@@ -28,8 +23,7 @@ if TYPE_CHECKING:
 
 _TOLD_EVERY = 0.25  # seconds between two words
 _FRAMES, _FRAME_PX = 48, 640
-_QUALITY = 88
-_PATIENCE = 30.0  # seconds for another to leave
+_PATIENCE = 30.0  # seconds for one to leave whose studio was killed
 
 TARGET = "target.jpg"
 """In a plan's folder: the picture as it lies on the sheet, where there is one."""
@@ -115,16 +109,17 @@ def plan(line: Line, job: Job, folder: Path) -> None:
         if time.monotonic() - told > _TOLD_EVERY:
             told = time.monotonic()
             canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
-            line.say(Step(progress.done, progress.parts, _jpeg(canvas)))
+            line.say(Step(progress.done, progress.parts, encode_jpeg(canvas)))
         kept = not wishes.wanted  # since it is not, `plan_with` keeps it before the next step
         return wishes.wanted
 
     line.heard_by(wishes.hear, alone=wishes.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
-    with _alone_in(folder):
+    taken = "an earlier studio still works on this plan; try again in a minute"
+    with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
         prepared = prepare(job)
         if prepared.layout.target is not None:
-            atomic_write(folder / TARGET, _jpeg(prepared.layout.target))
+            atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
         painting = plan_with(prepared, folder, job, watch, wishes.reweighed)
         write_results(painting, folder, None)
         _write_order(painting, folder)
@@ -132,16 +127,6 @@ def plan(line: Line, job: Job, folder: Path) -> None:
             for file in state_files(folder):
                 file.unlink()
         line.say(Planned(_figures(painting)))
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """While it lasts no other process plans there: one whose studio was killed may still be at it."""
-    try:
-        with FileLock(folder / ".plan.lock", timeout=_PATIENCE):
-            yield
-    except Timeout:
-        raise InputError("an earlier studio still works on this plan; try again in a minute") from None
 
 
 def _write_order(painting: Painting, folder: Path) -> None:
@@ -154,16 +139,10 @@ def _write_order(painting: Painting, folder: Path) -> None:
     shutil.rmtree(order_frame(folder, 0).parent, ignore_errors=True)
     order_frame(folder, 0).parent.mkdir()
     for number, end in enumerate(ends.tolist()):
-        atomic_write(order_frame(folder, number), _jpeg(preview(painting, canvas, end)))
+        atomic_write(order_frame(folder, number), encode_jpeg(preview(painting, canvas, end)))
 
 
 def _figures(painting: Painting) -> tuple[str, ...]:
     paints = len(painting.paints)
     metres = f"{painting.metres_of_paints().sum():.1f} m drawn"
     return f"{len(painting.strokes)} strokes", metres, "1 paint" if paints == 1 else f"{paints} paints"
-
-
-def _jpeg(image: NDArray[np.float32]) -> bytes:
-    file = io.BytesIO()
-    Image.fromarray((255 * image + 0.5).astype(np.uint8)).save(file, format="JPEG", quality=_QUALITY)
-    return file.getvalue()

@@ -16,10 +16,10 @@ from fastapi import FastAPI
 from nicegui import ui
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.studio.asked import asked
 from maulstick.studio.folder import Folder
 from maulstick.studio.frame import page
 from maulstick.studio.gate import Gate
+from maulstick.studio.routes import routes
 from maulstick.studio.studio import Studio
 from maulstick.studio.survey_pages import survey_pages
 from maulstick.survey.serve import listening
@@ -62,7 +62,7 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
             await studio.close()
 
     app = FastAPI(lifespan=open_studio, openapi_url=None)
-    app.include_router(asked)
+    app.include_router(routes)
     app.mount("/survey", survey_pages())
     nicegui.run.process_pool_start_method = "spawn"
     logging.getLogger("nicegui").addFilter(_is_broken)

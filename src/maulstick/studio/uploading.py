@@ -7,7 +7,8 @@ from pathlib import Path
 
 from nicegui import events, ui
 
-from maulstick.errors import InputError, MaulstickError
+from maulstick.errors import InputError
+from maulstick.studio.brought import known_as
 from maulstick.studio.folder import Folder
 from maulstick.studio.gate import LARGEST
 
@@ -37,9 +38,8 @@ async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIt
     path = folder.incoming()
     try:
         await file.file.save(path)
-        yield path
-    except MaulstickError as error:
-        raise MaulstickError(str(error).replace(str(path), str(file.file.name))) from error
+        with known_as(path, str(file.file.name)):
+            yield path
     finally:
         await asyncio.to_thread(path.unlink, missing_ok=True)
 

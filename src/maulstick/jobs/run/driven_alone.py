@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
 from platformdirs import user_data_path
 
-from maulstick.errors import InputError, OutputError
+from maulstick.files import held
 
 
 @contextmanager
@@ -22,19 +21,10 @@ def driven_alone(word: str) -> Iterator[None]:
         yield
         return
     folder = user_data_path("maulstick", appauthor=False) / "machines"
-    name = hashlib.sha256(_place(word).encode()).hexdigest()
-    lock = FileLock(folder / f"{name}.lock", timeout=0)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-    except Timeout:
-        raise InputError(f"another maulstick drives {word}; wait until it has finished, or stop it there") from None
-    except OSError as error:
-        raise OutputError(f"cannot write into {folder}: {error.strerror}; mend that, and try again") from error
-    try:
+    lock = folder / f"{hashlib.sha256(_place(word).encode()).hexdigest()}.lock"
+    taken = f"another maulstick drives {word}; wait until it has finished, or stop it there"
+    with held(lock, taken, f"cannot write into {folder}", "mend that, and try again"):
         yield
-    finally:
-        lock.release()
 
 
 def _place(word: str) -> str:

@@ -9,7 +9,7 @@ from maulstick.errors import InputError
 from maulstick.studio.planner import TARGET
 from maulstick.studio.studio import Studio
 
-asked = APIRouter()
+routes = APIRouter()
 
 _FRESH = {"Cache-Control": "no-cache"}
 _SHOWN = {
@@ -21,25 +21,25 @@ _MOST_FRAMES = 100  # of two digits
 _TO_TAKE = {"plans": {"painting.json", "painting.svg", "preview.png"}}
 
 
-@asked.get("/picture/{kind}/{name}/{file}")
+@routes.get("/picture/{kind}/{name}/{file}")
 def picture(kind: str, name: str, file: str, request: Request) -> Response:
     """A picture of something in the studio's folder."""
     return _file(request, kind, name, file if file in _SHOWN.get(kind, ()) else None)
 
 
-@asked.get("/picture/plans/{name}/order/{number}.jpg")
+@routes.get("/picture/plans/{name}/order/{number}.jpg")
 def order(name: str, number: int, request: Request) -> Response:
     """The first strokes of a plan."""
     return _file(request, "plans", name, f"order/{number:02}.jpg" if 0 <= number < _MOST_FRAMES else None)
 
 
-@asked.get("/file/{kind}/{name}/{file}")
+@routes.get("/file/{kind}/{name}/{file}")
 def to_take(kind: str, name: str, file: str, request: Request) -> Response:
     """A file to keep, which no browser opens in place."""
     return _file(request, kind, name, file if file in _TO_TAKE.get(kind, ()) else None, save_as=f"{name}-{file}")
 
 
-@asked.get("/live/{name}/{seen}")
+@routes.get("/live/{name}/{seen}")
 async def live(name: str, seen: int, request: Request) -> Response:
     """The canvas of a plan that is being made; seen: makes each another address."""
     plan = request.app.state.studio.plans.plans.get(name)
@@ -48,7 +48,7 @@ async def live(name: str, seen: int, request: Request) -> Response:
     return Response(plan.canvas, media_type="image/jpeg", headers=_FRESH)
 
 
-@asked.get("/seen/{seen}.jpg")
+@routes.get("/seen/{seen}.jpg")
 async def seen(seen: int, request: Request) -> Response:
     """The sheet under the machine as it was last seen; seen: makes each another address."""
     photograph = request.app.state.studio.run.state.photograph
@@ -57,7 +57,7 @@ async def seen(seen: int, request: Request) -> Response:
     return Response(photograph, media_type="image/jpeg", headers=_FRESH)
 
 
-@asked.get("/sheet/{file}")
+@routes.get("/sheet/{file}")
 def style_sheet(file: str, request: Request) -> Response:
     """The sheet of a style; its name says what is on it, so that it never changes."""
     path = request.app.state.studio.styles.sheets / file
@@ -66,7 +66,7 @@ def style_sheet(file: str, request: Request) -> Response:
     return FileResponse(path, headers={"Cache-Control": "private, max-age=31536000, immutable"})
 
 
-@asked.post("/stop")
+@routes.post("/stop")
 async def stop(request: Request) -> Response:
     """Stop the machine at once."""
     request.app.state.studio.run.stop()
