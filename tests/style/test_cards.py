@@ -10,7 +10,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.style import load_style
 from maulstick.style.cards import STYLES, read_card, rename_style, style_path
 from maulstick.style.store import Fitted, read_style, write_style
-from tests.style.test_store import a_trajvae, an_exemplar
+from tests.style.test_store import a_trajvae, an_exemplar, kill_after
 
 CANVAS = Canvas(0.2, 0.16, 1000.0)
 
@@ -77,21 +77,8 @@ def test_a_name_that_cannot_be_is_refused(own: Path, name: str, new: str, text: 
 
 @pytest.mark.parametrize("fails_at", range(6))
 def test_a_rename_that_is_killed_loses_no_style(own: Path, monkeypatch: pytest.MonkeyPatch, fails_at: int) -> None:
-    steps = 0
-
-    def killed(act: object) -> object:
-        def step(*words: object, **options: object) -> object:
-            nonlocal steps
-            steps += 1
-            if steps > fails_at:
-                raise KeyboardInterrupt
-            return act(*words, **options)  # type: ignore[operator]
-
-        return step
-
     before = read_style(own / "arcs.json").hash
-    for name in ("unlink", "replace"):
-        monkeypatch.setattr(Path, name, killed(getattr(Path, name)))
+    kill_after(fails_at, monkeypatch)
     with pytest.raises(KeyboardInterrupt):
         rename_style("arcs", "bows")
     monkeypatch.undo()

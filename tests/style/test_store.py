@@ -25,6 +25,24 @@ CANVAS = Canvas(0.2, 0.16, 1000.0)
 HANDS = Hands(np.diag(np.linspace(0.01, 0.5, GIST + 1)), np.full(RESIDUAL, 1e-3))
 
 
+def kill_after(steps: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From now on whoever has unlinked and replaced files so many times is killed at the next."""
+    taken = 0
+
+    def killed(act: object) -> object:
+        def step(*words: object, **options: object) -> object:
+            nonlocal taken
+            taken += 1
+            if taken > steps:
+                raise KeyboardInterrupt
+            return act(*words, **options)  # type: ignore[operator]
+
+        return step
+
+    for name in ("unlink", "replace"):
+        monkeypatch.setattr(Path, name, killed(getattr(Path, name)))
+
+
 def a_hand(strokes: int = 7) -> Hand:
     """Arcs of which some were pressed and some were timed."""
     bend = np.linspace(0.1, 1.0, strokes)[:, None] * np.linspace(0, np.pi, 32)
@@ -173,21 +191,8 @@ def test_an_own_style_does_not_hide_a_built_in_one(own: Path) -> None:
 def test_a_write_that_is_killed_leaves_no_pair_that_does_not_match(
     style: Path, monkeypatch: pytest.MonkeyPatch, fails_at: int
 ) -> None:
-    steps = 0
-
-    def killed(act: object) -> object:
-        def step(*words: object, **options: object) -> object:
-            nonlocal steps
-            steps += 1
-            if steps > fails_at:
-                raise KeyboardInterrupt
-            return act(*words, **options)  # type: ignore[operator]
-
-        return step
-
     before = store.read_style(style).hash
-    for name in ("unlink", "replace"):
-        monkeypatch.setattr(Path, name, killed(getattr(Path, name)))
+    kill_after(fails_at, monkeypatch)
     other = replace(an_exemplar(), hands=Hands(HANDS.covariance, 2 * HANDS.residual))
     with pytest.raises(KeyboardInterrupt):
         store.write_style(other, "", style.parent)
