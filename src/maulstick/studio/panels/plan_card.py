@@ -71,7 +71,7 @@ class PlanCard:
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
         self._weights.follow()
-        self._target.visible = self._split.visible = (plan.folder / TARGET).is_file()
+        self._target.visible = (plan.folder / TARGET).is_file()
         if self._target.visible:
             self._target.props["src"] = f"/picture/plans/{plan.name}/{TARGET}"
         if finished and self._frames != plan.frames:
@@ -79,6 +79,7 @@ class PlanCard:
             self._until.set(self._frames - 1, most=self._frames - 1)
         self._until.element.visible = finished and self._frames > 1
         self._show_canvas(finished)
+        self._split.visible = self._target.visible and self._pictures.visible
         self._stop.set_text("Do not plan it" if plan.phase is Phase.WAITING else "Stop and keep")
         self._on.set_text("Try again" if plan.phase is Phase.FAILED else "Go on")
         self._stop.visible = plan.phase in (Phase.WAITING, Phase.PLANNING)
