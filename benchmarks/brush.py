@@ -33,10 +33,10 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 from media import GENERIC, mypaint_trials, sharpie_trials
 from stroke_models import DATASETS, table
 
-from maulstick.brush.fit import fit_brush
-from maulstick.brush.traj2stroke import Traj2Stroke, paint
-from maulstick.medium import Brush
-from maulstick.trials import Trials
+from maulstick.brush_fit.fit import fit_brush
+from maulstick.brush_fit.trials import Trials
+from maulstick.painting.brush import Brush
+from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 
 TRIALS = 100
 SIZE, SHEET, DIFFERENT = (1600, 2000), 0.3, 20  # pixels high and wide; metres wide

@@ -20,10 +20,10 @@ from skimage.color import deltaE_ciede2000, rgb2lab
 from maulstick.calibration.chart import GREY_CARD, with_chart, with_grey_card
 from maulstick.calibration.colour import lamp_of, whites_of
 from maulstick.calibration.drift import MARGIN, shift_between
-from maulstick.robot.simulated_camera import Optics
+from maulstick.robot.simulated.camera import Optics
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
-from tests.calibration.studio import (
+from tests.support.calibration.photo_studio import (
     CANVAS,
     CHART_CORNERS,
     PAPER,

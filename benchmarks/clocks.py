@@ -4,16 +4,16 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from maulstick.painting import Painting
+from maulstick.painting.painting import Painting
+from maulstick.robot.adapters.franka import Franka
+from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.easel import Easel, Pen
-from maulstick.robot.franka import Franka
-from maulstick.robot.grbl import Grbl
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import Action, Draw, routine, seconds_of
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
-from tests.robot.fake_grbl import FakeGrbl
-from tests.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
+from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
 
 SPEED = 0.05  # metres a second
 SERVO = Pen(up=500, down=700, seconds=0.2)

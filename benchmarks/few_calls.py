@@ -22,20 +22,20 @@ from frida import anywhere, plan_plainly
 from photographs import BRUSH, laid_out
 from torch import Generator, Tensor
 
-from maulstick.plan.beginnings import Beginnings
-from maulstick.plan.commission import Commission, PlanOptions, Weighted
-from maulstick.plan.features.clip import Clip
-from maulstick.plan.features.efficientnet import EfficientNetLite0
-from maulstick.plan.features.network import Network
-from maulstick.plan.features.views import random_views
-from maulstick.plan.objectives import Judge, Likeness
-from maulstick.plan.parameters import StrokeParameters
-from maulstick.plan.photograph import commission_of
-from maulstick.plan.planner import Plan, Progress, plan
-from maulstick.plan.terms import Wishes
-from maulstick.plan.work import Work
+from maulstick.planning.features.clip import Clip
+from maulstick.planning.features.efficientnet import EfficientNetLite0
+from maulstick.planning.features.network import Network
+from maulstick.planning.features.views import random_views
+from maulstick.planning.from_picture import commission_of
+from maulstick.planning.initialise import Beginnings
+from maulstick.planning.losses import Wishes
+from maulstick.planning.objectives import Judge, Likeness
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import Plan, Progress, plan
+from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.planning.stroke_canvas import Work
+from maulstick.rendering.threads import usual_torch_threads
 from maulstick.style import load_style
-from maulstick.threads import usual_torch_threads
 
 PX, STEPS, EVERY = 256, 2000, 10
 AT_ONCE, EXAM, EXAMINED_EVERY = 2, 16, 100

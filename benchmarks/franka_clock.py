@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
-from maulstick.arrays import Floats
-from maulstick.robot.franka import Franka
+from maulstick.robot.adapters.franka import Franka
 from maulstick.robot.routine import Draw, Motion, seconds_of
-from tests.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator, moving_seconds
+from maulstick.storage.arrays import Floats
+from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator, moving_seconds
 
 PAPER = 0.35  # metres: height at which the simulated arm draws, in the air
 HOVER = PAPER + 5e-3

@@ -31,8 +31,8 @@ from types import ModuleType
 import torch
 from torch import Tensor
 
-from maulstick.brush.kernels import reference
-from maulstick.brush.kernels.render import kernels_for
+from maulstick.rendering.kernels import reference
+from maulstick.rendering.kernels.render import kernels_for
 
 LENGTH = 0.19  # of the side
 RUNS = 8

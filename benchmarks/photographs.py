@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 from skimage import data
 
-from maulstick.medium import load_brush
-from maulstick.painting import Sheet
-from maulstick.plan.layout import Layout, lay_out_for
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import Sheet
+from maulstick.planning.layout import Layout, lay_out_for
 
 IMAGES = ("astronaut", "camera", "chelsea", "coffee", "rocket", "hubble_deep_field")
 HEIGHT = 0.16

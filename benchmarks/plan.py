@@ -31,16 +31,16 @@ import torch
 from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
 
-from maulstick.brush.traj2stroke import Traj2Stroke
-from maulstick.painting import Painting
-from maulstick.plan.commission import PlanOptions, Weighted
-from maulstick.plan.layout import Layout
-from maulstick.plan.objectives import Tone
-from maulstick.plan.parameters import StrokeParameters
-from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
-from maulstick.plan.planner import Progress, plan
-from maulstick.plan.schedule import Schedule
-from maulstick.plan.terms import Wishes
+from maulstick.painting.painting import Painting
+from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.layout import Layout
+from maulstick.planning.losses import Wishes
+from maulstick.planning.objectives import Tone
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import Progress, plan
+from maulstick.planning.problem import PlanOptions, Weighted
+from maulstick.planning.schedule import Schedule
+from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.style import load_style
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scripts there are not installed

@@ -9,8 +9,8 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 
 from wacom import DATA, LONGER_SIDE, wacom_hands
 
-from maulstick.ink import Ink
-from maulstick.strokes import Strokes
+from maulstick.strokes.ink import Ink
+from maulstick.strokes.strokes import Strokes
 
 MOCAP = ("cat", "circular", "lia", "long", "strokes")
 SHEET = (0.25, 0.2)

@@ -26,14 +26,14 @@ import vpype_cli
 from clocks import SERVO, on_franka, on_grbl
 from photographs import laid_out
 
-from maulstick.medium import load_brush
-from maulstick.painting import Painting
-from maulstick.plan.commission import PlanOptions
-from maulstick.plan.photograph import as_painting, commission_of, making
-from maulstick.plan.planner import plan
-from maulstick.robot.sequence import sequenced
+from maulstick.ordering.sequence import sequenced
+from maulstick.ordering.tour import pen_up, tour
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import Painting
+from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlanOptions
 from maulstick.style import load_style
-from maulstick.tour import pen_up, tour
 
 SIZES = (400, 2_000, 10_000)
 STYLES = ("loops", "hatching")

@@ -29,10 +29,10 @@ from photographs import BRUSH, laid_out
 from published import published_vae
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
-from maulstick.plan.commission import PlanOptions
-from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
-from maulstick.plan.planner import plan
-from maulstick.strokes import Strokes
+from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlanOptions
+from maulstick.strokes.strokes import Strokes
 from maulstick.style import shape
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
 from maulstick.style.exemplar import Exemplar, Hands, pool

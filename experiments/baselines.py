@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from torch.nn.functional import max_pool2d, pad, pixel_shuffle, pixel_unshuffle
 from training import Examples, Model, fit
 
-from maulstick.brush.kernels.cpu import darkness
+from maulstick.rendering.kernels.cpu import darkness
 
 HIDDEN = 64
 CHANNELS = (64, 32, 16, 8, 1)

@@ -14,11 +14,11 @@ from pathlib import Path
 from media import GENERIC, SPECIAL, mypaint_trials
 
 import maulstick
-from maulstick.brush.fit import fit_brush
-from maulstick.files import atomic_write
-from maulstick.mypaint import MEDIA
+from maulstick.brush_fit.fit import fit_brush
+from maulstick.robot.simulated.mypaint import MEDIA
+from maulstick.storage.files import atomic_write
 
-FOLDER = Path(maulstick.__file__).parent / "brush" / "built_in"
+FOLDER = Path(maulstick.__file__).parent / "painting" / "built_in_brushes"
 STROKES = 120
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wacom import wacom_hands
 
 import maulstick
-from maulstick.strokes import Strokes
+from maulstick.strokes.strokes import Strokes
 from maulstick.style.compare import describe
 from maulstick.style.exemplar import Exemplar, pool
 from maulstick.style.hand import Hand

@@ -13,16 +13,16 @@ import torch
 from torch import Generator, Tensor
 from torch.nn.functional import logsigmoid
 
-from maulstick.palette import mix_paints
-from maulstick.plan.commission import Commission
-from maulstick.plan.parameters import StrokeParameters
-from maulstick.plan.planner import Plan
-from maulstick.plan.work import Work, as_array
-from maulstick.strokes import POINTS
+from maulstick.colour.palette import mix_paints
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import Plan
+from maulstick.planning.problem import Commission
+from maulstick.planning.stroke_canvas import Work, as_array
+from maulstick.rendering.threads import one_torch_thread
+from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 from maulstick.style.hand import by_length
-from maulstick.style.press import KNOTS
-from maulstick.threads import one_torch_thread
+from maulstick.style.pressure import KNOTS
 
 RATES = {"codes": 0.02, "centres": 0.004, "angles": 0.08, "press_knots": 0.04, "colours": 0.02}
 """At the peak, found by search: halves and doubles do worse. centres: in heights of the sheet."""

@@ -25,14 +25,14 @@ from frida import Bezier, anywhere, evenly_pressed, plan_plainly
 from grid import PICTURES, load, side_by_side
 from numpy.typing import NDArray
 
-from maulstick.brush.preview import preview
-from maulstick.canvas import Canvas
-from maulstick.medium import load_brush
-from maulstick.painting import Painting, Sheet
-from maulstick.plan.commission import PlanOptions
-from maulstick.plan.layout import Layout, lay_out_for
-from maulstick.plan.photograph import as_painting, commission_of, figures_of, making
-from maulstick.plan.planner import plan
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import Painting, Sheet
+from maulstick.painting.raster import Canvas
+from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.layout import Layout, lay_out_for
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlanOptions
+from maulstick.rendering.preview import preview
 from maulstick.style.cards import style_path
 from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
 from maulstick.style.store import read_style

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 from skimage import data
 
-from maulstick.plates.rows import Row, largest_scale, rows_of
+from maulstick.plots.rows import Row, largest_scale, rows_of
 from maulstick.style.cards import style_path
 from maulstick.style.store import read_style
 

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from maulstick.arrays import Floats
-from maulstick.canvas import Canvas
-from maulstick.mypaint import Paper
-from maulstick.strokes import POINTS
+from maulstick.brush_fit.trials import Trial
+from maulstick.painting.raster import Canvas
+from maulstick.robot.simulated.mypaint import Paper
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import POINTS
 from maulstick.style.cards import STYLES
-from maulstick.style.press import press_along
+from maulstick.style.pressure import press_along
 from maulstick.style.store import read_style
-from maulstick.trials import Trial
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 RADIUS = {"marker": 1.8e-3, "marker_fat": 5e-3, "brush": 0.3e-3, "acrylic": 1.2e-3}

@@ -13,7 +13,7 @@ from safetensors.numpy import save
 from wacom import wacom_hands
 
 import maulstick
-from maulstick.files import atomic_write
+from maulstick.storage.files import atomic_write
 from maulstick.style.hand import Hand
 from maulstick.style.train import pretrain
 from maulstick.style.trajvae import TrajVAE, Weights, activity

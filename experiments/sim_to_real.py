@@ -31,27 +31,27 @@ from numpy.typing import NDArray
 from PIL import Image as Pillow
 from skimage.data import astronaut
 
-from maulstick.brush.fit import fit_brush
-from maulstick.brush.preview import preview
+from maulstick.brush_fit.fit import fit_brush
 from maulstick.calibration.collect import collect, trials_of
 from maulstick.calibration.eye import Eye
-from maulstick.canvas import Canvas
-from maulstick.figures import compare
-from maulstick.loop import paint_by_eye, practice, replanned, room_of
-from maulstick.medium import Brush, load_brush
-from maulstick.painting import Painting, Sheet, write_painting
-from maulstick.picture import encode_png, scaled
-from maulstick.plan.commission import PlanOptions
-from maulstick.plan.layout import lay_out_for
-from maulstick.plan.photograph import as_painting, commission_of, making
-from maulstick.plan.planner import plan
+from maulstick.jobs.paint.camera_loop import paint_by_eye, practice, replanned, room_of
+from maulstick.ordering.sequence import sequenced
+from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.metrics import compare
+from maulstick.painting.painting import Painting, Sheet, write_painting
+from maulstick.painting.picture import encode_png, scaled
+from maulstick.painting.raster import Canvas
+from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.layout import lay_out_for
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlanOptions
+from maulstick.rendering.preview import preview
+from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Ask
-from maulstick.robot.sequence import sequenced
-from maulstick.robot.sheets import MyPaintSheet
-from maulstick.robot.simulated_camera import SimulatedCamera
-from maulstick.robot.simulator import SimulatedEasel
-from maulstick.robot.tag_frame import TagFrame
+from maulstick.robot.simulated.camera import SimulatedCamera
+from maulstick.robot.simulated.easel import SimulatedEasel
+from maulstick.robot.simulated.sheets import MyPaintSheet
 from maulstick.robot.workplace import Workplace
 from maulstick.style import load_style
 

@@ -43,14 +43,14 @@ from scipy.ndimage import binary_dilation, label
 from torch import Tensor
 from training import Examples
 
-from maulstick.brush.fit import ADDITIONS, fit_brush
-from maulstick.brush.kernels.cpu import darkness
-from maulstick.brush.traj2stroke import Traj2Stroke
+from maulstick.brush_fit.fit import ADDITIONS, fit_brush
+from maulstick.brush_fit.trials import Trial
 from maulstick.errors import MaulstickError
-from maulstick.files import atomic_write
-from maulstick.medium import Brush
-from maulstick.plates.sheet import INK, Plate
-from maulstick.trials import Trial
+from maulstick.painting.brush import Brush
+from maulstick.plots.sheet import INK, Plate
+from maulstick.rendering.kernels.cpu import darkness
+from maulstick.rendering.traj2stroke import Traj2Stroke
+from maulstick.storage.files import atomic_write
 
 DATASETS = ("sharpie", *RADIUS)
 NETWORKS = {"cnn": train_cnn, "coordconv": train_coordconv, "traj2stroke_unet": train_traj2stroke_unet}

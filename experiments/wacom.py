@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from maulstick.ink import Ink
-from maulstick.strokes import Strokes
+from maulstick.strokes.ink import Ink
+from maulstick.strokes.strokes import Strokes
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 LONGER_SIDE = 0.15

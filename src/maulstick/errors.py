@@ -1,6 +1,10 @@
 """What can go wrong, each error written from the value that came and the values that would have been valid."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 
 class MaulstickError(Exception):
@@ -27,3 +31,15 @@ class OutputError(MaulstickError, OSError):
 
 class MachineError(MaulstickError):
     """A machine or a camera that does not do what it should; whatever moved stands still, with the pen lifted."""
+
+
+def validation_fault(error: "ValidationError") -> str:
+    """The first thing that a model refused, as ``field: what is wrong with it (got …)``."""
+    fault = error.errors()[0]
+    field = _dotted(fault["loc"]) or "the file"
+    came = repr(fault["input"])
+    return f"{field}: {fault['msg']} (got {came if len(came) <= 60 else came[:57] + '...'})"
+
+
+def _dotted(location: Sequence[int | str]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")

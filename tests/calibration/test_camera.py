@@ -5,12 +5,12 @@ import pytest
 
 from maulstick.calibration.camera import View, locate, read_view, view_of_corners, write_view
 from maulstick.calibration.tags import found_tags
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.robot.simulated_camera import Optics
-from maulstick.robot.tag_frame import TagFrame
-from tests.calibration.studio import CANVAS, Studio, bare, dots, seen_dots
-from tests.tolerances import (
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.tag_frame import TagFrame
+from maulstick.robot.simulated.camera import Optics
+from tests.support.calibration.photo_studio import CANVAS, Studio, bare, dots, seen_dots
+from tests.support.tolerances import (
     RECTIFIED,
     RECTIFIED_ASKED,
     RECTIFIED_SMALL,

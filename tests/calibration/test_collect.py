@@ -7,27 +7,27 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from maulstick.arrays import Floats
-from maulstick.brush.fit import fit_brush
+from maulstick.brush_fit.fit import fit_brush
 from maulstick.calibration.collect import collect, spread_apart, trials_of
 from maulstick.calibration.eye import Eye
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError, MachineError, OutputError
-from maulstick.loop import practice, room_of
-from maulstick.painting import Sheet, write_painting
-from maulstick.picture import read_picture
+from maulstick.jobs.paint.camera_loop import practice, room_of
+from maulstick.painting.painting import Sheet, write_painting
+from maulstick.painting.picture import read_picture
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.sheets import StampedSheet
-from maulstick.robot.simulated_camera import SimulatedCamera
-from maulstick.robot.simulator import SimulatedEasel
-from maulstick.robot.tag_frame import TagFrame
+from maulstick.robot.simulated.camera import SimulatedCamera
+from maulstick.robot.simulated.easel import SimulatedEasel
+from maulstick.robot.simulated.sheets import StampedSheet
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Floats
 from maulstick.style import load_style
-from tests.nominal import nominal
-from tests.robot.mortal_painter import row_of
-from tests.robot.recorder import EASEL, Recorder
-from tests.robot.small_paintings import HEIGHT, SIX, WIDTH
-from tests.tolerances import EXECUTED_PATH, FOUND_OFFSET, FOUND_WIDTH, PHOTOGRAPH, ROUND_TRIP
+from tests.support.nominal import nominal
+from tests.support.robot.mortal_painter import row_of
+from tests.support.robot.recorder import EASEL, Recorder
+from tests.support.robot.small_paintings import HEIGHT, SIX, WIDTH
+from tests.support.tolerances import EXECUTED_PATH, FOUND_OFFSET, FOUND_WIDTH, PHOTOGRAPH, ROUND_TRIP
 
 Image = NDArray[np.float32]
 

@@ -6,11 +6,21 @@ from skimage.color import deltaE_ciede2000, rgb2lab
 
 from maulstick.calibration.chart import CHART, GREY_CARD, with_chart, with_grey_card
 from maulstick.calibration.colour import Colours, Whites, lamp_of, read_colours, whites_of, write_colours
+from maulstick.colour.srgb import Image, colours_of, light_of
 from maulstick.errors import InputError
-from maulstick.light import Image, colours_of, light_of
-from maulstick.robot.simulated_camera import Optics
-from tests.calibration.studio import CANVAS, CHART_CORNERS, TAGS, Studio, bare, chart, seen_squares, squares, strokes
-from tests.tolerances import CHART_ERROR, MIXED, OTHER_COLOURS, WHITE
+from maulstick.robot.simulated.camera import Optics
+from tests.support.calibration.photo_studio import (
+    CANVAS,
+    CHART_CORNERS,
+    TAGS,
+    Studio,
+    bare,
+    chart,
+    seen_squares,
+    squares,
+    strokes,
+)
+from tests.support.tolerances import CHART_ERROR, MIXED, OTHER_COLOURS, WHITE
 
 GRID = (10, 20, 15, 40, 57)
 

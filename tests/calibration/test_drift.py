@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from maulstick.calibration.drift import MARGIN, Shift, sheet_place, shift_between
-from maulstick.canvas import Canvas
-from tests.calibration.studio import CANVAS, Studio, bare, strokes
-from tests.tolerances import MOVED, TURNED
+from maulstick.painting.raster import Canvas
+from tests.support.calibration.photo_studio import CANVAS, Studio, bare, strokes
+from tests.support.tolerances import MOVED, TURNED
 
 MOVES = [(0.0, 0.0, 0.0), (0.008, 0.0, 0.0), (0.001, 0.0, 0.0), (-0.005, 0.006, 0.01)]
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maulstick.arrays import write_arrays
 from maulstick.calibration.chart import with_chart
 from maulstick.calibration.colour import lamp_of, whites_of
 from maulstick.calibration.eye import KIND, Eye
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError, MachineError, OutputError
-from maulstick.robot.camera import CameraError
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.camera import CameraError
 from maulstick.robot.easel import Easel
-from tests.calibration.studio import (
+from maulstick.storage.arrays import write_arrays
+from tests.support.calibration.photo_studio import (
     CANVAS,
     CHART_CORNERS,
     PAPER,
@@ -23,7 +23,7 @@ from tests.calibration.studio import (
     seen_squares,
     squares,
 )
-from tests.tolerances import GREYS, MOVED, PICTURE, TURNED, WHITE
+from tests.support.tolerances import GREYS, MOVED, PICTURE, TURNED, WHITE
 
 Image = NDArray[np.float32]
 

@@ -6,9 +6,9 @@ from PIL import Image
 
 from maulstick.calibration.tag_page import tag_page, write_tag_page
 from maulstick.calibration.tags import found_tags
+from maulstick.colour.srgb import colours_of
 from maulstick.errors import InputError
-from maulstick.light import colours_of
-from maulstick.robot.tag_frame import TAGS, TagFrame
+from maulstick.robot.camera.tag_frame import TAGS, TagFrame
 
 DOT = 25.4e-3 / 600
 

@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from maulstick.arrays import Floats
 from maulstick.calibration.touch import KEYS, Jog, easel_from_touches, probe_by_force, with_deepest
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from tests import tolerances
-from tests.robot.obedient_robot import LIMITS, Feeling
+from maulstick.storage.arrays import Floats
+from tests.support import tolerances
+from tests.support.robot.obedient_robot import LIMITS, Feeling
 
 A4 = np.array([[0, 0], [0.297, 0], [0.297, 0.21], [0, 0.21]])
 

@@ -9,14 +9,14 @@ import pytest
 import torch
 from PIL import Image
 
-from maulstick.brush import fit as module
-from maulstick.brush.fit import Fit
-from maulstick.brush.traj2stroke import Traj2Stroke, paint
-from maulstick.medium import Brush, load_brush
-from maulstick.trials import Trials
+from maulstick.brush_fit import fit as module
+from maulstick.brush_fit.fit import Fit
+from maulstick.brush_fit.trials import Trials
+from maulstick.painting.brush import Brush, load_brush
+from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from tests.cli.conftest import QUICK, run
-from tests.plates.test_brush_fit_plate import a_fit
-from tests.tolerances import FEW_STROKES_WIDTH
+from tests.plots.test_brush_fit_plot import a_fit
+from tests.support.tolerances import FEW_STROKES_WIDTH
 
 MARKER = Brush(name="truth", source="a test", alpha=2e-3, beta=2e-3)
 SCALE, SHEET = 2500.0, (70, 80)  # pixels a metre; pixels

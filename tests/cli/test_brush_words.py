@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from maulstick.medium import BRUSHES, Brush, write_brush
+from maulstick.painting.brush import BRUSHES, Brush, write_brush
 from tests.cli.conftest import run
 from tests.cli.test_brush_fit import rows
 

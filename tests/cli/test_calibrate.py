@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from maulstick.calibration.camera import locate
 from maulstick.calibration.colour import read_colours
-from maulstick.picture import encode_png, read_picture, scaled
+from maulstick.painting.picture import encode_png, read_picture, scaled
 from maulstick.robot.easel import read_easel
 from maulstick.robot.limits import Limits
-from tests.calibration.studio import CANVAS, CHART_CORNERS, PAPER, TAGS, Studio, bare, chart
 from tests.cli.conftest import Ran, run
-from tests.robot.obedient_robot import Feeling
-from tests.robot.recorder import LIMITS, Recorder
-from tests.tolerances import CHART_SEEN, PICTURE
+from tests.support.calibration.photo_studio import CANVAS, CHART_CORNERS, PAPER, TAGS, Studio, bare, chart
+from tests.support.robot.obedient_robot import Feeling
+from tests.support.robot.recorder import LIMITS, Recorder
+from tests.support.tolerances import CHART_SEEN, PICTURE
 
 Image = NDArray[np.float32]
 FINE = 2000  # pixels a metre
@@ -28,7 +28,7 @@ SIZE = ("--size", "A4-landscape")
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which the commands run, and make flat pictures of few pixels."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("maulstick.canvas.FINE", FINE)
+    monkeypatch.setattr("maulstick.painting.raster.FINE", FINE)
     return tmp_path
 
 

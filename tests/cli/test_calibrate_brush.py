@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maulstick.brush import fit as fitting
-from maulstick.brush.fit import Fit
+from maulstick.brush_fit import fit as fitting
+from maulstick.brush_fit.fit import Fit
+from maulstick.brush_fit.trials import Trials
 from maulstick.calibration import collect as collecting
 from maulstick.errors import OutputError
-from maulstick.medium import load_brush
-from maulstick.painting import read_painting
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import read_painting
 from maulstick.robot.journal import Journal
-from maulstick.trials import Trials
 from tests.cli.conftest import Ran, run
-from tests.cli.webcam import after, put_webcam, unplug
-from tests.plates.test_brush_fit_plate import a_fit
+from tests.plots.test_brush_fit_plot import a_fit
+from tests.support.cli.webcam import after, put_webcam, unplug
 
 WORDS = ("--name", "mine", "--strokes", "5", "--size", "100x80mm")
 

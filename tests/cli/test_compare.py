@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from maulstick.brush.preview import preview
-from maulstick.canvas import Canvas
-from maulstick.ink import Ink, write_ink
-from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse, write_painting
-from maulstick.picture import encode_png
+from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse, write_painting
+from maulstick.painting.picture import encode_png
+from maulstick.painting.raster import Canvas
+from maulstick.rendering.preview import preview
+from maulstick.strokes.ink import Ink, write_ink
 from tests.cli.conftest import run
 from tests.cli.test_show import BRUSH, STYLE
-from tests.nominal import nominal
+from tests.support.nominal import nominal
 
 MADE = Making(
     version="1",

@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.medium import Brush
-from maulstick.painting import Painting, write_painting
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.easel import Easel, write_easel
 from tests.cli.conftest import run
-from tests.nominal import nominal
-from tests.robot.small_paintings import HEIGHT, SIX, line, painting_of
 from tests.robot.test_export import places_of
-from tests.robot.trays import WORDS
-from tests.tolerances import GCODE_METRES, HPGL_METRES
+from tests.support.nominal import nominal
+from tests.support.robot.small_paintings import HEIGHT, SIX, line, painting_of
+from tests.support.robot.trays import WORDS
+from tests.support.tolerances import GCODE_METRES, HPGL_METRES
 
 ROUND = SIX.model_copy(
     update={

@@ -2,10 +2,10 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
-from maulstick.paints import USUAL_PAINTS
+from maulstick.colour.tubes import USUAL_PAINTS
+from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
 from tests.cli.conftest import run
-from tests.nominal import nominal
+from tests.support.nominal import nominal
 
 YELLOW = next(paint.colour for paint in USUAL_PAINTS if paint.name == "hansa yellow")
 PAINTS = (

@@ -3,8 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.ink import read_ink
-from maulstick.strokes import read_strokes
+from maulstick.strokes.ink import read_ink
+from maulstick.strokes.strokes import read_strokes
 from tests.cli.conftest import run
 
 EVENTS = """{"schema_version": 1, "size_mm": [200, 150], "strokes": [

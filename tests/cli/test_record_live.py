@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
-from maulstick.ink import read_ink
-from maulstick.recording import natnet
-from maulstick.recording.take import read_take
-from maulstick.strokes import read_strokes
+from maulstick.recording.mocap import natnet
+from maulstick.recording.mocap.take import read_take
+from maulstick.strokes.ink import read_ink
+from maulstick.strokes.strokes import read_strokes
 from tests.cli.conftest import run
-from tests.recording.natnet_server import Server
-from tests.recording.simulated_take import Simulated, loops_and_lines, simulate
+from tests.support.recording.natnet_server import Server
+from tests.support.recording.simulated_take import Simulated, loops_and_lines, simulate
 
 PEN = ("--pen-length", "139mm")
 

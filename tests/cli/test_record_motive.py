@@ -5,13 +5,13 @@ import pytest
 from PIL import Image
 
 from maulstick.cli.record import options
-from maulstick.ink import read_ink
-from maulstick.recording.contact import ContactOptions
-from maulstick.recording.take import write_take
-from maulstick.strokes import Strokes, read_strokes
+from maulstick.recording.mocap.contact import ContactOptions
+from maulstick.recording.mocap.take import write_take
+from maulstick.strokes.ink import read_ink
+from maulstick.strokes.strokes import Strokes, read_strokes
 from tests.cli.conftest import Ran, run
-from tests.recording.motive_export import motive_csv
-from tests.recording.simulated_take import distances, loops_and_lines, mocap_strokes, pivot_take, simulate
+from tests.support.recording.motive_export import motive_csv
+from tests.support.recording.simulated_take import distances, loops_and_lines, mocap_strokes, pivot_take, simulate
 
 STROKES = loops_and_lines(5)
 SIMULATED = simulate(STROKES, 1)

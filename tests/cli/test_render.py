@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from maulstick.brush import preview
+from maulstick.rendering import preview
 from tests.cli.conftest import Ran, run
 
 

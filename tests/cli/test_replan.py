@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maulstick import loop
-from maulstick.arrays import Floats
-from maulstick.files import file_sum
-from maulstick.jobs.run.simulation import Simulation
-from maulstick.painting import Painting, read_painting, write_painting
-from maulstick.picture import encode_png, read_picture
-from maulstick.robot.simulated_camera import SimulatedCamera
+from maulstick.jobs.paint import camera_loop
+from maulstick.jobs.paint.simulation import Simulation
+from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.picture import encode_png, read_picture
+from maulstick.robot.simulated.camera import SimulatedCamera
+from maulstick.storage.arrays import Floats
+from maulstick.storage.files import file_sum
 from tests.cli.conftest import Ran, run
-from tests.cli.webcam import after, put_webcam, unplug
-from tests.planned import STROKES, picture, planned
-from tests.tolerances import LANDED, PICTURE
+from tests.support.cli.webcam import after, put_webcam, unplug
+from tests.support.planned import STROKES, picture, planned
+from tests.support.tolerances import LANDED, PICTURE
 
 EVERY = 12
 NEEDS_REPLAN = "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
@@ -29,7 +29,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a picture and its painting, in which the commands run; planning again takes few steps."""
     monkeypatch.chdir(tmp_path)
     put_webcam(monkeypatch)
-    monkeypatch.setattr(loop, "replanned", partial(loop.replanned, steps=6))
+    monkeypatch.setattr(camera_loop, "replanned", partial(camera_loop.replanned, steps=6))
     (tmp_path / "picture.png").write_bytes(encode_png(picture()))
     known = {"image": "picture.png", "image_sha256": file_sum(tmp_path / "picture.png")}
     made = planned().made.model_copy(update=known)

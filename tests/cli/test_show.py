@@ -7,13 +7,13 @@ import pytest
 from PIL import Image
 
 from maulstick.cli import show as word
-from maulstick.ink import Ink, write_ink
-from maulstick.strokes import Strokes, write_strokes
+from maulstick.strokes.ink import Ink, write_ink
+from maulstick.strokes.strokes import Strokes, write_strokes
 from tests.cli.conftest import Ran, run
 
 STROKE = np.array([[0.0, 0.01, 0.02, 0.2], [0.5, 0.05, 0.04, 0.6], [1.0, 0.09, 0.01, 1.0]])
 INK = Ink.of([STROKE, STROKE[:1]], (0.1, 0.05))
-BRUSH = Path(word.__file__).parents[1] / "brush" / "built_in" / "marker.json"
+BRUSH = Path(word.__file__).parents[1] / "painting" / "built_in_brushes" / "marker.json"
 STYLE = Path(word.__file__).parents[1] / "style" / "built_in" / "hatching.json"
 
 

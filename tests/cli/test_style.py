@@ -6,8 +6,8 @@ import pytest
 import torch
 from PIL import Image
 
-from maulstick.ink import Ink, write_ink
-from maulstick.strokes import Strokes, write_strokes
+from maulstick.strokes.ink import Ink, write_ink
+from maulstick.strokes.strokes import Strokes, write_strokes
 from maulstick.style import cards, train, trajvae
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL

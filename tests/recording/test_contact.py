@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.contact import RELEASE, Contact, ContactOptions, find_contact, propose_threshold
+from maulstick.recording.mocap.contact import RELEASE, Contact, ContactOptions, find_contact, propose_threshold
+from maulstick.storage.arrays import Floats
 
 RATE = 100.0
 MM = 1e-3

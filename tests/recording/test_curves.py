@@ -4,9 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.curves import catmull_rom, polylines
+from maulstick.recording.files.curves import catmull_rom, polylines
+from maulstick.storage.arrays import Floats
 
 points = st.floats(-1, 1, allow_subnormal=False)
 cubics = arrays(np.float64, (1, 4, 2), elements=points)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.contact import ContactOptions
-from maulstick.recording.drawing import Drawing, drawing_of
-from maulstick.recording.frames import CORNERS
-from maulstick.recording.pivot import calibrate_pivot
-from tests.recording.simulated_take import (
+from maulstick.recording.mocap.contact import ContactOptions
+from maulstick.recording.mocap.drawing import Drawing, drawing_of
+from maulstick.recording.mocap.frames import CORNERS
+from maulstick.recording.mocap.pivot import calibrate_pivot
+from maulstick.storage.arrays import Floats
+from tests.support.recording.simulated_take import (
     NONE,
     SESSIONS,
     SHEET,
@@ -26,7 +26,7 @@ from tests.recording.simulated_take import (
     wacom_strokes,
     way_of,
 )
-from tests.tolerances import DRAWN_END, DRAWN_MEDIAN, DRAWN_MEDIAN_ASKED, DRAWN_P95
+from tests.support.tolerances import DRAWN_END, DRAWN_MEDIAN, DRAWN_MEDIAN_ASKED, DRAWN_P95
 
 STROKES = loops_and_lines()
 

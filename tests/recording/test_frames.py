@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.frames import CORNERS, CanvasPath, canvas_path
-from maulstick.recording.take import Take
-from tests.recording.simulated_take import NONE, RATE, SHEET, Faults, loops_and_lines, simulate
-from tests.tolerances import FRAME_METRES, FRAME_METRES_NOISY
+from maulstick.recording.mocap.frames import CORNERS, CanvasPath, canvas_path
+from maulstick.recording.mocap.take import Take
+from maulstick.storage.arrays import Floats
+from tests.support.recording.simulated_take import NONE, RATE, SHEET, Faults, loops_and_lines, simulate
+from tests.support.tolerances import FRAME_METRES, FRAME_METRES_NOISY
 
 PLACES = np.array([(0.0, 0.0, 0.0), (0.24, 0.0, 0.0), (0.05, 0.15, 0.0), (0.1, 0.1, -0.2)])
 PEN = np.array([0.1, 0.1, -0.14])

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.arrays import write_arrays
 from maulstick.errors import InputError
-from maulstick.ink import Ink, write_ink
-from maulstick.recording.ink_files import FORMATS, read_ink_file
-from tests.recording.wacom_files import uim, uim_3_0, will
+from maulstick.recording.files.ink_files import FORMATS, read_ink_file
+from maulstick.storage.arrays import write_arrays
+from maulstick.strokes.ink import Ink, write_ink
+from tests.support.recording.wacom_files import uim, uim_3_0, will
 
 STROKE = np.array([[1.0, 0.01, 0.02, 0.25], [1.5, 0.04, 0.02, 0.5], [1.75, 0.05, 0.03, 1.0], [2.0, 0.02, 0.01, 0.5]])
 INKML = b"""<ink xmlns="http://www.w3.org/2003/InkML"><definitions><context xml:id="c"><inkSource>

@@ -4,11 +4,11 @@ from defusedxml import EntitiesForbidden
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.inkml import read_inkml
-from maulstick.recording.page import Page
-from maulstick.recording.traces import points_of
+from maulstick.recording.files.inkml import read_inkml
+from maulstick.recording.files.page import Page
+from maulstick.recording.files.traces import points_of
+from maulstick.storage.arrays import Floats
 
 XYTF = """<traceFormat {}>
   <channel name="X" type="decimal" units="mm"/><channel name="Y" type="decimal" units="mm"/>

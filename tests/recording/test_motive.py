@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from maulstick.errors import InputError
-from maulstick.recording import motive, motive_header
-from maulstick.recording.motive import read_motive
-from maulstick.recording.take import Take
-from tests.recording.motive_export import motive_csv
+from maulstick.recording.mocap import motive, motive_header
+from maulstick.recording.mocap.motive import read_motive
+from maulstick.recording.mocap.take import Take
+from tests.support.recording.motive_export import motive_csv
 
 FRAMES = 20
 

@@ -13,10 +13,10 @@ from natnet import NatNetClient, nat_net_client
 from scipy.spatial.transform import Rotation
 
 from maulstick.errors import InputError
-from maulstick.recording import natnet
-from maulstick.recording.natnet import Seen, receive
-from maulstick.recording.take import Take
-from tests.recording.natnet_server import Server
+from maulstick.recording.mocap import natnet
+from maulstick.recording.mocap.natnet import Seen, receive
+from maulstick.recording.mocap.take import Take
+from tests.support.recording.natnet_server import Server
 
 FRAMES = 40
 _CONNECT, _REQUEST_MODELS, _FRAME = 0, 4, 7

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.recording.page import Page, on_sheet
+from maulstick.recording.files.page import Page, on_sheet
 
 LINE = np.array([[10.0, 100.0, 50.0, 0.5], [11.0, 300.0, 150.0, 0.75]])  # 200 by 100 units
 

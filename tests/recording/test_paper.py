@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.paper import find_paper
-from tests.recording.simulated_take import RATE, SHEET, loops_and_lines, way_of
-from tests.tolerances import PAPER_METRES
+from maulstick.recording.mocap.plane import find_paper
+from maulstick.storage.arrays import Floats
+from tests.support.recording.simulated_take import RATE, SHEET, loops_and_lines, way_of
+from tests.support.tolerances import PAPER_METRES
 
 WAY = way_of(loops_and_lines(20), 3)
 TIMES = np.arange(len(WAY)) / RATE

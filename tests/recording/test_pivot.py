@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from maulstick.errors import InputError
-from maulstick.recording.pivot import calibrate_pivot
-from maulstick.recording.take import Take
-from tests.recording.simulated_take import NONE, TIP, pivot_take
-from tests.tolerances import PIVOT_METRES, PIVOT_METRES_NOISY
+from maulstick.recording.mocap.pivot import calibrate_pivot
+from maulstick.recording.mocap.take import Take
+from tests.support.recording.simulated_take import NONE, TIP, pivot_take
+from tests.support.tolerances import PIVOT_METRES, PIVOT_METRES_NOISY
 
 
 @settings(max_examples=40, deadline=None)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
-from maulstick.recording.pointer_events import read_pointer_events
+from maulstick.recording.files.pointer_events import read_pointer_events
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "pointer-events.md"
 

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
-from maulstick.recording.smoothing import smooth
+from maulstick.recording.mocap.smoothing import smooth
+from maulstick.storage.arrays import Floats
 
 RATE = 240.0
 GAP = 0.1

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from defusedxml import EntitiesForbidden
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.painting import Stroke
-from maulstick.recording.page import Page
-from maulstick.recording.svg_ink import read_svg
-from maulstick.svg import painting_svg
-from tests.test_painting import CURVE, a_painting
+from maulstick.painting.painting import Stroke
+from maulstick.painting.svg import painting_svg
+from maulstick.recording.files.page import Page
+from maulstick.recording.files.svg_ink import read_svg
+from maulstick.storage.arrays import Floats
+from tests.painting.test_painting import CURVE, a_painting
 
 SHEET = 'width="100mm" height="50mm" viewBox="0 0 100 50"'
 

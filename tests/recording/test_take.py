@@ -4,10 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.arrays import write_arrays
 from maulstick.errors import InputError
-from maulstick.recording.motive import read_motive
-from maulstick.recording.take import Take, is_unit, read_take, write_take
+from maulstick.recording.mocap.motive import read_motive
+from maulstick.recording.mocap.take import Take, is_unit, read_take, write_take
+from maulstick.storage.arrays import write_arrays
 
 
 @pytest.fixture

@@ -3,13 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.recording.frames import canvas_path
-from maulstick.recording.take import Take
-from maulstick.recording.tip import TipPath, steady, tip_path
-from tests.recording.simulated_take import NONE, RATE, TIP, Faults, loops_and_lines, simulate, way_of
-from tests.tolerances import TIP_METRES_NOISY
+from maulstick.recording.mocap.frames import canvas_path
+from maulstick.recording.mocap.take import Take
+from maulstick.recording.mocap.tip import TipPath, steady, tip_path
+from maulstick.storage.arrays import Floats
+from tests.support.recording.simulated_take import NONE, RATE, TIP, Faults, loops_and_lines, simulate, way_of
+from tests.support.tolerances import TIP_METRES_NOISY
 
 NOISE = Faults(pen_lost=0, pen_swapped=0, canvas_lost=0, canvas_swapped=0)
 STROKES = loops_and_lines(6)

@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.recording.page import Page
-from maulstick.recording.wacom import read_uim, read_will
-from tests.recording.wacom_files import InkSensorMetricType, uim, uim_3_0, varint, will
-from tests.tolerances import WACOM_FILE_METRES
+from maulstick.recording.files.page import Page
+from maulstick.recording.files.wacom import read_uim, read_will
+from tests.support.recording.wacom_files import InkSensorMetricType, uim, uim_3_0, varint, will
+from tests.support.tolerances import WACOM_FILE_METRES
 
 Floats = NDArray[np.float64]
 WACOM = Path(__file__).parents[3] / "shared" / "data" / "uil_strokes.npz"

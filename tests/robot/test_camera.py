@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError
-from maulstick.robot.camera import CameraError, UsbCamera, WatchedFolder, open_camera
+from maulstick.robot.camera.camera import CameraError, UsbCamera, WatchedFolder, open_camera
 
 
 class FakeVideo:

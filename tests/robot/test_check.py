@@ -6,13 +6,13 @@ import time
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError, MachineError
+from maulstick.painting.raster import Canvas
 from maulstick.robot.check import check_robot
-from maulstick.robot.sheets import StampedSheet
-from maulstick.robot.simulator import ARM, SimulatedEasel
-from tests.robot.obedient_robot import EASEL, LIMITS, Obedient
+from maulstick.robot.simulated.easel import ARM, SimulatedEasel
+from maulstick.robot.simulated.sheets import StampedSheet
+from maulstick.storage.arrays import Floats
+from tests.support.robot.obedient_robot import EASEL, LIMITS, Obedient
 
 MIDDLE = (0.05, 0.05)
 

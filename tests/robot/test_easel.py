@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
-from tests.robot.recorder import EASEL, LIMITS
-from tests.tolerances import FLOAT64_METRES_NEAR
+from tests.support.robot.recorder import EASEL, LIMITS
+from tests.support.tolerances import FLOAT64_METRES_NEAR
 
 angles = st.floats(-0.5, 0.5)
 lengths = st.floats(-1, 1)

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from serial.tools import list_ports
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.axidraw import AxiDraw
 from maulstick.robot.easel import Pen
-from maulstick.robot.ebb import AxiDraw
 from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
-from tests.robot.fake_ebb import FakeEbb
-from tests.tolerances import CLOCK, STEP_METRES
+from maulstick.storage.arrays import Floats
+from tests.support.robot.fake_ebb import FakeEbb
+from tests.support.tolerances import CLOCK, STEP_METRES
 
 PEN = Pen(up=20000, down=15000, seconds=0.1)
 ABOVE = np.array([0.05, -0.05, 0.005])

@@ -12,15 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import MachineError, OutputError
-from maulstick.painting import write_painting
+from maulstick.painting.painting import write_painting
 from maulstick.robot.execute import Pause, Progress, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Hand, routine, seconds_of
-from tests.robot.mortal_painter import Cut, PowerCutError, World, paint, put_painting
-from tests.robot.recorder import EASEL, LIMITS, Recorder
-from tests.robot.small_paintings import SIX
-from tests.robot.trays import TRAY
+from tests.support.robot.mortal_painter import Cut, PowerCutError, World, paint, put_painting
+from tests.support.robot.recorder import EASEL, LIMITS, Recorder
+from tests.support.robot.small_paintings import SIX
+from tests.support.robot.trays import TRAY
 
 ALL = list(range(10, 16))
 
@@ -263,7 +263,7 @@ def test_power_may_be_cut_again_and_again(tmp_path_factory: pytest.TempPathFacto
 @pytest.mark.parametrize("at", [1, 2, 4, 7, 10, 64])
 def test_after_a_kill_every_stroke_is_painted_once(tmp_path: Path, at: int) -> None:
     put_painting(tmp_path)
-    command = [sys.executable, "-m", "tests.robot.mortal_painter", str(at), tmp_path]
+    command = [sys.executable, "-m", "tests.support.robot.mortal_painter", str(at), tmp_path]
     assert subprocess.run(command, timeout=60, check=False).returncode == -9
     finish(tmp_path)
 

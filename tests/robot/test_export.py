@@ -4,17 +4,17 @@ import re
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.painting import Painting
+from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Pen
-from maulstick.robot.export import as_gcode, as_hpgl, as_json
-from maulstick.robot.gcode import Dialect
+from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
+from maulstick.robot.export.gcode import Dialect
 from maulstick.robot.routine import Draw, routine
-from tests.robot.recorder import EASEL, LIMITS
-from tests.robot.small_paintings import SIX, line, painting_of
-from tests.robot.trays import TRAY
-from tests.tolerances import GCODE_METRES, HPGL_METRES
+from maulstick.storage.arrays import Floats
+from tests.support.robot.recorder import EASEL, LIMITS
+from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.robot.trays import TRAY
+from tests.support.tolerances import GCODE_METRES, HPGL_METRES
 
 LIFTS = LIMITS.model_copy(update={"presses": False})
 ONE = painting_of([line(0, (0.01, 0.02), (0.03, 0.02), press=(0.2, 0.8))])

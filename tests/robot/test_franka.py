@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.franka import FRANKA_LIMITS, Franka
 from maulstick.robot.check import check_robot
 from maulstick.robot.easel import Easel
 from maulstick.robot.force import FeelsForce
-from maulstick.robot.franka import FRANKA_LIMITS, Franka
 from maulstick.robot.robot import StoppedError
-from tests import tolerances
-from tests.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
+from maulstick.storage.arrays import Floats
+from tests.support import tolerances
+from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
 
 EASEL = Easel(corner=(0.5, 0.05, 0.5), right=(1, 0, 0), down=(0, -1, 0))
 START = np.array([0.53, 0.0, 0.5])

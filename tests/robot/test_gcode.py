@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.robot.easel import Easel, Pen
-from maulstick.robot.gcode import Dialect, Gcode
+from maulstick.robot.export.gcode import Dialect, Gcode
 from maulstick.robot.limits import SLACK, Limits
-from tests.tolerances import FEED, GCODE_METRES
+from maulstick.storage.arrays import Floats
+from tests.support.tolerances import FEED, GCODE_METRES
 
 LIMITS = Limits(
     lower=(0, 0, -0.01), upper=(0.3, 0.2, 0.05), speed=0.1, climb=0.02, acceleration=0.5, deviation=1e-5, presses=True

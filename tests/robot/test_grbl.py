@@ -7,16 +7,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.grbl import Grbl
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
 from maulstick.robot.easel import Pen
-from maulstick.robot.grbl import Grbl
-from maulstick.robot.grbl_answers import ALARMS, ERRORS, Status
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
-from tests.robot.fake_grbl import SETTINGS, FakeGrbl
-from tests.tolerances import CLOCK, GCODE_METRES
+from maulstick.storage.arrays import Floats
+from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
+from tests.support.tolerances import CLOCK, GCODE_METRES
 
 SERVO = Pen(up=500, down=700, seconds=0.1)
 ABOVE = np.array([0.05, 0.05, 0.005])

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.robot.hpgl import hpgl
+from maulstick.robot.export.hpgl import hpgl
 from maulstick.robot.limits import Limits
-from tests.tolerances import HPGL_METRES
+from maulstick.storage.arrays import Floats
+from tests.support.tolerances import HPGL_METRES
 
 LIMITS = Limits(lower=(0, 0, -0.01), upper=(0.297, 0.21, 0.01), speed=0.4, climb=0.4, acceleration=2, presses=False)
 

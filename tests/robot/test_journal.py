@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError, OutputError
-from maulstick.painting import write_painting
+from maulstick.painting.painting import write_painting
 from maulstick.robot.journal import Journal, journal_of
-from tests.robot.small_paintings import SIX
+from tests.support.robot.small_paintings import SIX
 
 HOLD = """
 import sys

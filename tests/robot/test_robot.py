@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.robot import StoppedError
-from tests.robot.recorder import LIMITS, Recorder
+from tests.support.robot.recorder import LIMITS, Recorder
 
 HIGH = (0.0, 0.0, 0.05)
 PATH = np.array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]])

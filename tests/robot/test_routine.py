@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
-from maulstick.medium import Brush
-from maulstick.painting import Painting
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import Action, Ask, Care, Draw, Hand, drawn_metres, routine, seconds_of
 from maulstick.robot.tray import Well
-from tests.nominal import nominal
-from tests.robot.recorder import EASEL, LIMITS
-from tests.robot.small_paintings import SIX, line, painting_of
-from tests.robot.trays import TRAY
+from tests.support.nominal import nominal
+from tests.support.robot.recorder import EASEL, LIMITS
+from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.robot.trays import TRAY
 
 LIFTS = LIMITS.model_copy(update={"presses": False, "lifting": 0.2})
 ROUND = nominal("round")

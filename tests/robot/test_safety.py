@@ -8,18 +8,18 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
-from maulstick.painting import Painting
+from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.routine import Action, Ask, Care, Draw, routine
 from maulstick.robot.tray import Tray, Well
-from tests.nominal import nominal
-from tests.robot.recorder import LIMITS, Recorder
-from tests.robot.small_paintings import line, painting_of
 from tests.robot.test_easel import easels
-from tests.robot.trays import TRAY
+from tests.support.nominal import nominal
+from tests.support.robot.recorder import LIMITS, Recorder
+from tests.support.robot.small_paintings import line, painting_of
+from tests.support.robot.trays import TRAY
 
 ROUND = nominal("round")
 HARD = ROUND.model_copy(update={"depth": (0.001, 0.009)})

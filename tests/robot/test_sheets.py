@@ -4,12 +4,12 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.robot import sheets
-from maulstick.robot.sheets import Image, InkedSheet, MyPaintSheet, StampedSheet, sheet_for
-from tests.nominal import nominal
-from tests.robot.small_paintings import BLUE, RED
+from maulstick.painting.raster import Canvas
+from maulstick.robot.simulated import sheets
+from maulstick.robot.simulated.sheets import Image, InkedSheet, MyPaintSheet, StampedSheet, sheet_for
+from tests.support.nominal import nominal
+from tests.support.robot.small_paintings import BLUE, RED
 
 CANVAS = Canvas(0.03, 0.02, 5000)
 ROW = np.array([[0.006, 0.01, 0.5], [0.024, 0.01, 0.5]])

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.robot.camera import CameraError
-from maulstick.robot.simulated_camera import Optics, SimulatedCamera
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.camera import CameraError
+from maulstick.robot.simulated.camera import Optics, SimulatedCamera
 
 CANVAS = Canvas(0.297, 0.210, 1000)
 SMALL = Optics(size=(400, 300))

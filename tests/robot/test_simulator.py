@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from maulstick.arrays import Floats
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
+from maulstick.painting.raster import Canvas
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Ask, Draw, routine, seconds_of
-from maulstick.robot.sheets import Colour, Image, InkedSheet
-from maulstick.robot.simulator import ARM, WEIGHTLESS, SimulatedEasel
-from tests.nominal import nominal
-from tests.robot.small_paintings import BLUE, RED, SIX, line, painting_of
-from tests.robot.trays import TRAY
-from tests.tolerances import FLOAT64_METRES_NEAR
+from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
+from maulstick.robot.simulated.sheets import Colour, Image, InkedSheet
+from maulstick.storage.arrays import Floats
+from tests.support.nominal import nominal
+from tests.support.robot.small_paintings import BLUE, RED, SIX, line, painting_of
+from tests.support.robot.trays import TRAY
+from tests.support.tolerances import FLOAT64_METRES_NEAR
 
 PATH = np.array([[0.01, -0.01, 0.0], [0.05, -0.01, 0.0]])
 STOPPING = 0.2  # seconds: what is asked for

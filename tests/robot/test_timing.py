@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.arrays import Floats
 from maulstick.robot.limits import Limits
 from maulstick.robot.timing import Profile
-from tests.tolerances import FLOAT64_METRES_NEAR, PROFILE_ACCELERATION, PROFILE_SECONDS, PROFILE_STEPPED
+from maulstick.storage.arrays import Floats
+from tests.support.tolerances import FLOAT64_METRES_NEAR, PROFILE_ACCELERATION, PROFILE_SECONDS, PROFILE_STEPPED
 
 LIMITS = Limits(
     lower=(-1, -1, -1), upper=(1, 1, 1), speed=0.2, climb=0.05, acceleration=2.0, deviation=1e-4, presses=True

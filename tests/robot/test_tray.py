@@ -7,8 +7,8 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.robot.tray import Well, read_tray
-from tests.robot.small_paintings import SIX
-from tests.robot.trays import TRAY, WORDS
+from tests.support.robot.small_paintings import SIX
+from tests.support.robot.trays import TRAY, WORDS
 
 
 def fault(tmp_path: Path, content: str) -> str:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.ur import UR
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.ur import UR
-from tests import tolerances
+from tests.support import tolerances
 
 TURNED = [2.2, -2.2, 0.1]
 START = np.array([0.4, -0.1, 0.2])

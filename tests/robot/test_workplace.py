@@ -3,14 +3,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.painting import write_painting
+from maulstick.painting.painting import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Ask, Draw, Hand
 from maulstick.robot.workplace import Workplace
-from tests.robot.recorder import EASEL, Recorder
-from tests.robot.small_paintings import SIX
-from tests.robot.trays import TRAY
-from tests.tolerances import FLOAT64_METRES_NEAR
+from tests.support.robot.recorder import EASEL, Recorder
+from tests.support.robot.small_paintings import SIX
+from tests.support.robot.trays import TRAY
+from tests.support.tolerances import FLOAT64_METRES_NEAR
 
 IDS = list(range(10, 16))
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.xarm import LITE6, XARM, XArm
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.xarm import LITE6, XARM, XArm
-from tests import tolerances
+from tests.support import tolerances
 
 TURNED = [3.1, 0.02, -0.5]
 START = np.array([0.3, 0.0, 0.1])
@@ -146,7 +146,7 @@ def test_a_pressed_emergency_stop_is_named_before_anything_moves(
 
 
 def test_an_arm_that_does_not_arrive_is_noticed(api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("maulstick.robot.streaming._PATIENCE", 0.1)
+    monkeypatch.setattr("maulstick.robot.adapters.streaming._PATIENCE", 0.1)
     with XArm("192.168.1.2") as robot:
         api.latest.stuck = True
         with pytest.raises(MachineError, match="mm beside where it was sent"):

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from maulstick.studio.folder import KINDS
-from maulstick.studio.gate import LARGEST
+from maulstick.studio.server.gate import LARGEST
+from maulstick.studio.state.folder import KINDS
 from tests.studio.conftest import RunningStudio
-from tests.studio.intruder import Intruder
+from tests.support.studio.intruder import Intruder
 
 SECRET = "nobody outside the folder may read this"
 BEGINNING = b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.png"\r\n\r\n'

@@ -9,10 +9,10 @@ from unittest.mock import patch
 import pytest
 
 from maulstick.errors import MaulstickError
-from maulstick.studio.desk import Desk
-from maulstick.studio.gallery import keep_picture
-from tests.studio import work
-from tests.studio.processes import PATIENCE
+from maulstick.studio.state.gallery import keep_picture
+from maulstick.studio.workers.desk import Desk
+from tests.support.studio import work
+from tests.support.studio.processes import PATIENCE
 
 
 def at_a_desk(do: Callable[[Desk], Coroutine[Any, Any, None]]) -> None:
@@ -61,7 +61,7 @@ def test_work_that_takes_too_long_is_given_up() -> None:
     async def do(desk: Desk) -> None:
         await desk.do(work.double, 1)
         with (
-            patch("maulstick.studio.desk._LONGEST", 0.05),
+            patch("maulstick.studio.workers.desk._LONGEST", 0.05),
             pytest.raises(MaulstickError, match="that took longer than 0 s and was given up; try something smaller"),
         ):
             await desk.do(work.sleep, 3600)

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from maulstick.errors import InputError, OutputError
-from maulstick.ink import Ink, read_ink, write_ink
-from maulstick.recording.ink_files import read_ink_file
-from maulstick.studio.desk import Desk
-from maulstick.studio.drawing import USUAL_SHEET, Drawing
-from maulstick.studio.folder import Folder
-from maulstick.studio.hand_work import DRAWING, INK, PICTURE, keep_drawing, learn, take_in
-from maulstick.studio.sheet import MOST_OF_A_STROKE, Stroke, read_sheet, sheet_json
-from tests.tolerances import INK_FILE_METRES
+from maulstick.recording.files.ink_files import read_ink_file
+from maulstick.strokes.ink import Ink, read_ink, write_ink
+from maulstick.studio.state.drawing import USUAL_SHEET, Drawing
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, Stroke, read_sheet, sheet_json
+from maulstick.studio.workers.hand_work import DRAWING, INK, PICTURE, keep_drawing, learn, take_in
+from tests.support.tolerances import INK_FILE_METRES
 
 A6 = 0.105, 0.148
 LINE = [0.0, 10, 10, 0.2, 5, -5, 8.0, 20, 15, 0.7, 6, -6]
@@ -122,14 +122,17 @@ def test_a_stroke_needs_a_number_of_its_own(folder: Folder, id: object) -> None:
 
 def test_a_flood_of_strokes_is_refused_before_any_of_it_is_kept(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
-        with patch("maulstick.studio.drawing.MOST_STROKES", 3):
+        with patch("maulstick.studio.state.drawing.MOST_STROKES", 3):
             for id in range(10):
                 if id < 3:
                     drawing.add(1000 + id, LINE)
                 else:
                     with pytest.raises(InputError, match="the sheet is full; begin a new one"):
                         drawing.add(1000 + id, LINE)
-        with patch("maulstick.studio.drawing.MOST_POINTS", 6), pytest.raises(InputError, match="the sheet is full"):
+        with (
+            patch("maulstick.studio.state.drawing.MOST_POINTS", 6),
+            pytest.raises(InputError, match="the sheet is full"),
+        ):
             drawing.add(2000, LINE)
 
     assert len(at_the_desk(folder, work).strokes) == 3
@@ -228,7 +231,7 @@ def test_a_hand_that_another_page_threw_away_is_kept_anew_once_one_draws_on(fold
 
 def test_a_full_disk_is_told_of_and_the_sheet_stays(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
-        with patch("maulstick.studio.drawing.atomic_write", side_effect=OutputError("the disk is full")):
+        with patch("maulstick.studio.state.drawing.atomic_write", side_effect=OutputError("the disk is full")):
             drawing.add(1000, LINE)
             with pytest.raises(OutputError, match="the disk is full"):
                 await drawing.begin(A6)

@@ -6,8 +6,8 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.robot.easel import read_easel
-from maulstick.studio.easels import Easels
-from maulstick.studio.folder import Folder
+from maulstick.studio.state.easels import Easels
+from maulstick.studio.state.folder import Folder
 from tests.robot.test_easel import EASEL
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError, OutputError
-from maulstick.studio.folder import KINDS, Folder
+from maulstick.studio.state.folder import KINDS, Folder
 
 
 @pytest.fixture
@@ -162,7 +162,7 @@ def test_former_files_are_in_the_trash_and_still_in_their_places(folder: Folder)
 def test_what_cannot_be_copied_into_the_trash_is_told_and_leaves_nothing_there(folder: Folder) -> None:
     (folder.root / "tray.json").write_text("{}")
     with (
-        patch("maulstick.studio.folder.atomic_write", side_effect=OutputError("the disk is full")),
+        patch("maulstick.studio.state.folder.atomic_write", side_effect=OutputError("the disk is full")),
         pytest.raises(OutputError, match=r"cannot copy tray\.json into the trash: the disk is full"),
     ):
         folder.keep_former(folder.root / "tray.json")

@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 from starlette.types import Message, Receive, Scope, Send
 
-from maulstick.studio.gate import Gate
+from maulstick.studio.server.gate import Gate
 
 HERE = "127.0.0.1:8337"
 TOKEN = "jlxwTrRXUbR3S5_4gs5V7k"
@@ -162,20 +162,20 @@ def test_a_length_that_is_no_number_is_refused(length: str) -> None:
 
 
 def test_what_says_that_it_is_too_large_is_refused_before_any_of_it_comes() -> None:
-    with patch("maulstick.studio.gate.LARGEST", 2**20):
+    with patch("maulstick.studio.server.gate.LARGEST", 2**20):
         refused = answer("/", ("Content-Length", str(2**20 + 1)), method="POST", body=[])
         assert status(answer("/", ("Content-Length", str(2**20)), method="POST")) == 200
     assert (status(refused), text_of(refused)) == (413, "That is larger than 1 MiB; send something smaller.\n")
 
 
 def test_what_does_not_say_that_it_is_too_large_is_read_no_further() -> None:
-    with patch("maulstick.studio.gate.LARGEST", 25):
+    with patch("maulstick.studio.server.gate.LARGEST", 25):
         assert text_of(answer(method="POST", body=[b"1234567890"] * 2)) == "/ 20"
         assert answer(method="POST", body=[b"1234567890"] * 1000) == []
 
 
 def test_what_comes_too_slowly_is_given_up() -> None:
-    with patch("maulstick.studio.gate._LONGEST", 0.05):
+    with patch("maulstick.studio.server.gate._LONGEST", 0.05):
         assert answer(method="SLOW", body=[b"1"]) == []
 
 

@@ -8,19 +8,19 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
+from maulstick.colour.mixing import mixing_advice
+from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint
 from maulstick.errors import InputError
-from maulstick.mixing import mixing_advice
-from maulstick.painting import Painting, write_painting
-from maulstick.paints import USUAL_PAINTS, NamedPaint
-from maulstick.records import write_record
+from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.tray import read_tray
-from maulstick.studio.desk import Desk
-from maulstick.studio.folder import Folder
-from maulstick.studio.mixing import Mixing, RowOfWells, tubes_csv
-from maulstick.studio.planned_paints import planned_paints
-from tests.robot.small_paintings import line, painting_of
-from tests.robot.trays import TRAY
-from tests.studio.plans_to_paint import put_plan
+from maulstick.storage.records import write_record
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.mixing import Mixing, RowOfWells, tubes_csv
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.planned_paints import planned_paints
+from tests.support.robot.small_paintings import line, painting_of
+from tests.support.robot.trays import TRAY
+from tests.support.studio.plans_to_paint import put_plan
 
 T = TypeVar("T")
 BLUE_FIRST = painting_of([line(i, (0.01, 0.01), (0.03, 0.01), paint=paint) for i, paint in enumerate((1, 1, 0, 1))])

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 from maulstick.errors import InputError
 from maulstick.robot.journal import Journal, journal_of, locked
 from tests.studio.conftest import RunningStudio
-from tests.studio.plans_to_paint import STROKES, put_plan
+from tests.support.studio.plans_to_paint import STROKES, put_plan
 
 PATIENCE = 120_000  # milliseconds, for a machine that does much else
 QUICK = "Simulated easel, as fast as it can"

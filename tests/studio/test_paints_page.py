@@ -5,8 +5,8 @@ from collections.abc import Callable
 from playwright.sync_api import Page, expect
 
 from tests.studio.conftest import RunningStudio
-from tests.studio.plans_to_paint import put_plan
 from tests.studio.test_mixing import BLUE, BLUE_FIRST, RED
+from tests.support.studio.plans_to_paint import put_plan
 
 
 def test_a_tick_is_seen_in_another_browser_and_after_a_restart(

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from maulstick.ink import read_ink
-from maulstick.recording.ink_files import read_ink_file
-from maulstick.studio.sheet import MOST_OF_A_STROKE
+from maulstick.recording.files.ink_files import read_ink_file
+from maulstick.strokes.ink import read_ink
+from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE
 from tests.studio.conftest import RunningStudio
-from tests.tolerances import PEN_METRES
+from tests.support.tolerances import PEN_METRES
 
 Opened = Callable[..., Page]
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError
-from maulstick.studio.gallery import keep_picture, picture_of, portrait
+from maulstick.studio.state.gallery import keep_picture, picture_of, portrait
 
 
 def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:

@@ -10,11 +10,11 @@ import pytest
 from skimage.data import data_dir
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.job import Job
-from maulstick.painting import read_painting
-from maulstick.studio.folder import Folder
-from maulstick.studio.planner import TARGET, order_frame
-from maulstick.studio.plans import Phase, Plan, Plans
+from maulstick.jobs.plan.options import Job
+from maulstick.painting.painting import read_painting
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.plans import Phase, Plan, Plans
+from maulstick.studio.workers.planner import TARGET, order_frame
 
 _PATIENCE = 120.0
 LONG = 100_000
@@ -155,7 +155,7 @@ def test_a_plan_that_cannot_be_says_why_and_can_be_thrown_away_and_taken_back(fo
 
 
 def test_plans_take_turns_and_one_that_waits_can_be_taken_out(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("maulstick.studio.plans._AT_ONCE", 1)
+    monkeypatch.setattr("maulstick.studio.state.plans._AT_ONCE", 1)
 
     async def wait() -> None:
         plans = Plans(folder)

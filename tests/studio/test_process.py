@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.studio.process import Failed, Process
-from tests.studio import work
-from tests.studio.processes import PATIENCE, have_ended
+from maulstick.studio.workers.process import Failed, Process
+from tests.support.studio import work
+from tests.support.studio.processes import PATIENCE, have_ended
 
 
 def said_by(
@@ -141,8 +141,8 @@ def test_work_whose_studio_is_killed_ends_by_itself(tmp_path: Path) -> None:
 _STUDIO = """
 import asyncio, sys
 from pathlib import Path
-from maulstick.studio.process import Process
-from tests.studio import work
+from maulstick.studio.workers.process import Process
+from tests.support.studio import work
 
 async def keep():
     Process(work.wait_until_alone, *map(Path, sys.argv[1:]), hear=print, ended=lambda: None)

@@ -18,22 +18,22 @@ import pytest
 
 import maulstick
 from maulstick.errors import InputError
-from maulstick.jobs.run.asked import Asked
-from maulstick.jobs.run.session import Errand, rehearse
-from maulstick.painting import read_painting
+from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.session import Errand, rehearse
+from maulstick.painting.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.studio import run_words
-from maulstick.studio.desk import Desk
-from maulstick.studio.folder import Folder
-from maulstick.studio.mixing import Mixing
-from maulstick.studio.painter import Done
-from maulstick.studio.run import Run
-from maulstick.studio.run_words import on_the_page
-from tests.robot.fake_grbl import FakeGrbl
-from tests.robot.small_paintings import SIX, line, painting_of
-from tests.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
-from tests.studio.work import never_stop
+from maulstick.studio.state import machine_names as run_words
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.machine_names import on_the_page
+from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.run import Run
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.messages import Done
+from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
+from tests.support.studio.work import never_stop
 
 PATIENCE = 120.0  # seconds, for a machine that does much else
 SIM, SLOW = Asked(robot="sim"), Asked(robot="sim:real")
@@ -278,7 +278,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
         words: list[str | Path] = [
             sys.executable,
             "-m",
-            "tests.studio.mortal_studio",
+            "tests.support.studio.mortal_studio",
             tmp_path,
             "lines",
             machine,
@@ -342,8 +342,8 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
 
 def test_what_does_not_answer_a_stop_is_told_and_can_be_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put_plan(tmp_path, "lines")
-    monkeypatch.setattr("maulstick.studio.run.paint_in_process", never_stop)
-    monkeypatch.setattr("maulstick.studio.run._LONGEST_STOP", 0.01)
+    monkeypatch.setattr("maulstick.studio.state.run.paint_in_process", never_stop)
+    monkeypatch.setattr("maulstick.studio.state.run._LONGEST_STOP", 0.01)
 
     async def paint() -> None:
         async with opened(tmp_path) as run:

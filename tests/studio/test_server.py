@@ -10,10 +10,10 @@ import pytest
 from websockets.sync.client import connect
 
 from maulstick.errors import InputError
-from maulstick.studio.folder import Folder
-from maulstick.studio.server import serve
+from maulstick.studio.server.server import serve
+from maulstick.studio.state.folder import Folder
 from tests.studio.conftest import COMMAND, RunningStudio
-from tests.studio.processes import PATIENCE, have_ended
+from tests.support.studio.processes import PATIENCE, have_ended
 
 
 @pytest.fixture

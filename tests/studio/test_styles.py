@@ -11,15 +11,15 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError, MaulstickError, OutputError
-from maulstick.strokes import path_lengths
-from maulstick.studio.desk import Desk
-from maulstick.studio.folder import Folder
-from maulstick.studio.panels.styles_map import large_svg, map_svg, neighbours, told_of
-from maulstick.studio.style_work import Difference, Map
-from maulstick.studio.styles import Styles
+from maulstick.strokes.strokes import path_lengths
+from maulstick.studio.panels.styles.map import large_svg, map_svg, neighbours, told_of
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.styles import Styles
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.style_work import Difference, Map
 from maulstick.style.cards import STYLES, style_path
 from maulstick.style.store import read_style, write_style
-from tests.style.synthetic_hands import circle, exemplar_of
+from tests.support.style.synthetic_hands import circle, exemplar_of
 
 THREE = ["cursive", "loops", "hatching"]
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 
 from maulstick.style.store import write_style
 from tests.studio.conftest import RunningStudio
-from tests.style.synthetic_hands import circle, exemplar_of
+from tests.support.style.synthetic_hands import circle, exemplar_of
 
 PATIENCE = 60_000  # milliseconds, for a machine that does much else
 

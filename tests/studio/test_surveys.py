@@ -14,12 +14,12 @@ from starlette.routing import Mount
 from starlette.types import Message, Scope
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.studio.desk import Desk
-from maulstick.studio.folder import Folder
-from maulstick.studio.gate import Gate
-from maulstick.studio.survey_draft import Draft, HandDraft, PairDraft
-from maulstick.studio.survey_pages import survey_pages
-from maulstick.studio.surveys import Surveys, address_of
+from maulstick.studio.server.gate import Gate
+from maulstick.studio.server.survey_pages import survey_pages
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.survey_draft import Draft, HandDraft, PairDraft
+from maulstick.studio.state.surveys import Surveys, address_of
+from maulstick.studio.workers.desk import Desk
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import build, read_survey
 from maulstick.survey.questions import questions

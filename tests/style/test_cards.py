@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError, OutputError
+from maulstick.painting.raster import Canvas
 from maulstick.style import load_style
 from maulstick.style.cards import STYLES, read_card, rename_style, style_path
 from maulstick.style.store import Fitted, read_style, write_style

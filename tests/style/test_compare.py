@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from maulstick.strokes import place
+from maulstick.strokes.strokes import place
 from maulstick.style.compare import (
     CURVINESS,
     Comparison,
@@ -12,8 +12,8 @@ from maulstick.style.compare import (
     energy_distance,
     nearest_neighbour_accuracy,
 )
-from tests.style.synthetic_hands import arc, circle, drawn, line, zigzag
-from tests.tolerances import DESCRIPTION
+from tests.support.style.synthetic_hands import arc, circle, drawn, line, zigzag
+from tests.support.tolerances import DESCRIPTION
 
 PATHS = np.concatenate([drawn(one, 8) for one in (circle, zigzag, arc)])
 LENGTH, CHORD, TURNING, TURN, WIDTH, HEIGHT, ROUGHNESS, INFLECTIONS = 0, 1, 2, 3, 4, 5, 12, 13

@@ -7,7 +7,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from maulstick.style.density import Density, kernel
-from tests.tolerances import FLOAT64_ROUND_TRIP
+from tests.support.tolerances import FLOAT64_ROUND_TRIP
 
 DIMENSIONS = 5
 

@@ -10,7 +10,7 @@ from maulstick.style.compare import describe, energy_distance
 from maulstick.style.exemplar import Exemplar, Hands, gist_and_roughness, pool
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
-from tests.style.synthetic_hands import (
+from tests.support.style.synthetic_hands import (
     Drawing,
     all_hands,
     arc,
@@ -23,7 +23,7 @@ from tests.style.synthetic_hands import (
     strokes_of,
     zigzag,
 )
-from tests.tolerances import FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP
+from tests.support.tolerances import FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP
 
 NUMBERS = GIST + RESIDUAL
 KINDS = (circle, zigzag, arc, line_or_arc)

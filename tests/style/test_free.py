@@ -6,12 +6,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from torch import Tensor
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.strokes import resample, standardise
+from maulstick.painting.raster import Canvas
+from maulstick.strokes.strokes import resample, standardise
 from maulstick.style import Style, load_style
 from maulstick.style.free import FreeStyle
-from tests.tolerances import FLOAT32_METRES, FLOAT64_METRES
+from tests.support.tolerances import FLOAT32_METRES, FLOAT64_METRES
 
 STYLE = FreeStyle(shortest=0.004, longest=0.1)
 CODE = 13

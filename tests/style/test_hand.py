@@ -3,10 +3,10 @@ import pytest
 import torch
 
 from maulstick.errors import InputError
-from maulstick.strokes import Strokes
+from maulstick.strokes.strokes import Strokes
 from maulstick.style.hand import Hand, by_length
-from tests.style.synthetic_hands import arc, drawn, strokes_of
-from tests.tolerances import FLOAT32_VALUE, FLOAT64_ROUND_TRIP
+from tests.support.style.synthetic_hands import arc, drawn, strokes_of
+from tests.support.tolerances import FLOAT32_VALUE, FLOAT64_ROUND_TRIP
 
 PATHS = drawn(arc, 8)
 ROWS = torch.arange(8)

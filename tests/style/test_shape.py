@@ -6,10 +6,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from torch import Tensor
 
-from maulstick.strokes import resample, standardise
+from maulstick.strokes.strokes import resample, standardise
 from maulstick.style.shape import GIST, RESIDUAL, decode, encode, spline_basis
-from tests.style.synthetic_hands import circle, drawn, line, zigzag
-from tests.tolerances import FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP, LEAST_SPLINE
+from tests.support.style.synthetic_hands import circle, drawn, line, zigzag
+from tests.support.tolerances import FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP, LEAST_SPLINE
 
 NUMBERS = GIST + RESIDUAL
 

@@ -11,15 +11,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError, OutputError
+from maulstick.painting.raster import Canvas
 from maulstick.style import cards, load_style, store
 from maulstick.style.exemplar import Exemplar, Hands
 from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE, shapes
-from tests.tolerances import FLOAT32_METRES
+from tests.support.tolerances import FLOAT32_METRES
 
 CANVAS = Canvas(0.2, 0.16, 1000.0)
 HANDS = Hands(np.diag(np.linspace(0.01, 0.5, GIST + 1)), np.full(RESIDUAL, 1e-3))

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from maulstick.strokes import resample, standardise
+from maulstick.strokes.strokes import resample, standardise
 from maulstick.style import train
 from maulstick.style.train import fine_tune, pretrain, pretrained
 from maulstick.style.trajvae import TrajVAE, activity
-from tests.style.synthetic_hands import circle, drawn, hand_of, zigzag
 from tests.style.test_trajvae import FLAT, ROUND, arcs, rms
+from tests.support.style.synthetic_hands import circle, drawn, hand_of, zigzag
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 SESSIONS = ("cat", "circular", "lia", "long", "strokes")

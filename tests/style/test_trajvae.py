@@ -9,13 +9,13 @@ from hypothesis.extra.numpy import arrays
 from torch import Tensor
 
 from maulstick.errors import InputError
-from maulstick.strokes import path_lengths, resample
+from maulstick.strokes.strokes import path_lengths, resample
 from maulstick.style.compare import describe, energy_distance
 from maulstick.style.exemplar import Exemplar, Hands
 from maulstick.style.hand import Hand
 from maulstick.style.train import pretrained
 from maulstick.style.trajvae import LATENT, TrajVAE, activity, shapes
-from tests.style.synthetic_hands import arc, circle, drawn, strokes_of, zigzag
+from tests.support.style.synthetic_hands import arc, circle, drawn, strokes_of, zigzag
 
 NETWORK = pretrained()
 

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.survey.questions import OPINIONS, SAME_HAND, questions
+from tests.support.tolerances import SURVEY_BALANCE
 from tests.survey.conftest import named
-from tests.tolerances import SURVEY_BALANCE
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -20,8 +20,8 @@ from maulstick.survey.results import (
     results,
     right_rows,
 )
+from tests.support.tolerances import FOUR_DIGITS
 from tests.survey.conftest import NAMES, SYSTEMS
-from tests.tolerances import FOUR_DIGITS
 
 
 def take_part(folder: Path, hands: dict[str, str], system: str) -> None:

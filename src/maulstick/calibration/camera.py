@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from scipy.optimize import least_squares
 
 from maulstick.calibration.tags import found_tags
-from maulstick.canvas import Canvas
+from maulstick.colour.srgb import Image
 from maulstick.errors import InputError
-from maulstick.light import Image
-from maulstick.records import read_record, write_record
-from maulstick.robot.opencv import opencv
-from maulstick.robot.tag_frame import TAGS, TagFrame
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.opencv import opencv
+from maulstick.robot.camera.tag_frame import TAGS, TagFrame
+from maulstick.storage.records import read_record, write_record
 
 Floats = NDArray[np.float64]
 

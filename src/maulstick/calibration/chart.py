@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from maulstick.calibration.colour import Colours, Whites
-from maulstick.canvas import Canvas
+from maulstick.colour.srgb import Image, colours_of, light_of
 from maulstick.errors import InputError
-from maulstick.light import Image, colours_of, light_of
-from maulstick.robot.opencv import opencv
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.opencv import opencv
 
 Floats = NDArray[np.float64]
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.arrays import Floats
-from maulstick.canvas import Canvas
+from maulstick.brush_fit.trials import Trials
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.painting import Painting
-from maulstick.picture import encode_png, read_picture
+from maulstick.painting.painting import Painting
+from maulstick.painting.picture import encode_png, read_picture
+from maulstick.painting.raster import Canvas
 from maulstick.robot.workplace import Workplace
-from maulstick.trials import Trials
+from maulstick.storage.arrays import Floats
+from maulstick.storage.files import atomic_write
 
 Image = NDArray[np.float32]
 

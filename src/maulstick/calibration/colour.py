@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.calibration.camera import View
 from maulstick.calibration.tags import sampled
+from maulstick.colour.srgb import Image, colours_of, light_of
 from maulstick.errors import InputError
-from maulstick.light import Image, colours_of, light_of
-from maulstick.records import read_record, write_record
-from maulstick.robot.tag_frame import TagFrame
+from maulstick.robot.camera.tag_frame import TagFrame
+from maulstick.storage.records import read_record, write_record
 
 Floats = NDArray[np.float64]
 Whites = Mapping[int, Floats]

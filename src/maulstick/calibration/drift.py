@@ -9,9 +9,9 @@ from scipy.optimize import least_squares
 
 from maulstick.calibration.camera import margin_px
 from maulstick.calibration.tags import sampled
-from maulstick.canvas import Canvas
-from maulstick.light import Image
-from maulstick.robot.opencv import opencv
+from maulstick.colour.srgb import Image
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.opencv import opencv
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -7,17 +7,16 @@ from typing import Final, Self, final
 import numpy as np
 from pydantic import ValidationError
 
-from maulstick.arrays import Floats, read_arrays, write_arrays
 from maulstick.calibration.camera import View, locate, margin_px
 from maulstick.calibration.colour import Colours, lamp_of, whites_of
 from maulstick.calibration.drift import MARGIN, Shift, sheet_place, shift_between
-from maulstick.canvas import Canvas
-from maulstick.errors import InputError, MachineError
-from maulstick.light import Image
-from maulstick.medium import first_fault
-from maulstick.robot.camera import Camera
+from maulstick.colour.srgb import Image
+from maulstick.errors import InputError, MachineError, validation_fault
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.camera import Camera
+from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
-from maulstick.robot.tag_frame import TagFrame
+from maulstick.storage.arrays import Floats, read_arrays, write_arrays
 
 KIND: Final = "eye"
 _STILL = 0.5e-3  # metres: what a photograph may be wrong by
@@ -125,7 +124,7 @@ class Eye:
         try:
             colours = Colours.model_validate_json(str(arrays["colours"]))
         except ValidationError as error:
-            raise InputError(f"{path} is damaged: {first_fault(error)}; begin again on a bare sheet") from error
+            raise InputError(f"{path} is damaged: {validation_fault(error)}; begin again on a bare sheet") from error
         return cls(camera, canvas, tags, colours, arrays["start"].astype(np.float32) / np.float32(255), view)
 
 

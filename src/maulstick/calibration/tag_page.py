@@ -6,8 +6,8 @@ from pathlib import Path
 from PIL import Image, ImageDraw, ImageFont
 
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.robot.tag_frame import TAGS, TagFrame
+from maulstick.robot.camera.tag_frame import TAGS, TagFrame
+from maulstick.storage.files import atomic_write
 
 _DPI = 600
 _PIXELS_PER_METRE = _DPI / 25.4e-3

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.light import Image, light_of
-from maulstick.robot.opencv import opencv
-from maulstick.robot.tag_frame import MODULES, TAGS
+from maulstick.colour.srgb import Image, light_of
+from maulstick.robot.camera.opencv import opencv
+from maulstick.robot.camera.tag_frame import MODULES, TAGS
 
 Floats = NDArray[np.float64]
 

@@ -12,12 +12,11 @@ from typing import Final
 import numpy as np
 from pydantic import ValidationError
 
-from maulstick.arrays import Floats
-from maulstick.errors import InputError, MachineError
-from maulstick.medium import first_fault
+from maulstick.errors import InputError, MachineError, validation_fault
 from maulstick.robot.easel import Easel
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.limits import Limits, Point
+from maulstick.storage.arrays import Floats
 
 MOST_ERROR: Final = 1e-3
 """Metres, root mean square, that touched points may lie beside their places on a plane."""
@@ -70,7 +69,7 @@ def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, tr
             error=error,
         )
     except ValidationError as fault:
-        raise InputError(f"the touched points give no easel: {first_fault(fault)}") from fault
+        raise InputError(f"the touched points give no easel: {validation_fault(fault)}") from fault
 
 
 def with_deepest(easel: Easel, place: Floats) -> Easel:

@@ -4,9 +4,8 @@ import os
 import sys
 from io import TextIOWrapper
 
+from maulstick.cli.exit_codes import STOPPED
 from maulstick.errors import MachineError, MaulstickError, OutputError
-
-STOPPED = 130
 
 
 def main() -> None:

@@ -10,10 +10,10 @@ from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
 from maulstick.cli.export import export
 from maulstick.cli.mix import mix
-from maulstick.cli.paint import paint
+from maulstick.cli.paint import run
+from maulstick.cli.plan import paint
 from maulstick.cli.record import record
 from maulstick.cli.render import render
-from maulstick.cli.run import run
 from maulstick.cli.show import show
 from maulstick.cli.studio import studio
 from maulstick.cli.style import style

@@ -16,15 +16,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.canvas import Canvas
 from maulstick.cli.show import check_picture, kind_in
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.painting import Painting, read_painting
-from maulstick.picture import lay_out, read_picture
+from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.picture import lay_out, read_picture
+from maulstick.painting.raster import Canvas
+from maulstick.storage.files import atomic_write
 
 if TYPE_CHECKING:
-    from maulstick.figures import Figures
+    from maulstick.painting.metrics import Figures
 
 _MOST = 6
 _READ_PX = 4096
@@ -49,8 +49,8 @@ def compare(
     plans = _read(paintings)
     picture = None if photo is None else read_picture(photo, longest_px=_READ_PX)
 
-    from maulstick.brush.preview import preview  # these load torch
-    from maulstick.plates.compare import Panel, compare_plate
+    from maulstick.plots.compare import Panel, compare_plate
+    from maulstick.rendering.preview import preview  # these load torch
 
     named = dict(zip(_names(paintings), plans, strict=True))
     likeness = {name: None if picture is None else _likeness(plan, picture) for name, plan in named.items()}
@@ -110,8 +110,8 @@ def _measured_on(plan: Painting) -> Canvas:
 
 def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Figures":
     """How near the painting comes to the picture over the picture's area."""
-    from maulstick.brush.preview import preview
-    from maulstick.figures import compare as figures
+    from maulstick.painting.metrics import compare as figures
+    from maulstick.rendering.preview import preview
 
     canvas = _measured_on(plan)
     left, top, right, bottom = (
@@ -137,7 +137,7 @@ def _figures(likeness: "Figures | None") -> str:
 
 def _rows(plans: Sequence[Painting], likeness: Sequence["Figures | None"]) -> dict[str, list[str]]:
     """A value for each plan in each row."""
-    from maulstick.brush.preview import coverage
+    from maulstick.rendering.preview import coverage
 
     lengths = [plan.lengths() for plan in plans]
     styles = [Counter(stroke.style.name for stroke in plan.strokes if stroke.style is not None) for plan in plans]

@@ -8,17 +8,17 @@ import typer
 
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.jobs.run.asked import Asked
-from maulstick.painting import Painting, read_painting
+from maulstick.jobs.paint.options import Asked
+from maulstick.ordering.sequence import sequenced
+from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.svg import axidraw_svg
 from maulstick.robot.easel import Easel, Pen, read_easel
-from maulstick.robot.export import as_gcode, as_hpgl, as_json
-from maulstick.robot.gcode import Dialect
+from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
+from maulstick.robot.export.gcode import Dialect
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import routine
-from maulstick.robot.sequence import sequenced
 from maulstick.robot.tray import Tray, read_tray
-from maulstick.svg import axidraw_svg
+from maulstick.storage.files import atomic_write
 
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
 

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from maulstick.errors import OutputError
-from maulstick.jobs.folder import as_output_error
+from maulstick.storage.folders import as_output_error
 
 
 def check_absent(path: Path, option: str, overwrite: bool) -> None:

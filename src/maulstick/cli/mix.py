@@ -9,10 +9,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.painting import Paint, hex_colour, read_painting
+from maulstick.painting.painting import Paint, hex_colour, read_painting
 
 if TYPE_CHECKING:
-    from maulstick.mixing import Recipe
+    from maulstick.colour.mixing import Recipe
 
 
 def mix(
@@ -33,8 +33,8 @@ def mix(
     is in its tube, unless `--from` names others. At 5 (CIEDE2000) and above a colour is out of these paints' reach.
     """
     plan = read_painting(painting)
-    from maulstick.mixing import mixing_advice  # these take a moment
-    from maulstick.paints import USUAL_PAINTS, read_paints
+    from maulstick.colour.mixing import mixing_advice  # these take a moment
+    from maulstick.colour.tubes import USUAL_PAINTS, read_paints
 
     base = USUAL_PAINTS if source is None else read_paints(source)
     recipes = mixing_advice(np.array([paint.colour for paint in plan.paints]).reshape(-1, 3), base)

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from maulstick.canvas import Canvas
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.painting import read_painting
-from maulstick.picture import encode_png
+from maulstick.painting.painting import read_painting
+from maulstick.painting.picture import encode_png
+from maulstick.painting.raster import Canvas
+from maulstick.storage.files import atomic_write
 
 _LARGEST_PX = 8192
 
@@ -30,7 +30,7 @@ def render(
     if not 1 <= px <= longest <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"at least 1, with no side of the image above {_LARGEST_PX}")
     check_absent(path, "--out", overwrite)
-    from maulstick.brush.preview import preview  # loads torch
+    from maulstick.rendering.preview import preview  # loads torch
 
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
     atomic_write(path, encode_png(preview(plan, canvas)))

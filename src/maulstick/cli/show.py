@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from maulstick.arrays import kind_of
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.files import atomic_write, read_whole
+from maulstick.storage.arrays import kind_of
+from maulstick.storage.files import atomic_write, read_whole
 
 _SMALLEST_PX, _LARGEST_PX = 240, 2400
 _WIDEST_PX = 8192
@@ -66,43 +66,43 @@ def _kind_of_json(file: Path) -> str | None:
 
 
 def _ink(file: Path, px: int) -> bytes:
-    from maulstick.ink import read_ink
-    from maulstick.plates.ink import ink_plate
+    from maulstick.plots.ink import ink_plate
+    from maulstick.strokes.ink import read_ink
 
     return ink_plate(read_ink(file), file.name, px)
 
 
 def _strokes(file: Path, px: int) -> bytes:
-    from maulstick.plates.strokes import strokes_plate
-    from maulstick.strokes import read_strokes
+    from maulstick.plots.strokes import strokes_plate
+    from maulstick.strokes.strokes import read_strokes
 
     return strokes_plate(read_strokes(file), file.name, px)
 
 
 def _style(file: Path, px: int) -> bytes:
-    from maulstick.plates.style import style_plate  # loads torch
+    from maulstick.plots.style import style_plate  # loads torch
     from maulstick.style.store import read_style
 
     return style_plate(read_style(file), file.name, px)
 
 
 def _brush(file: Path, px: int) -> bytes:
-    from maulstick.medium import load_brush
-    from maulstick.plates.brush import brush_plate  # loads torch
+    from maulstick.painting.brush import load_brush
+    from maulstick.plots.brush import brush_plate  # loads torch
 
     return brush_plate(load_brush(str(file)), file.name, px)
 
 
 def _painting(file: Path, px: int) -> bytes:
-    from maulstick.canvas import Canvas
-    from maulstick.painting import read_painting
-    from maulstick.picture import encode_png
+    from maulstick.painting.painting import read_painting
+    from maulstick.painting.picture import encode_png
+    from maulstick.painting.raster import Canvas
 
     plan = read_painting(file)
     canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
     if canvas.width_px > _WIDEST_PX:
         raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
-    from maulstick.brush.preview import preview  # loads torch
+    from maulstick.rendering.preview import preview  # loads torch
 
     return encode_png(preview(plan, canvas))
 

@@ -19,7 +19,7 @@ def studio(
 ) -> None:
     """Draw a hand, plan, mix and paint, on a page in a browser."""
     try:
-        from maulstick.studio.server import serve  # loads NiceGUI
+        from maulstick.studio.server.server import serve  # loads NiceGUI
     except ModuleNotFoundError as error:
         raise InputError("the studio needs NiceGUI; run: pip install 'maulstick[studio]'") from error
     serve(folder, host, port, browser)

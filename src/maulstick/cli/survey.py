@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
+from maulstick.storage.files import atomic_write
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import read_survey
 

@@ -9,12 +9,12 @@ from functools import partial
 
 import numpy as np
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.timing import Profile
+from maulstick.storage.arrays import Floats
 
 _SHEET = 0.1  # metres: its sides
 _HALF = 0.01  # metres: of the square's side

@@ -6,9 +6,9 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from maulstick.arrays import Floats
-from maulstick.records import read_record, write_record
 from maulstick.robot.limits import Limits, Point
+from maulstick.storage.arrays import Floats
+from maulstick.storage.records import read_record, write_record
 
 _SQUARE = 1e-6
 _Finite = Annotated[float, Field(allow_inf_nan=False)]

@@ -16,7 +16,7 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import file_to_read, held, read_whole, sync_folder
+from maulstick.storage.files import file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
 _LARGEST = 2**28  # bytes: millions of strokes

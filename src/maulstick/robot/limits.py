@@ -5,8 +5,8 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 
 _SHARE = 1e-12
 

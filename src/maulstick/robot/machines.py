@@ -26,37 +26,37 @@ def machine(word: str, easel: Easel | None) -> Robot:
 
 
 def _grbl(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.grbl import Grbl
+    from maulstick.robot.adapters.grbl import Grbl
 
     return Grbl(address, None if easel is None else easel.pen, limits)
 
 
 def _axidraw(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.ebb import AxiDraw
+    from maulstick.robot.adapters.axidraw import AxiDraw
 
     return AxiDraw(address or None, None if easel is None else easel.pen, limits)
 
 
 def _xarm(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.xarm import XArm
+    from maulstick.robot.adapters.xarm import XArm
 
     return XArm(address, limits)
 
 
 def _lite6(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.xarm import LITE6, XArm
+    from maulstick.robot.adapters.xarm import LITE6, XArm
 
     return XArm(address, LITE6 if limits is None else LITE6.narrowed(limits))
 
 
 def _franka(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.franka import Franka
+    from maulstick.robot.adapters.franka import Franka
 
     return Franka(address, limits)
 
 
 def _ur(address: str, easel: Easel | None, limits: Limits | None) -> Robot:
-    from maulstick.robot.ur import UR
+    from maulstick.robot.adapters.ur import UR
 
     return UR(address, limits)
 

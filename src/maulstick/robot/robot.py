@@ -8,11 +8,11 @@ from typing import Self, final
 
 import numpy as np
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
+from maulstick.storage.arrays import Floats
 
 _SAME_PLACE = 1e-4  # metres, to a pen
 

@@ -6,14 +6,14 @@ from typing import Final, Literal
 
 import numpy as np
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.medium import Brush
-from maulstick.painting import Painting, Stroke
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Painting, Stroke
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.timing import Profile
 from maulstick.robot.tray import Tray, Well
+from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres
 _STEADY = 0.02  # of press: what a machine that only lifts may leave out

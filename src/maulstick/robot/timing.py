@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from maulstick.arrays import Floats
 from maulstick.robot.limits import Limits
+from maulstick.storage.arrays import Floats
 
 _STRAIGHT = 1e-12
 

@@ -6,11 +6,11 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from maulstick.arrays import Floats
 from maulstick.errors import InputError
-from maulstick.medium import Name
-from maulstick.painting import Painting
-from maulstick.records import read_record
+from maulstick.painting.brush import Name
+from maulstick.painting.painting import Painting
+from maulstick.storage.arrays import Floats
+from maulstick.storage.records import read_record
 
 _TURN = 12  # points of a turn in a well
 

@@ -5,15 +5,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from maulstick.arrays import Floats
-from maulstick.painting import Painting
+from maulstick.ordering.sequence import sequenced
+from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import Pause, Progress, execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, Ask, Hand, routine
-from maulstick.robot.sequence import sequenced
 from maulstick.robot.tray import Tray, Well
+from maulstick.storage.arrays import Floats
 
 
 def _unseen(progress: Progress) -> None:

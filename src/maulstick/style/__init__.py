@@ -1,6 +1,6 @@
 """Styles: what a hand's strokes look like, as a prior that the planner optimises in."""
 
-from maulstick.canvas import Canvas
+from maulstick.painting.raster import Canvas
 from maulstick.style.cards import style_path
 from maulstick.style.style import Style
 

@@ -7,10 +7,10 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, file_to_read, read_whole
-from maulstick.medium import Name
-from maulstick.records import read_record, write_record
-from maulstick.shelf import NAME, Shelf
+from maulstick.painting.brush import Name
+from maulstick.storage.files import atomic_write, file_to_read, read_whole
+from maulstick.storage.library import NAME, Shelf
+from maulstick.storage.records import read_record, write_record
 
 VERSION: Final = 1
 FEWEST = 5

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from maulstick.strokes import path_lengths, standardise
+from maulstick.strokes.strokes import path_lengths, standardise
 
 Floats = NDArray[np.float64]
 

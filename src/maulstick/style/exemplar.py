@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
-from maulstick.strokes import POINTS
+from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel

@@ -8,10 +8,10 @@ from typing import Self
 import torch
 from torch import Generator, Tensor
 
-from maulstick.canvas import Canvas
 from maulstick.errors import InputError
-from maulstick.strokes import POINTS
-from maulstick.style.press import KNOTS
+from maulstick.painting.raster import Canvas
+from maulstick.strokes.strokes import POINTS
+from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
 

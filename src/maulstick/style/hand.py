@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from maulstick.errors import InputError
-from maulstick.strokes import POINTS, Strokes
+from maulstick.strokes.strokes import POINTS, Strokes
 from maulstick.style.cards import FEWEST
-from maulstick.style.press import KNOTS, fit_knots
+from maulstick.style.pressure import KNOTS, fit_knots
 
 Floats = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from torch import Tensor
 
-from maulstick.strokes import POINTS
+from maulstick.strokes.strokes import POINTS
 
 Floats = NDArray[np.float64]
 

@@ -11,13 +11,13 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, read_whole
-from maulstick.records import write_record
-from maulstick.strokes import POINTS, path_lengths
+from maulstick.storage.files import atomic_write, read_whole
+from maulstick.storage.records import write_record
+from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
 from maulstick.style.exemplar import Exemplar, Hands
 from maulstick.style.hand import Hand
-from maulstick.style.press import KNOTS
+from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 

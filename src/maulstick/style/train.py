@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from safetensors.numpy import load
 from torch import Generator, Tensor
 
-from maulstick.strokes import standardise
+from maulstick.rendering.threads import one_torch_thread
+from maulstick.strokes.strokes import standardise
 from maulstick.style import shape
 from maulstick.style.exemplar import pool
 from maulstick.style.hand import Hand
 from maulstick.style.trajvae import LATENT, TrajVAE, Weights, check_weights, numbers_of, posterior, shapes
-from maulstick.threads import one_torch_thread
 
 Floats = NDArray[np.float64]
 

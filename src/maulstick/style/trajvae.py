@@ -18,7 +18,7 @@ from torch import Generator, Tensor
 from torch.nn.functional import linear, silu
 
 from maulstick.errors import InputError
-from maulstick.strokes import POINTS, path_lengths
+from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style import shape
 from maulstick.style.density import Density, kernel
 from maulstick.style.exemplar import Exemplar, Hands

@@ -11,8 +11,7 @@ from typing import final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from maulstick.errors import InputError, OutputError
-from maulstick.medium import first_fault
+from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.survey.questions import Kind, Question
 
 _MOST_LINKS = 1000
@@ -156,7 +155,7 @@ class Answers:
         try:
             return [Answer.model_validate(row | {"shown": Shown.model_validate_json(row["shown"])}) for row in rows]
         except ValidationError as error:
-            raise InputError(f"{self.path} does not hold answers of a survey: {first_fault(error)}") from error
+            raise InputError(f"{self.path} does not hold answers of a survey: {validation_fault(error)}") from error
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:

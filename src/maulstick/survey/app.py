@@ -15,7 +15,7 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from maulstick.errors import MaulstickError
-from maulstick.files import read_whole
+from maulstick.storage.files import read_whole
 from maulstick.survey.answers import Answers, Participant
 from maulstick.survey.pages import ICON, STYLE, apology, asking, beginning, letters, thanks
 from maulstick.survey.questionnaire import read_survey

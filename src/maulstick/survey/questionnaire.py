@@ -11,12 +11,11 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write, file_to_read
-from maulstick.medium import first_fault
-from maulstick.picture import encode_png, read_picture
-from maulstick.records import read_record, write_record
-from maulstick.shelf import NAME
+from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.painting.picture import encode_png, read_picture
+from maulstick.storage.files import atomic_write, file_to_read
+from maulstick.storage.library import NAME
+from maulstick.storage.records import read_record, write_record
 
 LONGEST_PX: Final = 1024
 """The longest side of a picture in a survey."""
@@ -131,7 +130,7 @@ def build(folder: Path, title: str, match: Match | None, opinions: Opinions | No
     try:
         survey = Survey(title=title, match=_renamed(match, sources), opinions=_paired(opinions, sources))
     except ValidationError as error:
-        raise InputError(f"this is not a survey: {first_fault(error)}") from error
+        raise InputError(f"this is not a survey: {validation_fault(error)}") from error
     pictures = {name: encode_png(read_picture(source, LONGEST_PX)) for name, source in sources.items()}
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)

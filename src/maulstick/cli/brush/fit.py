@@ -12,14 +12,14 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
+from maulstick.brush_fit.trials import Trials
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError, OutputError
-from maulstick.files import atomic_write
-from maulstick.medium import BRUSHES, write_brush
-from maulstick.trials import Trials
+from maulstick.painting.brush import BRUSHES, write_brush
+from maulstick.storage.files import atomic_write
 
 if TYPE_CHECKING:
-    from maulstick.brush.fit import Fit
+    from maulstick.brush_fit.fit import Fit
 
 _MOST_SAID = 10
 
@@ -47,7 +47,7 @@ def fit(
     drawn = Trials.open(trials)
     started = time.monotonic()
     console = Console(stderr=True, markup=False, highlight=False)
-    from maulstick.brush.fit import fit_brush  # loads torch
+    from maulstick.brush_fit.fit import fit_brush  # loads torch
 
     with _progress_bar(console) as show:
         found = fit_brush(drawn, drawn.pixels_per_metre, name, source=_source(drawn), depth=drawn.depth, progress=show)
@@ -59,7 +59,7 @@ def fit(
     _say_left_out(console, found.left_out)
     _print_summary(found, seconds, path)
     if plate is not None:
-        from maulstick.plates.brush_fit import fit_plate
+        from maulstick.plots.brush_fit import fit_plate
 
         atomic_write(plate, fit_plate(found))
         print(plate, flush=True)
@@ -101,7 +101,7 @@ def _say_left_out(console: Console, left_out: Sequence[str]) -> None:
 
 
 def _print_summary(found: "Fit", seconds: float, path: Path) -> None:
-    from maulstick.plates.brush_fit import measured
+    from maulstick.plots.brush_fit import measured
 
     rows = {
         "strokes": f"{found.strokes}{f' (and {len(found.left_out)} left out)' if found.left_out else ''}",

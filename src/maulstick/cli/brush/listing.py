@@ -5,7 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
-from maulstick.medium import BRUSHES, load_brush
+from maulstick.painting.brush import BRUSHES, load_brush
 
 
 def list_brushes() -> None:

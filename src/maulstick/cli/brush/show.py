@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.show import check_picture
-from maulstick.files import atomic_write
-from maulstick.medium import load_brush
+from maulstick.painting.brush import load_brush
+from maulstick.storage.files import atomic_write
 
 
 def show(
@@ -23,7 +23,7 @@ def show(
     path = out or Path(f"{called}.png")
     check_picture(path, px, overwrite)
     brush = load_brush(name)
-    from maulstick.plates.brush import brush_plate  # loads torch
+    from maulstick.plots.brush import brush_plate  # loads torch
 
     atomic_write(path, brush_plate(brush, called, px))
     print(path, flush=True)

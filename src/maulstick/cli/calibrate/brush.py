@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from maulstick.canvas import Canvas, flat_canvas, parse_size
 from maulstick.cli.brush.fit import fit as fit_trials
-from maulstick.cli.run.operator import Operator, confirm
+from maulstick.cli.paint.operator import Operator, confirm
 from maulstick.errors import InputError, MachineError, OutputError
-from maulstick.jobs.folder import all_or_nothing
-from maulstick.jobs.run.asked import Asked
-from maulstick.jobs.run.driven_alone import driven_alone
-from maulstick.jobs.run.simulation import Simulation
-from maulstick.medium import BRUSHES, Brush, load_brush
-from maulstick.painting import Painting, Sheet, read_painting, write_painting
+from maulstick.jobs.paint.machine_lock import driven_alone
+from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.simulation import Simulation
+from maulstick.painting.brush import BRUSHES, Brush, load_brush
+from maulstick.painting.painting import Painting, Sheet, read_painting, write_painting
+from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.machines import WORDS, machine
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.folders import all_or_nothing
 
 if TYPE_CHECKING:
     import numpy as np
@@ -109,7 +109,7 @@ def _sheet(
         return begun
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} holds something else; choose another --out")
-    from maulstick.loop import practice  # loads torch
+    from maulstick.jobs.paint.camera_loop import practice  # loads torch
     from maulstick.style import load_style
 
     hand = load_style(style, Canvas(*size, 1.0))
@@ -129,9 +129,9 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
     from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
     from maulstick.calibration.eye import Eye
-    from maulstick.loop import room_of
-    from maulstick.robot.camera import open_camera
-    from maulstick.robot.tag_frame import TagFrame
+    from maulstick.jobs.paint.camera_loop import room_of
+    from maulstick.robot.camera.camera import open_camera
+    from maulstick.robot.camera.tag_frame import TagFrame
 
     console = Console(stderr=True, markup=False, highlight=False)
 

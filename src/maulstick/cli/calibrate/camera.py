@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from maulstick.arrays import Floats
-from maulstick.canvas import flat_canvas, parse_size
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.picture import encode_png, read_picture
+from maulstick.painting.picture import encode_png, read_picture
+from maulstick.painting.raster import flat_canvas, parse_size
+from maulstick.storage.arrays import Floats
+from maulstick.storage.files import atomic_write
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from maulstick.calibration.camera import View
-    from maulstick.robot.tag_frame import TagFrame
+    from maulstick.robot.camera.tag_frame import TagFrame
 
 
 def camera(
@@ -53,7 +53,7 @@ def camera(
         check_absent(keep, "--keep", overwrite)
     from maulstick.calibration.camera import write_view
     from maulstick.calibration.colour import read_colours, whites_of
-    from maulstick.robot.tag_frame import TagFrame
+    from maulstick.robot.camera.tag_frame import TagFrame
 
     picture, frame = read_picture(photo), TagFrame(*sheet, side=tag * 1e-3)
     view = view_of(picture, frame, corners)

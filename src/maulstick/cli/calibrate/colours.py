@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from maulstick.canvas import flat_canvas, parse_size
 from maulstick.cli.calibrate.camera import four_points
 from maulstick.cli.folder import check_absent
+from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
-from maulstick.palette import parse_colour
-from maulstick.picture import read_picture
+from maulstick.painting.picture import read_picture
+from maulstick.painting.raster import flat_canvas, parse_size
 
 
 def colours(
@@ -45,7 +45,7 @@ def colours(
     from maulstick.calibration.camera import locate
     from maulstick.calibration.chart import with_chart, with_grey_card
     from maulstick.calibration.colour import lamp_of, whites_of, write_colours
-    from maulstick.robot.tag_frame import TagFrame
+    from maulstick.robot.camera.tag_frame import TagFrame
 
     frame = TagFrame(*sheet, side=tag * 1e-3)
     photo = read_picture(bare)

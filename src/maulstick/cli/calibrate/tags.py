@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from maulstick.canvas import parse_size
 from maulstick.cli.folder import check_absent
+from maulstick.painting.raster import parse_size
 
 
 def tags(
@@ -22,7 +22,7 @@ def tags(
     width, height = parse_size(size)
     check_absent(out, "--out", overwrite)
     from maulstick.calibration.tag_page import write_tag_page
-    from maulstick.robot.tag_frame import TagFrame
+    from maulstick.robot.camera.tag_frame import TagFrame
 
     write_tag_page(out, TagFrame(width, height, side=tag * 1e-3), parse_size(page))
     print(out, flush=True)

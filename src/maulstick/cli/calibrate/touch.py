@@ -10,17 +10,17 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from maulstick.canvas import parse_size
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.jobs.run.driven_alone import driven_alone
+from maulstick.jobs.paint.machine_lock import driven_alone
+from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
 from maulstick.robot.machines import WORDS, machine
 
 if TYPE_CHECKING:
-    from maulstick.arrays import Floats
     from maulstick.robot.easel import Easel
     from maulstick.robot.robot import Robot
+    from maulstick.storage.arrays import Floats
 
 _LIFT = 0.02  # metres, from corner to corner
 _ENTER = ("c-m", "c-j")  # as terminals send it

@@ -1,5 +1,5 @@
-"""``maulstick paint``: from a picture or a text to a painting in a folder."""
+"""``maulstick run``: let a machine paint."""
 
-from maulstick.cli.paint.command import paint
+from maulstick.cli.paint.command import run
 
-__all__ = ["paint"]
+__all__ = ["run"]

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from maulstick.canvas import parse_length, parse_size
 from maulstick.cli.record.writing import check_out, write_result
 from maulstick.errors import InputError
-from maulstick.jobs.folder import made_folder
+from maulstick.painting.raster import parse_length, parse_size
+from maulstick.storage.folders import made_folder
 
 _SMALLEST, _LARGEST = 1e-3, 50.0  # metres
 
@@ -41,7 +41,7 @@ def ink(
     longer = None if longest is None else parse_length(longest)
     if longer is not None and not _SMALLEST <= longer <= _LARGEST:
         raise InputError.of_range("--longest", longest, "between 1 mm and 50 m")
-    from maulstick.recording.ink_files import read_ink_file  # loads parsers
+    from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     with made_folder(out.parent):
         drawn, kind = read_ink_file(file, sheet, longer)

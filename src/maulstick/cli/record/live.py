@@ -9,17 +9,17 @@ from rich.console import Console
 from rich.status import Status
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.progress import stop_on_interrupt
 from maulstick.cli.record import options
 from maulstick.cli.record.writing import beside, check_outs, write_drawing
-from maulstick.cli.watch import stop_on_interrupt
 from maulstick.errors import InputError, MaulstickError
-from maulstick.jobs.folder import made_folder
+from maulstick.storage.folders import made_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from maulstick.recording.natnet import Seen
-    from maulstick.recording.take import Take
+    from maulstick.recording.mocap.natnet import Seen
+    from maulstick.recording.mocap.take import Take
 
 
 def live(
@@ -64,8 +64,8 @@ def live(
         raise InputError.of_range("--seconds", f"{seconds:g}", "more than 0")
     tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
 
-    from maulstick.recording.drawing import drawing_of  # these load scipy
-    from maulstick.recording.take import write_take
+    from maulstick.recording.mocap.drawing import drawing_of  # these load scipy
+    from maulstick.recording.mocap.take import write_take
 
     with made_folder(out.parent), made_folder(plot.parent):  # before anything is recorded
         take = _record(server, local, pen, canvas, multicast, seconds)
@@ -82,7 +82,7 @@ def live(
 def _record(
     server: str, local: str | None, pen: str | None, canvas: str | None, multicast: bool, seconds: float | None
 ) -> "Take":
-    from maulstick.recording.natnet import receive
+    from maulstick.recording.mocap.natnet import receive
 
     console = Console(stderr=True, markup=False, highlight=False)
     with ExitStack() as recorded, console.status(f"asking {server} …") as status:

@@ -7,7 +7,7 @@ import typer
 
 from maulstick.cli.record import options
 from maulstick.cli.record.writing import check_outs, write_drawing
-from maulstick.jobs.folder import made_folder
+from maulstick.storage.folders import made_folder
 
 
 def motive(
@@ -37,8 +37,8 @@ def motive(
     out = out or Path(f"{Path(name).stem}.ink.npz")
     contact = options.contact_options(threshold, merge, shortest)
     plot = check_outs(out, plot, overwrite)
-    from maulstick.recording.drawing import drawing_of  # these load pandas and scipy
-    from maulstick.recording.motive import read_motive
+    from maulstick.recording.mocap.drawing import drawing_of  # these load pandas and scipy
+    from maulstick.recording.mocap.motive import read_motive
 
     with made_folder(out.parent), made_folder(plot.parent):  # before an hour is read
         tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from maulstick.arrays import Floats
-from maulstick.canvas import parse_length
 from maulstick.errors import InputError
+from maulstick.painting.raster import parse_length
+from maulstick.storage.arrays import Floats
 
 if TYPE_CHECKING:
-    from maulstick.recording.contact import ContactOptions
+    from maulstick.recording.mocap.contact import ContactOptions
 
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
 _LONGEST_PEN = 2.0  # metres
@@ -93,7 +93,7 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", metavar="", help="Replac
 
 def contact_options(threshold: str | None, merge: str, shortest: str) -> "ContactOptions":
     """Options from what was written. Raises InputError where they make no sense."""
-    from maulstick.recording.contact import ContactOptions  # loads scipy
+    from maulstick.recording.mocap.contact import ContactOptions  # loads scipy
 
     height = None if threshold is None else parse_length(threshold)
     return ContactOptions(height, merge=_seconds("--merge", merge), shortest=_seconds("--shortest", shortest))
@@ -114,8 +114,8 @@ def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, b
             raise InputError.of_range("--pen-length", length, "at most 2 m")
         return metres * np.array(_AXES[axis], dtype=np.float64), f"the tip is {length} from the rigid body along {axis}"
     assert pivot is not None
-    from maulstick.recording.motive import read_motive  # these load pandas and scipy
-    from maulstick.recording.pivot import calibrate_pivot
+    from maulstick.recording.mocap.motive import read_motive  # these load pandas and scipy
+    from maulstick.recording.mocap.pivot import calibrate_pivot
 
     found = calibrate_pivot(read_motive(pivot, pen, board))
     place = ", ".join(f"{1e3 * along:.1f}" for along in found.tip)

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
-from maulstick.ink import Ink, write_ink
-from maulstick.strokes import Strokes, write_strokes
+from maulstick.storage.files import atomic_write
+from maulstick.strokes.ink import Ink, write_ink
+from maulstick.strokes.strokes import Strokes, write_strokes
 
 if TYPE_CHECKING:
-    from maulstick.recording.drawing import Drawing
+    from maulstick.recording.mocap.drawing import Drawing
 
 _INK, _STROKES = ".ink.npz", ".strokes.npz"
 
@@ -54,7 +54,7 @@ def write_drawing(drawing: "Drawing", out: Path, plot: Path, overwrite: bool) ->
 
     Raises OutputError where they cannot be written.
     """
-    from maulstick.plates.contact import contact_plate  # loads matplotlib
+    from maulstick.plots.contact import contact_plate  # loads matplotlib
 
     write_result(drawing.ink, out, overwrite)
     atomic_write(plot, contact_plate(drawing))

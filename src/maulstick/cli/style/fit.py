@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.arrays import kind_of
 from maulstick.errors import InputError
-from maulstick.ink import read_ink
-from maulstick.strokes import POINTS, Strokes, path_lengths, read_strokes
+from maulstick.storage.arrays import kind_of
+from maulstick.strokes.ink import read_ink
+from maulstick.strokes.strokes import POINTS, Strokes, path_lengths, read_strokes
 from maulstick.style.cards import STYLES
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import typer
 
 from maulstick.cli.show import check_picture
 from maulstick.errors import InputError
-from maulstick.files import atomic_write
+from maulstick.storage.files import atomic_write
 
 
 def show(
@@ -35,8 +35,8 @@ def show(
     path = out or Path(f"{called}-map.png" if on_map else f"{called}.png")
     check_picture(path, px, overwrite)
     from maulstick.cli.style.reading import read_fitted  # these load torch
-    from maulstick.plates.latent_map import latent_map
-    from maulstick.plates.style import style_plate
+    from maulstick.plots.latent_map import latent_map
+    from maulstick.plots.style import style_plate
 
     styles = read_fitted(names)
     if on_map:

@@ -8,24 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
-from maulstick.canvas import Canvas, parse_size
+from maulstick.colour.palette import parse_colour
+from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError
-from maulstick.jobs.plan.job import Job, sum_of
-from maulstick.medium import Brush, load_brush
-from maulstick.painting import Making, Sheet, hex_colour
-from maulstick.paints import NamedPaint, read_paints
-from maulstick.palette import parse_colour
-from maulstick.picture import canvas_photograph, encode_png, read_picture
-from maulstick.plan.commission import Commission, PlanOptions
-from maulstick.plan.features.efficientnet import EfficientNetLite0
-from maulstick.plan.features.network import Network
-from maulstick.plan.layout import LONGEST_PX, Image, Layout, canvas_for, lay_out_for
-from maulstick.plan.mural import plan_mural
-from maulstick.plan.photograph import commission_of, making
-from maulstick.plan.planner import Plan, Progress, plan
-from maulstick.plan.state import State
-from maulstick.plan.terms import Wishes
-from maulstick.plan.windows import Mural
+from maulstick.jobs.plan.options import Job, sum_of
+from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.painting import Making, Sheet, hex_colour
+from maulstick.painting.picture import canvas_photograph, encode_png, read_picture
+from maulstick.painting.raster import Canvas, parse_size
+from maulstick.planning.features.efficientnet import EfficientNetLite0
+from maulstick.planning.features.network import Network
+from maulstick.planning.from_picture import commission_of, making
+from maulstick.planning.layout import LONGEST_PX, Image, Layout, canvas_for, lay_out_for
+from maulstick.planning.losses import Wishes
+from maulstick.planning.mural.planner import plan_mural
+from maulstick.planning.mural.windows import Mural
+from maulstick.planning.planner import Plan, Progress, plan
+from maulstick.planning.problem import Commission, PlanOptions
+from maulstick.planning.state import State
 from maulstick.style import Style, load_style
 
 _READ_PX = 4096
@@ -135,6 +135,6 @@ def _sheet(job: Job) -> Sheet:
 def _network(job: Job) -> Network:
     if not job.names_clip and job.text is None:
         return EfficientNetLite0()
-    from maulstick.plan.features.clip import Clip  # takes seconds to load
+    from maulstick.planning.features.clip import Clip  # takes seconds to load
 
     return Clip.load(job.clip or "RN101", job.clip_weights, layers=job.clip_layers)

@@ -3,15 +3,15 @@
 import io
 from pathlib import Path
 
-from maulstick.brush.preview import preview
-from maulstick.canvas import Canvas
-from maulstick.files import atomic_write
-from maulstick.film import FORMATS, Film
-from maulstick.jobs.folder import all_or_nothing
-from maulstick.painting import Painting, write_painting
-from maulstick.palette import swatches
-from maulstick.picture import encode_png
-from maulstick.svg import painting_svg
+from maulstick.colour.palette import swatches
+from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.picture import encode_png
+from maulstick.painting.raster import Canvas
+from maulstick.painting.svg import painting_svg
+from maulstick.painting.video import FORMATS, Film
+from maulstick.rendering.preview import preview
+from maulstick.storage.files import atomic_write
+from maulstick.storage.folders import all_or_nothing
 
 _PREVIEW_PX, _WIDEST_PX = 1024, 4096
 

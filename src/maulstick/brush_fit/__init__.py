@@ -1,0 +1,1 @@
+"""Fitting a brush to photographs of strokes that were drawn one at a time."""

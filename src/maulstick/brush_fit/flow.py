@@ -1,0 +1,70 @@
+"""How dark strokes are, each as a whole, and whether that hangs on how hard they were pressed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from maulstick.brush_fit.evidence import ENOUGH
+from maulstick.storage.arrays import Bools, Floats
+
+_PRESSES = np.linspace(0.1, 1.0, 19)  # from which a mark may be solid
+_BETTER = 0.9  # of the error on the other half, for the dependence to be believed
+_LEAST = 1e-3
+_NORMAL = 1.4826  # times the median deviation: the standard deviation
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Numbers of `Brush`; scatter: standard deviation of strokes about them, as a share of opacity."""
+
+    opacity: float
+    faint: float
+    solid: float
+    scatter: float
+
+    def at(self, press: Floats) -> Floats:
+        """Opacity of strokes of a mean press."""
+        return self.opacity * (self.faint + (1 - self.faint) * np.minimum(press / self.solid, 1))
+
+
+def fit_flow(press: Floats, opacity: Floats, may_pale: bool) -> Flow:
+    """The flow of strokes (N,) of a mean press and an opacity; pale at a light press only if halves agree on it."""
+    flow = _even(press, opacity)
+    if may_pale and len(press) >= ENOUGH:
+        halves = np.arange(len(press)) % 2 == 0
+        if _crossed(press, opacity, halves, _paling) < _BETTER * _crossed(press, opacity, halves, _even):
+            flow = _paling(press, opacity)
+    scatter = _NORMAL * np.median(np.abs(opacity - flow.at(press))) / flow.opacity
+    return Flow(flow.opacity, flow.faint, flow.solid, float(scatter))
+
+
+def _even(press: Floats, opacity: Floats) -> Flow:
+    return Flow(float(np.median(opacity).clip(_LEAST, 1)), 1.0, 1.0, 0.0)
+
+
+def _paling(press: Floats, opacity: Floats) -> Flow:
+    """Least absolute deviation over a grid of presses from which the mark is solid."""
+    fits = []
+    for solid in _PRESSES:
+        risen = np.minimum(press / solid, 1)
+        at_0, at_solid = _line(risen, opacity)
+        top = float(np.clip(at_solid, _LEAST, 1))
+        fits.append(Flow(top, float(np.clip(at_0 / top, _LEAST, 1)), float(solid), 0.0))
+    return min(fits, key=lambda flow: float(np.abs(opacity - flow.at(press)).mean()))
+
+
+def _line(x: Floats, y: Floats) -> tuple[float, float]:
+    """The line's height at 0 and at 1, by least squares that forgive strays."""
+
+    def off(ends: Floats) -> Floats:
+        return np.asarray(ends[0] * (1 - x) + ends[1] * x - y)
+
+    fit = least_squares(off, (0.5, 0.5), loss="soft_l1", f_scale=0.02)
+    return float(fit.x[0]), float(fit.x[1])
+
+
+def _crossed(press: Floats, opacity: Floats, half: Bools, fit: Callable[[Floats, Floats], Flow]) -> float:
+    """Mean error on each half of what was fitted to the other."""
+    return float(np.mean([np.abs(opacity[~k] - fit(press[k], opacity[k]).at(press[~k])).mean() for k in (half, ~half)]))

@@ -1,0 +1,72 @@
+"""Where the search for a brush begins: widths from how much is covered, places from where it lies."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from scipy.optimize import nnls
+
+from maulstick.brush_fit.descent import PAPER, Unknowns
+from maulstick.brush_fit.window import Window
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import path_lengths
+
+_WIDER = 1.3  # than what is covered: a cone's edge is too pale to be seen
+_FURTHEST = 2e-3  # metres, that a stroke may lie beside its place at first
+
+
+def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Unknowns:
+    """Unknowns near enough for gradients to find the rest; `paths` are the windows' with n points each."""
+    press = np.array([path[:, 2].mean() for path in paths])
+    half_widths = np.array([_half_width(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)])
+    unit = float(np.median(half_widths))
+    (beta, alpha), _ = nnls(np.stack([np.ones_like(press), press], axis=1), _WIDER * half_widths / unit)
+    raw = {
+        "scale": torch.zeros(2),
+        "alpha": torch.tensor([np.log(np.expm1(max(alpha, 0.05)))], dtype=torch.float32),
+        "beta": torch.tensor([beta], dtype=torch.float32),
+        "c": torch.tensor([-0.5]),
+    }
+    if not has_presses(paths):
+        raw.pop("alpha")
+        raw["beta"] = torch.tensor([_WIDER])
+    places = [_place(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)]
+    depth = [np.quantile(np.abs(w.after - w.before)[w.covered], 0.9) for w in windows]
+    dark = windows[0].after.shape[2] == 1
+    return Unknowns(
+        unit,
+        {name: raw[name] for name in PAPER if name in raw},
+        torch.tensor(np.array(places) / unit, dtype=torch.float32),
+        torch.tensor(np.log(np.clip(depth, 0.05, 0.95)) if dark else np.full(len(windows), -0.1), dtype=torch.float32),
+        None if dark else torch.tensor(_colour(windows), dtype=torch.float32).logit(1e-2),
+    )
+
+
+def has_presses(paths: Sequence[Floats]) -> bool:
+    """Whether the strokes were drawn at more than one press."""
+    press = np.array([path[:, 2] for path in paths])
+    return bool(np.ptp(press) > 0.1)
+
+
+def _half_width(window: Window, path: Floats, pixels_per_metre: float) -> float:
+    """Of a stroke of even width that covers as much: area = 2 length w + π w²."""
+    area = window.covered.sum() / pixels_per_metre**2
+    length = float(path_lengths(path[:, :2]))
+    return float((np.sqrt(length**2 + np.pi * area) - length) / np.pi)
+
+
+def _place(window: Window, path: Floats, pixels_per_metre: float) -> Floats:
+    rows, columns = np.nonzero(window.covered)
+    seen = np.array([columns.mean() + 0.5, rows.mean() + 0.5]) / pixels_per_metre + window.corner
+    beside: Floats = np.clip(seen - path[:, :2].mean(axis=0), -_FURTHEST, _FURTHEST)
+    return beside
+
+
+def _colour(windows: Sequence[Window]) -> Floats:
+    """Of the most changed pixels of all strokes, the median."""
+    deepest = []
+    for window in windows:
+        change = np.abs(window.after - window.before).mean(axis=2)
+        deepest.append(window.after[window.covered & (change >= np.quantile(change[window.covered], 0.75))])
+    colour: Floats = np.median(np.concatenate(deepest), axis=0)
+    return colour

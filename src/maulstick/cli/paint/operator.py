@@ -1,0 +1,201 @@
+"""The person beside the machine: what they see, the keys they press, and what they are asked."""
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import ceil
+from pathlib import Path
+from typing import final
+
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bars
+from typer import Exit
+
+from maulstick.cli.exit_codes import STOPPED
+from maulstick.errors import InputError, MachineError
+from maulstick.jobs.paint.estimate import Outlook
+from maulstick.jobs.paint.operator import Person
+from maulstick.painting.painting import Painting
+from maulstick.robot.execute import Progress
+from maulstick.robot.robot import Robot, StoppedError
+from maulstick.robot.routine import Ask, Care, Draw
+
+_LOOK = 0.05  # seconds between two looks at the keyboard
+
+
+@final
+class Operator(Person):
+    """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses.
+
+    painted: strokes that are there already.  what_next: what they are told where it ends early.
+    """
+
+    def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int, what_next: str) -> None:
+        super().__init__(robot)
+        self._console, self._paints, self._what_next = console, painting.paints, what_next
+        self._strokes = painted
+        self._drawn = 0.0  # metres, before the last photograph
+        self._asking = False
+        self._keyboard = threading.Lock()
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[drawn]} of {task.fields[metres]} mm"),
+            TextColumn("{task.fields[left]} left"),
+            TextColumn("{task.fields[paint]}"),
+        )
+        self._bars = Bars(*columns, console=console)
+        self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
+
+    def expect(self, outlook: Outlook) -> None:
+        """As in `Person`."""
+        self.say(in_words(outlook))
+
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """As in `Person`: there is a progress bar, and keys and signals reach the machine.
+
+        Where it ends early, they are told what is next; where they wanted that, the command ends there.
+        """
+        over = threading.Event()
+        keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
+        before = {
+            number: signal.signal(number, self.interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        }
+        keys.start()
+        try:
+            with self._bars:
+                yield
+        except (MachineError, KeyboardInterrupt) as error:
+            pen = "with the pen lifted" if self.robot.lifted else "and the pen may still be down: lift it by hand"
+            self.say(f"stopped, {pen}; {self._what_next}")
+            if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
+                raise Exit(STOPPED) from None
+            raise
+        finally:
+            over.set()
+            keys.join()
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def watch(self, progress: Progress) -> None:
+        """As in `Person`."""
+        match progress.action:
+            case Draw():
+                self._strokes += 1
+                doing = f"stroke {self._strokes}"
+            case Care(what=what):
+                doing = what
+            case Ask():
+                doing = "waiting"
+            case None:
+                doing = "painted"
+        drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
+        if progress.action is None:
+            self._drawn = drawn
+        following = "" if progress.next_paint is None else f"next: {self._paints[progress.next_paint].label}"
+        self._bars.update(
+            self._task,
+            description=doing,
+            completed=drawn / (metres or 1.0),
+            drawn=f"{1e3 * drawn:.0f}",
+            metres=f"{1e3 * metres:.0f}",
+            left=_clock(progress.left),
+            paint=following,
+        )
+
+    def ask(self, action: Ask) -> None:
+        """Say what is to be done, and wait for Enter; s stops."""
+        self._bars.stop()
+        self._asking = True
+        try:
+            with self.beside_a_machine_that_rests(), self._keyboard:
+                self.say(f"{action.message}, and press Enter")
+                answer = sys.stdin.readline()
+            if not answer:
+                raise InputError(f"nobody is there to {action.message}; run it in a terminal")
+            if answer.strip().lower() == "s":
+                self.stop()
+        finally:
+            self._asking = False
+            self._bars.start()
+
+    def say(self, sentence: str) -> None:
+        """Tell them."""
+        self._console.print(sentence, soft_wrap=True)
+
+    def note(self, sentence: str) -> None:
+        """As in `Person`."""
+        self.say(f"note: {sentence}")
+
+    def show(self, photograph: Path) -> None:
+        """A terminal shows no pictures."""
+
+    def expect_strokes(self, number: int) -> None:
+        """A terminal shows lengths."""
+
+    def leave(self, photograph: Path) -> None:
+        """As in `Person`."""
+        print(photograph, flush=True)
+
+    def wants_a_look(self) -> bool:
+        """Never: the camera looks after every so many strokes."""
+        return False
+
+    def _listen(self, over: threading.Event) -> None:
+        if not sys.stdin.isatty():
+            return
+        from prompt_toolkit.input import create_input
+
+        keyboard = create_input(sys.stdin)
+        while not over.is_set():
+            if self._asking:
+                over.wait(_LOOK)
+                continue
+            with self._keyboard, keyboard.raw_mode():
+                while not (over.wait(_LOOK) or self._asking):
+                    self._press([key.key for key in keyboard.read_keys()])
+
+    def _press(self, keys: list[str]) -> None:
+        for key in keys:
+            if key in ("c-c", "s"):
+                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+            elif key == " ":
+                self.pause.toggle()
+                self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
+
+
+def in_words(outlook: Outlook) -> str:
+    """What a run will come to."""
+    if not outlook.strokes:
+        return "all strokes are painted"
+    what = f"{_counted(outlook.strokes, 'stroke')}, {1e3 * outlook.metres:.0f} mm"
+    painted = f"; {outlook.painted} are painted" if outlook.painted else ""
+    return f"{what}, {_counted(outlook.paints, 'paint')}, about {ceil(outlook.seconds / 60)} min{painted}"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+def confirm(console: Console, question: str, otherwise: str) -> bool:
+    """Whether a person says yes; asked until the answer is one.
+
+    Raises InputError where nobody answers, which says what to do `otherwise`.
+    """
+    while True:
+        console.print(f"{question} [y/n]", soft_wrap=True)
+        answer = sys.stdin.readline()
+        if not answer:
+            raise InputError(f"{question} Nobody answers; {otherwise}")
+        if answer.strip().lower() in ("y", "yes", "n", "no"):
+            return answer.strip().lower().startswith("y")

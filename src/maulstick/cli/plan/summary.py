@@ -1,0 +1,33 @@
+"""What ``maulstick paint`` says in the end."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.painting.painting import Painting
+from maulstick.planning.losses import STRENGTHS
+
+
+def print_summary(painting: Painting, seconds: float, out: Path, written: list[str]) -> None:
+    """What was planned, what each term of the loss comes to in the end, and where it is."""
+    figures = painting.made.figures
+    rows = {
+        "strokes": f"{len(painting.strokes)}",
+        "drawn": f"{painting.metres_of_paints().sum():.1f} m",
+        "paints": f"{len(painting.paints)} (changes: {painting.paint_changes()})",
+    }
+    if "psnr" in figures:
+        structure = f", {figures['ssim']:.2f} SSIM" if "ssim" in figures else ""  # a tiny picture has none
+        rows["beside the picture"] = f"{figures['psnr']:.1f} dB PSNR{structure}"
+    terms = {name: figures[name] for name in STRENGTHS if name in figures}
+    whole = sum(terms.values()) or 1.0
+    rows["loss"] = ", ".join(f"{name} {part:.5f} ({part / whole:.0%})" for name, part in terms.items())
+    rows |= {"planned in": f"{seconds:.0f} s", "files": ", ".join(written)}
+    table = Table(title=Text(str(out)), show_header=False)
+    table.add_column()
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, value)
+    Console().print(table)

@@ -1,0 +1,91 @@
+"""Plans from several seeds, each in a process of its own."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.queues import Queue
+from multiprocessing.synchronize import Event
+from pathlib import Path
+from queue import Empty
+
+from maulstick.errors import OutputError
+from maulstick.jobs.plan.checkpoints import plan_with
+from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.painting.painting import Painting
+from maulstick.planning.planner import Progress
+
+_TOLD_EVERY = 0.2  # seconds between two words of a process
+
+
+def plan_in_processes(
+    job: Job, out: Path, show: Callable[[float, float, Mapping[str, float]], None], wanted: Callable[[], bool]
+) -> Painting:
+    """The best of as many plans as are to be tried, each from a seed of its own and in a process of its own."""
+    seeds = range(job.seed, job.seed + job.tries)
+    context = get_context("spawn")
+    words, stop = context.Queue(), context.Event()
+    said = dict.fromkeys(seeds, (0.0, float("inf")))
+    with ProcessPoolExecutor(min(job.tries, os.cpu_count() or 1), context, _listen, (words, stop)) as pool:
+        with _deaf_to_interrupts():
+            tries = [pool.submit(_try, job, out, seed) for seed in seeds]
+        try:
+            while not all(each.done() for each in tries):
+                with suppress(Empty):
+                    seed, done, loss = words.get(timeout=_TOLD_EVERY)
+                    said[seed] = (done, loss)
+                    show(sum(done for done, _ in said.values()) / len(said), min(loss for _, loss in said.values()), {})
+                if not wanted():
+                    stop.set()
+            paintings = [each.result() for each in tries]
+        except BrokenProcessPool as error:
+            raise OutputError(
+                "a process that planned was killed, most likely for want of memory; ask for fewer --tries"
+            ) from error
+        except BaseException:  # a second Ctrl-C, or a process that failed: the others need not finish
+            for process in active_children():
+                process.terminate()
+            raise
+    return min(paintings, key=lambda painting: painting.made.figures["loss"])
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes that begin in here hear of Ctrl-C from their parent alone, though the terminal tells all of them."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+_words: "Queue[tuple[int, float, float]]"
+_stop: Event
+
+
+def _listen(words: "Queue[tuple[int, float, float]]", stop: Event) -> None:
+    """Begin a process that plans."""
+    global _words, _stop
+    _words, _stop = words, stop
+
+
+def _try(job: Job, out: Path, seed: int) -> Painting:
+    told, parent = 0.0, parent_process()
+    assert parent is not None
+
+    def watch(progress: Progress) -> bool:
+        nonlocal told
+        if not parent.is_alive():  # killed: there is nobody to plan for
+            os._exit(1)
+        if time.monotonic() - told > _TOLD_EVERY:
+            told = time.monotonic()
+            _words.put((seed, progress.done, progress.loss))
+        return not _stop.is_set()
+
+    return plan_with(prepare(replace(job, seed=seed)), out, job, watch)

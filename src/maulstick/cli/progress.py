@@ -1,0 +1,70 @@
+"""What watches a plan as it is made: the progress bar, Ctrl-C and the camera."""
+
+import signal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from math import ceil
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from maulstick.painting.video import Film
+
+if TYPE_CHECKING:
+    from maulstick.planning.planner import Progress as Step
+
+_FRAMES = 160
+
+
+@contextmanager
+def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
+    """A bar that shows how far planning is, in [0, 1], the loss, and its parts by name, which it is called with."""
+    columns = (
+        TextColumn(f"{strokes} strokes"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("loss {task.fields[loss]}{task.fields[parts]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("planning", total=1.0, loss="…", parts="")
+
+        def show(done: float, loss: float, parts: Mapping[str, float]) -> None:
+            shares = ", ".join(f"{name} {part / (loss or 1.0):.0%}" for name, part in parts.items())
+            bar.update(task, completed=done, loss=f"{loss:.5f}", parts=f" ({shares})" if len(parts) > 1 else "")
+
+        yield show
+        bar.update(task, completed=1.0)
+
+
+@contextmanager
+def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
+    """Whether to go on: until the first Ctrl-C. The second one interrupts as usual."""
+    going = [True]
+
+    def stop(*_: object) -> None:
+        going[0] = False
+        signal.signal(signal.SIGINT, before)
+        console.print("stopping: finishing the plan so far (Ctrl-C again leaves without it)")
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield lambda: going[0]
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class Camera:
+    """Films a plan of so many steps, at most 160 frames of it."""
+
+    def __init__(self, film: Film, steps: int) -> None:
+        self.film = film
+        self._every = ceil(steps / _FRAMES)
+        self._seen = 0
+
+    def watch(self, step: "Step") -> None:
+        """Take a frame of this step, if it is its turn."""
+        if self._seen % self._every == 0:
+            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy())
+        self._seen += 1

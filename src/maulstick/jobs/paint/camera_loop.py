@@ -1,0 +1,204 @@
+"""Painting with eyes: a photograph now and then becomes the canvas, and what is left is planned again.
+
+The only place where planning and machines meet.
+"""
+
+from collections.abc import Callable, Collection
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from maulstick.calibration.collect import spread_apart
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
+from maulstick.painting.picture import encode_png
+from maulstick.painting.raster import Canvas
+from maulstick.planning.from_picture import as_painting, commission_of
+from maulstick.planning.layout import LONGEST_PX, canvas_for, lay_out_for
+from maulstick.planning.losses import Wishes
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlanOptions
+from maulstick.planning.schedule import AGAIN
+from maulstick.robot.easel import Easel
+from maulstick.robot.journal import Journal
+from maulstick.robot.routine import NOTHING
+from maulstick.robot.workplace import Workplace
+from maulstick.style import Style, load_style
+from maulstick.style.pressure import fit_knots, press_along
+
+Image = NDArray[np.float32]
+
+_STEPS = 200
+_LIGHTEST = 0.1  # of the presses to practise
+_ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3
+_HEIGHT_PX = 256
+
+
+def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
+    """A sheet of strokes as the style draws them, apart from one another, to learn a brush from.
+
+    brush: about as wide as what is to be learned.  Where it presses, all presses come alike, from the lightest on.
+    Raises InputError where so many do not fit on the sheet.
+    """
+    chance = torch.Generator().manual_seed(seed)
+    codes, knots = style.sample(strokes, chance)
+    paths = style.decode(codes).detach().double().numpy()
+    press = press_along(knots).double().numpy()
+    ranks = np.searchsorted(np.sort(press.ravel()), press, side="right") / press.size
+    shown = _LIGHTEST + (1 - _LIGHTEST) * ranks if brush.presses else np.full(press.shape, 0.5)
+    whole = np.concatenate([paths, shown[..., None]], axis=2)
+    placed = spread_apart(whole, (sheet.width, sheet.height), room_of(brush))
+    return Painting(
+        canvas=sheet,
+        made=Making(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
+        brushes={brush.name: brush},
+        paints=(Paint(colour=(0.0, 0.0, 0.0), brush=brush.name),),
+        strokes=tuple(
+            Stroke.model_validate({"id": number, "paint": 0, "trajectory": path})
+            for number, path in enumerate(placed.tolist())
+        ),
+    )
+
+
+def room_of(brush: Brush) -> float:
+    """Metres around each stroke of a `practice` with this brush that are its own."""
+    return _ROOM_IN_WIDTHS * brush.widest + _ROOM
+
+
+def check_replannable(painting: Painting) -> None:
+    """Raise InputError where its strokes cannot be planned again.
+
+    They are of several brushes, of no style, of one that has changed, or were planned by a text or a look.
+    """
+    strokes = list(painting.strokes)
+    _brush_of(strokes, painting), _style_of(strokes, painting), _weights(painting)
+
+
+def replanned(
+    painting: Painting,
+    painted: Collection[int],
+    photograph: Image,
+    picture: Image,
+    *,
+    steps: int = _STEPS,
+) -> Painting:
+    """The painting with the strokes that are not yet painted planned again, in their style, on the sheet as it is.
+
+    painted: ids of the strokes that stay as they are.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
+    picture: (H, W, 3), what was planned from.
+    Strokes that are left get new ids, for they are others than before; some may be left out. Paints stay.
+    Raises InputError as `check_replannable` does.
+    """
+    left = [stroke for stroke in painting.strokes if stroke.id not in painted]
+    if not left:
+        return painting
+    brush, style, weights = _brush_of(left, painting), _style_of(left, painting), _weights(painting)
+    size = {"width": painting.canvas.width, "height": painting.canvas.height, "paper": painting.canvas.paper}
+    sheet = Sheet.model_validate({**size, "picture": encode_png(photograph)})
+    options = painting.made.options
+    fit, pixels = str(options.get("fit", "contain")), options.get("px")
+    pixels = pixels if isinstance(pixels, int) else _HEIGHT_PX
+    canvas = canvas_for(picture, sheet, brush, fit, pixels)
+    in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
+    layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
+    palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
+    asked = PlanOptions(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
+    commission = commission_of(layout, brush, style, asked, Wishes(weights=weights))
+    planned = plan(commission, asked, schedule=AGAIN, start=_parameters(left, painting))
+    again = as_painting(planned, layout, brush, style, painting.made)
+    return _joined(painting, painted, again)
+
+
+def paint_by_eye(
+    painting: Painting,
+    workplace: Workplace,
+    look: Callable[[], tuple[Image, Easel]],
+    again: Callable[[Painting, Image], Painting],
+    enough: Callable[[int], bool],
+) -> None:
+    """Paint what is left; once it is `enough` for now look at the sheet, and plan the others `again`.
+
+    Where something is painted already, it begins with a look: nobody knows where the sheet has gone meanwhile.
+    enough: asked after each stroke, with the number painted since the last look.
+    look: takes a photograph, (h, w, 3) of the flat sheet, and says where it now lies.
+    Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
+    """
+    hand, home, journal = NOTHING, workplace.robot.place, workplace.journal
+    while workplace.left_of(painting):
+        if journal.painted:
+            workplace.step_aside(home)
+            photograph, easel = look()
+            workplace = workplace.moved_to(easel)
+            painting = again(painting, photograph)
+            path = revision_of(journal, journal.revisions)
+            write_painting(painting, path)
+            journal.revise(path)
+        painting = workplace.in_order(painting)
+        hand = workplace.do(workplace.left_of(painting, hand), hand, enough)
+
+
+def revision_of(journal: Journal, number: int) -> Path:
+    """Where a revision of the painting of a journal is written."""
+    stem = journal.path.name.removesuffix(".log.jsonl")
+    return journal.path.with_name(f"{stem}.r{number}.json")
+
+
+def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:
+    names = {painting.paints[stroke.paint].brush for stroke in strokes}
+    if len(names) != 1:
+        raise InputError(f"the strokes that are left need {len(names)} brushes; only those of one are planned again")
+    return painting.brushes[names.pop()]
+
+
+def _weights(painting: Painting) -> dict[str, float]:
+    weights = painting.made.options.get("weights")
+    found = {str(name): float(str(weight)) for name, weight in (weights if isinstance(weights, dict) else {}).items()}
+    if missing := {"words", "look"} & set(found):
+        raise InputError(
+            f"{missing.pop()} was weighed when it was planned, which is not possible on the way; do not replan"
+        )
+    return found
+
+
+def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
+    uses = {(stroke.style.name, stroke.style.hash) for stroke in strokes if stroke.style is not None}
+    if len(uses) != 1 or any(stroke.style is None for stroke in strokes):
+        raise InputError("the strokes that are left are not all of one style; only those are planned again")
+    name, known = uses.pop()
+    sheet = painting.canvas
+    style = load_style(str(painting.made.options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    if style.hash != known:
+        raise InputError(f"the style {style.name} is not what it was when the painting was planned; plan it anew")
+    return style
+
+
+def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
+    paths = torch.tensor([stroke.trajectory for stroke in strokes])
+    uses = [stroke.style for stroke in strokes if stroke.style is not None]
+    return StrokeParameters(
+        codes=torch.tensor([use.code for use in uses]),
+        centres=paths[..., :2].mean(dim=1),
+        angles=torch.tensor([use.pose[2] for use in uses]),
+        press_knots=torch.from_numpy(fit_knots(paths[..., 2].double().numpy())).float(),
+        colours=torch.tensor([painting.paints[stroke.paint].colour for stroke in strokes]),
+    )
+
+
+def _joined(painting: Painting, painted: Collection[int], again: Painting) -> Painting:
+    """What is painted, and then what was planned again, with the paints of the painting."""
+    (brush,) = again.brushes
+    there = [number for number, paint in enumerate(painting.paints) if paint.brush == brush]
+    colours = np.array([painting.paints[number].colour for number in there])
+    paint_of = [there[int(np.abs(colours - paint.colour).sum(axis=1).argmin())] for paint in again.paints]
+    free = 1 + max(stroke.id for stroke in painting.strokes)
+    rest = [
+        stroke.model_copy(update={"id": free + number, "paint": paint_of[stroke.paint]})
+        for number, stroke in enumerate(again.strokes)
+    ]
+    kept = [stroke for stroke in painting.strokes if stroke.id in painted]
+    return painting.model_copy(update={"strokes": (*kept, *rest)})

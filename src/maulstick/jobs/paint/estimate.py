@@ -1,0 +1,32 @@
+"""What a run will come to: strokes, metres and seconds."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from maulstick.painting.painting import Painting
+from maulstick.robot.limits import Limits
+from maulstick.robot.routine import Action, Draw, drawn_metres, seconds_of
+from maulstick.storage.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What a run will come to.
+
+    strokes, metres, seconds: that are left, without what people have to do.  painted: strokes that are there already.
+    paints: of the whole painting.
+    """
+
+    strokes: int
+    metres: float
+    seconds: float
+    painted: int
+    paints: int
+
+    @classmethod
+    def of(cls, actions: Sequence[Action], painting: Painting, limits: Limits, place: Floats) -> Self:
+        """The estimate of a routine for a machine with these limits, whose tip is at `place` (3,)."""
+        strokes = sum(isinstance(action, Draw) for action in actions)
+        seconds = float(seconds_of(actions, limits, place).sum())
+        return cls(strokes, drawn_metres(actions), seconds, len(painting.strokes) - strokes, len(painting.paints))

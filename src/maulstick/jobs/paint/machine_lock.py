@@ -1,0 +1,43 @@
+"""One machine is driven by one Maulstick at a time, whichever painting it paints."""
+
+import hashlib
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from platformdirs import user_data_path
+
+from maulstick.storage.files import held
+
+
+@contextmanager
+def driven_alone(word: str) -> Iterator[None]:
+    """While it lasts no other process drives the machine of that word; there are as many simulated ones as one likes.
+
+    Raises InputError where another drives it, OutputError where that cannot be written down.
+    """
+    if word.startswith("sim"):
+        yield
+        return
+    folder = user_data_path("maulstick", appauthor=False) / "machines"
+    lock = folder / f"{hashlib.sha256(_place(word).encode()).hexdigest()}.lock"
+    taken = f"another maulstick drives {word}; wait until it has finished, or stop it there"
+    with held(lock, taken, f"cannot write into {folder}", "mend that, and try again"):
+        yield
+
+
+def _place(word: str) -> str:
+    """Where the machine is, by whatever name: its port, or its number in the network."""
+    kind, _, address = word.partition(":")
+    if not address and kind == "axidraw":
+        from maulstick.robot.adapters.ebb_board import port_of_the_board  # loads the serial port
+
+        address = port_of_the_board()
+    port = Path(address.partition("@")[0])
+    if port.exists():
+        return str(port.resolve())
+    try:
+        return socket.gethostbyname(address)
+    except (OSError, UnicodeError):
+        return address.lower()

@@ -1,0 +1,138 @@
+"""The camera of a run: it looks at the sheet on the way, and what is left is planned again."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.calibration.camera import read_view
+from maulstick.calibration.colour import Colours, read_colours
+from maulstick.calibration.eye import Eye
+from maulstick.errors import InputError
+from maulstick.jobs.paint.operator import Person
+from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.simulation import Simulation
+from maulstick.painting.painting import Painting
+from maulstick.painting.picture import encode_png, read_picture
+from maulstick.painting.raster import flat_canvas
+from maulstick.robot.camera.camera import open_camera
+from maulstick.robot.camera.tag_frame import TagFrame
+from maulstick.robot.easel import Easel
+from maulstick.robot.journal import Journal
+from maulstick.robot.workplace import Workplace
+from maulstick.storage.files import atomic_write, file_sum
+
+Image = NDArray[np.float32]
+
+_READ_PX = 4096
+
+
+@dataclass(frozen=True)
+class Watching:
+    """camera: its word, None for the simulated easel's.
+
+    every: strokes between two photographs, 0 for those alone that a person asks for.
+    picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.
+    tag: the side of a tag's black square, metres.  colours: the file that a chart was learnt into.
+    """
+
+    camera: str | None
+    every: int
+    picture: Path
+    view: Path | None
+    tag: float
+    colours: Path | None
+
+    @classmethod
+    def of(cls, asked: Asked) -> Self | None:
+        """How the sheet is looked at on the way, if it is. Raises InputError where words for that are missing."""
+        if not (asked.replan or asked.look):
+            if asked.replan is None and (asked.camera, asked.picture, asked.view, asked.colours) != (None,) * 4:
+                raise InputError(
+                    "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
+                )
+            return None
+        if asked.picture is None:
+            raise InputError("--replan goes by the picture that the painting is of; name it with --picture")
+        if asked.simulated:
+            if asked.camera is not None:
+                raise InputError("the simulated easel has a camera of its own; leave out --camera")
+        elif asked.camera is None:
+            raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
+        return cls(asked.camera, asked.replan or 0, asked.picture, asked.view, asked.tag_side, asked.colours)
+
+    def check(self, plan: Painting) -> None:
+        """Raise InputError where the picture is not the one that was planned, or it cannot be planned again."""
+        if plan.made.image_sha256 is None:
+            raise InputError("the painting was not planned from a picture, so it cannot be planned again on the way")
+        if file_sum(self.picture) != plan.made.image_sha256:
+            raise InputError(f"{self.picture} is not the picture {plan.made.image} that was planned; name that one")
+        self._tags(plan)  # refuses a side that no tag has
+        self._chart()
+        from maulstick.jobs.paint.camera_loop import check_replannable  # loads torch
+
+        check_replannable(plan)
+
+    @contextmanager
+    def opened(self, plan: Painting, simulation: Simulation | None, before: Journal | None) -> Iterator[Eye]:
+        """The camera, as an eye that has seen the bare sheet, now or in the run `before`, which this goes on with."""
+        tags = self._tags(plan)
+        view = None if self.view is None else read_view(self.view)
+        canvas = flat_canvas(plan.canvas.width, plan.canvas.height)
+        if before is not None and not (kept := _eye_of(before)).exists():
+            raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
+        with simulation.camera(tags) if simulation is not None else open_camera(self.camera or "") as camera:
+            if before is not None:
+                yield Eye.opened_again(camera, canvas, tags, _eye_of(before), view)
+            else:
+                yield Eye.opened(camera, canvas, tags, plan.canvas.paper, self._chart(), view)
+
+    def keep(self, eye: Eye, journal: Journal) -> None:
+        """What it saw of the bare sheet, for whoever goes on."""
+        eye.write(_eye_of(journal))
+
+    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, person: Person) -> None:
+        """Paint what is left of the plan, and plan again on the way."""
+        from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
+
+        picture = read_picture(self.picture, longest_px=_READ_PX)
+        journal, first = workplace.journal, workplace.easel
+
+        def look() -> tuple[Image, Easel]:
+            with person.beside_a_machine_that_rests():
+                sight = eye.look()
+            for note in sight.notes:
+                person.note(note)
+            photograph = _beside(journal, f".r{journal.revisions}.png")
+            atomic_write(photograph, encode_png(sight.image))
+            person.show(photograph)
+            return sight.image, sight.easel(first, eye.canvas)
+
+        def again(painting: Painting, photograph: Image) -> Painting:
+            with person.beside_a_machine_that_rests():
+                painting = replanned(painting, journal.painted, photograph, picture)
+            person.expect_strokes(len(painting.strokes))
+            return painting
+
+        def enough(painted: int) -> bool:
+            return painted == self.every or person.wants_a_look()
+
+        paint_by_eye(plan, workplace, look, again, enough)
+
+    def _tags(self, plan: Painting) -> TagFrame:
+        return TagFrame(plan.canvas.width, plan.canvas.height, side=self.tag)
+
+    def _chart(self) -> Colours | None:
+        return None if self.colours is None else read_colours(self.colours)
+
+
+def _eye_of(journal: Journal) -> Path:
+    return _beside(journal, ".eye.npz")
+
+
+def _beside(journal: Journal, ending: str) -> Path:
+    return journal.path.with_name(journal.path.name.removesuffix(".log.jsonl") + ending)

@@ -1,0 +1,50 @@
+"""What stands ready for a run: the plan in order, the machine, the sheet before it, the tray, and who watches."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.replanning import Watching
+from maulstick.jobs.paint.simulation import Simulation
+from maulstick.ordering.sequence import sequenced
+from maulstick.painting.painting import Painting
+from maulstick.robot.easel import Easel, read_easel
+from maulstick.robot.machines import machine
+from maulstick.robot.robot import Robot
+from maulstick.robot.tray import Tray, read_tray
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that was named, read and found; nothing is connected. simulation: where the machine is the simulated one."""
+
+    asked: Asked
+    plan: Painting
+    robot: Robot
+    easel: Easel
+    tray: Tray | None
+    simulation: Simulation | None
+    watching: Watching | None
+
+    @classmethod
+    def of(cls, asked: Asked, plan: Painting) -> "Scene":
+        """Read what the words name. Raises InputError where something of it cannot be used."""
+        watching = Watching.of(asked)
+        if watching is not None:
+            watching.check(plan)
+        easel = read_easel(asked.easel) if asked.easel is not None else None
+        tray = read_tray(asked.tray) if asked.tray is not None else None
+        plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
+        simulation = Simulation.of(asked.machine, plan, easel, tray) if asked.simulated else None
+        robot = machine(asked.machine, easel) if simulation is None else simulation.robot
+        easel = easel or robot.easel(plan.canvas.width, plan.canvas.height)
+        return cls(asked, plan, robot, easel, tray, simulation, watching)
+
+    def first(self, from_stroke: int | None) -> tuple[int, ...]:
+        """Ids of the strokes before that one, counted from 1."""
+        return () if from_stroke is None else tuple(stroke.id for stroke in self.plan.strokes[: from_stroke - 1])
+
+    def paint_again(self, done: Collection[int]) -> None:
+        """Let a simulated sheet look as an earlier run left it."""
+        if self.simulation is not None:
+            self.simulation.paint_again(self.easel, done)

@@ -1,0 +1,83 @@
+"""The simulated easel as ``maulstick run`` uses it: its paints are at hand, and its sheet can be looked at."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.painting.painting import Painting
+from maulstick.painting.picture import encode_png
+from maulstick.painting.raster import Canvas
+from maulstick.robot.camera.tag_frame import TagFrame
+from maulstick.robot.easel import Easel
+from maulstick.robot.machines import WORDS
+from maulstick.robot.routine import Ask, Draw, routine
+from maulstick.robot.simulated.camera import SimulatedCamera
+from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
+from maulstick.robot.simulated.sheets import sheet_for
+from maulstick.robot.tray import Tray
+from maulstick.storage.files import atomic_write
+
+_FINE, _MOST_PX = 6000, 2048
+_PACES = {"sim": (float("inf"), WEIGHTLESS), "sim:real": (1.0, ARM)}
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A simulated easel for a painting."""
+
+    robot: SimulatedEasel
+    painting: Painting
+
+    @classmethod
+    def of(cls, word: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
+        """The machine that the word names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
+
+        The sheet lies where the easel says, and the easel may narrow the limits.
+        """
+        if word not in _PACES:
+            raise InputError(f"there is no machine {word!r}; there are: {WORDS}")
+        if len(painting.brushes) > 1:
+            names = ", ".join(sorted(painting.brushes))
+            raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
+        pace, limits = _PACES[word]
+        size = painting.canvas.width, painting.canvas.height
+        canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
+        brush = next(iter(painting.brushes.values()))
+        wells = [] if tray is None else zip(tray.wells_of(painting), painting.paints, strict=True)
+        robot = SimulatedEasel(
+            sheet_for(brush, canvas),
+            easel,
+            wells=[(well.x, well.y, paint.colour) for well, paint in wells],
+            pace=pace,
+            limits=limits if easel is None or easel.limits is None else limits.narrowed(easel.limits),
+        )
+        robot.hold(painting.paints[0].colour)
+        return cls(robot, painting)
+
+    def ask(self, action: Ask) -> None:
+        """It helps itself."""
+        self.robot.hold(self.painting.paints[action.paint].colour)
+
+    def camera(self, tags: TagFrame) -> SimulatedCamera:
+        """One over its sheet."""
+        sheet = self.robot.sheet
+        return SimulatedCamera(sheet.image, sheet.canvas, np.random.default_rng(0), tags=tags)
+
+    def paint_again(self, easel: Easel, done: Collection[int]) -> None:
+        """Put the strokes that are painted onto the new sheet, as an earlier run left them."""
+        others = [stroke.id for stroke in self.painting.strokes if stroke.id not in done]
+        limits = self.robot.limits
+        for action in routine(self.painting, easel, limits, speed=limits.speed, done=others):
+            if isinstance(action, Draw):
+                self.robot.hold(self.painting.paints[action.paint].colour)
+                self.robot.mark(action.motion.path)
+        self.robot.hold(self.painting.paints[0].colour)
+
+    def write_photograph(self, painting: Path) -> Path:
+        """Write what is on the sheet beside the painting; returns where."""
+        path = painting.with_name(f"{painting.stem}-painted.png")
+        atomic_write(path, encode_png(self.robot.sheet.image()))
+        return path

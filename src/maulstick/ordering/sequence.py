@@ -1,0 +1,94 @@
+"""The order in which a machine paints: few changes of paint, then little travel, every overlap as it was planned."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+
+from maulstick.ordering.layers import Indices, runs
+from maulstick.ordering.tour import tour
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Painting, Stroke
+from maulstick.storage.arrays import Bools, Floats
+
+_PRECISE = 1e-6  # metres: what the file of a painting keeps
+_SMOOTHED = 0.05  # of a mark's half-width: its centre line may be simplified by that, and then counts as wider by it
+
+
+def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
+    """The painting with its strokes in a quick order for a machine whose pen is at `start`, metres; it looks the same.
+
+    Strokes keep their ids, and overlapping strokes of different paints their order; those of one paint may be painted
+    in any: one colour over itself is the same colour. The paint never changes more often than before. A stroke may be
+    turned around where its press is even, it has no speeds of its own, and its mark is then the same.
+    """
+    trajectories = painting.trajectories()
+    paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
+    ends, reversible = trajectories[:, [0, -1], :2], _reversible(painting, trajectories)
+    strokes: list[Stroke] = []
+    for run in runs(paint_of, _overlaps(painting, trajectories, paint_of)):
+        way = tour(ends[run], reversible[run], start)
+        strokes += [
+            _turned(painting.strokes[run[i]]) if turned else painting.strokes[run[i]]
+            for i, turned in zip(way.order, way.turned, strict=True)
+        ]
+        start = strokes[-1].trajectory[-1][:2]
+    return painting.model_copy(update={"strokes": tuple(strokes)})
+
+
+def _turned(stroke: Stroke) -> Stroke:
+    return stroke.model_copy(update={"trajectory": stroke.trajectory[::-1]})
+
+
+def _reversible(painting: Painting, trajectories: Floats) -> Bools:
+    """(N,) whether each of the commanded trajectories (N, n, 3) leaves the same mark when it is drawn backwards."""
+    even = np.ptp(trajectories[..., 2], axis=1) == 0
+    hasty = np.array([stroke.speed is not None for stroke in painting.strokes], dtype=np.bool_)
+    paths = trajectories[..., :2]
+    backwards = _marks(painting, paths[:, ::-1])[:, ::-1]
+    same = np.abs(backwards - _marks(painting, paths)).max(axis=(1, 2), initial=0) < _PRECISE
+    return np.asarray(even & ~hasty & same)
+
+
+def _marks(painting: Painting, paths: Floats) -> Floats:
+    """Centre lines of the marks that commanded paths (N, n, 2) leave, metres."""
+    marks = np.empty_like(paths)
+    for brush, rows in _brushes(painting):
+        marks[rows] = brush.mark(paths[rows])
+    return marks
+
+
+def _widest(painting: Painting, press: Floats) -> Floats:
+    """(N,) half-widths of marks with press (N, n) where and in whichever direction they are widest, metres."""
+    widest = np.empty(len(press))
+    for brush, rows in _brushes(painting):
+        widest[rows] = brush.half_width(press[rows].max(axis=1)) * (1 + np.hypot(*brush.nib))
+    return widest.clip(min=0)
+
+
+def _brushes(painting: Painting) -> Iterator[tuple[Brush, Indices]]:
+    """Each brush, and which strokes it draws."""
+    names = np.array([painting.paints[stroke.paint].brush for stroke in painting.strokes], dtype=np.str_)
+    for name, brush in painting.brushes.items():
+        yield brush, np.flatnonzero(names == name)
+
+
+def _overlaps(painting: Painting, trajectories: Floats, paint_of: Indices) -> Indices:
+    """(E, 2) strokes of different paints whose marks may overlap, the earlier one first."""
+    pairs = np.zeros((0, 2), dtype=np.int64)
+    if len(paints := np.unique(paint_of)) < 2:
+        return pairs
+    widest = _widest(painting, trajectories[..., 2])
+    marks = _marks(painting, trajectories[..., :2])
+    closed = np.concatenate([marks, marks[:, -1:]], axis=1)  # a line has two points at least
+    lines = shapely.simplify(shapely.linestrings(closed), _SMOOTHED * widest, preserve_topology=False)
+    reach = (1 + _SMOOTHED) * widest
+    west, north, east, south = shapely.bounds(lines).T
+    boxes = shapely.box(west - reach, north - reach, east + reach, south + reach)
+    for paint in paints[:-1]:
+        ours, others = np.flatnonzero(paint_of == paint), np.flatnonzero(paint_of > paint)
+        one, other = shapely.STRtree(boxes[ours]).query(boxes[others])[::-1]
+        one, other = ours[one], others[other]
+        near = shapely.dwithin(lines[one], lines[other], reach[one] + reach[other])
+        pairs = np.concatenate([pairs, np.sort(np.stack([one[near], other[near]], axis=1), axis=1)])
+    return pairs

@@ -1,0 +1,1 @@
+"""A painting: its sheet, brushes, paints and strokes, and its files."""

@@ -1,0 +1,177 @@
+"""A brush: the few numbers of Traj2Stroke (paper), their file, and where a commanded path leaves its mark."""
+
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.storage.files import atomic_write, read_whole
+from maulstick.storage.library import Shelf
+
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("a name must be made of printable characters")
+    return name
+
+
+Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+BRUSHES = Shelf("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
+CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
+"""Where a brush's curve is known; between them it is straight."""
+
+_SHORTEST = 1e-12  # metres
+_TOUCHING = 1e-6  # metres deep, for depths of 0 are unknown ones
+_LARGEST_FILE = 2**20  # bytes
+
+
+class Brush(BaseModel):
+    """A fitted medium: the seven numbers of the paper, and some beyond it that are neutral by default. Metres.
+
+    m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark.
+    alpha, beta: half-width of the mark = alpha * press + beta.
+    c: falloff from the centre line.
+    plateau: the flat part of the mark, q.  opacity: its darkness there, o.
+    curve: the share of alpha that is reached at each of `CURVE_PRESSES`, instead of a straight line.
+    nib: half-width times 1 + nib[0] cos 2φ + nib[1] sin 2φ, where φ is the direction of travel.
+    lag: the mark is drawn by a tip that is dragged: d tip / d s = (commanded - tip) / lag along the path.
+    touch: how far beside its place the tip comes down; it fades over the lag.
+    faint, solid: opacity times faint + (1 - faint) press / solid, at most 1, at the stroke's mean press.
+    depth: how far below first touch the tip was at press 0 and at press 1.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: Name
+    source: str
+    m_x: Annotated[_Number, Field(gt=0)] = 1.0
+    m_y: Annotated[_Number, Field(gt=0)] = 1.0
+    b_x: _Number = 0.0
+    b_y: _Number = 0.0
+    alpha: Annotated[_Number, Field(ge=0)]
+    beta: _Number
+    c: Annotated[_Number, Field(gt=0)] = 1.0
+    plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
+    opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    curve: Annotated[tuple[_Number, ...], Field(min_length=len(CURVE_PRESSES), max_length=len(CURVE_PRESSES))] = (
+        CURVE_PRESSES
+    )
+    nib: tuple[_Number, _Number] = (0.0, 0.0)
+    lag: Annotated[_Number, Field(ge=0)] = 0.0
+    touch: tuple[_Number, _Number] = (0.0, 0.0)
+    faint: Annotated[_Number, Field(gt=0, le=1)] = 1.0
+    solid: Annotated[_Number, Field(gt=0)] = 1.0
+    depth: tuple[_Number, _Number] = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _leaves_a_mark(self) -> Self:
+        if self.alpha + self.beta <= 0:
+            raise ValueError("alpha + beta is the half-width of the deepest stroke and must be above 0")
+        if not np.all(np.diff((0, *self.curve, 1)) >= 0):
+            raise ValueError("curve must rise from 0 to 1, as width does with press")
+        if np.hypot(*self.nib) >= 1:
+            raise ValueError("nib must be shorter than 1, so that every direction leaves a mark")
+        return self
+
+    @property
+    def presses(self) -> bool:
+        """Whether press changes the mark; most plotters can only lift their pen."""
+        return self.alpha > 0
+
+    @property
+    def thinnest(self) -> float:
+        """Half-width at press 0, metres; 0 where the lightest touch leaves no mark."""
+        return max(self.beta, 0.0)
+
+    @property
+    def widest(self) -> float:
+        """Half-width at press 1, metres."""
+        return self.alpha + self.beta
+
+    def half_width(self, press: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Half-width of the mark in metres at each press in [0, 1], any shape; the mean over all directions."""
+        share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
+        return np.asarray(self.alpha * share + self.beta)
+
+    def held_at(self, press: float) -> "Brush":
+        """The same, held at one press in [0, 1], as by a machine that only lifts it.
+
+        Raises InputError where that leaves no mark.
+        """
+        width = float(self.half_width(np.array(press)))
+        if width <= 0:
+            raise InputError(f"the brush {self.name} leaves no mark at press {press:g}; hold it deeper")
+        touch, deepest = self.depth
+        paled = min(self.faint + (1 - self.faint) * press / self.solid, 1.0)
+        held = {
+            "source": f"{self.source}; held at press {press:g}",
+            "alpha": 0.0,
+            "beta": width,
+            "opacity": self.opacity * paled,
+            "faint": 1.0,
+            "depth": (max(touch + press * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
+        }
+        return Brush.model_validate({**self.model_dump(), **held})
+
+    def press_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The press in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
+        presses = np.array((0, *CURVE_PRESSES, 1))
+        return np.asarray(np.interp(half_width, self.half_width(presses), presses)) * self.presses
+
+    def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
+
+        A standardised stroke starts at its origin, so the first commanded point is the offset (Δx, Δy), and
+        design §4's (m_x x + b_x + Δx, m_y y + b_y + Δy) scales about it.
+        """
+        marked = np.array(path, dtype=np.float64)
+        start = marked[..., :1, :2]
+        marked[..., :2] = start + (self.m_x, self.m_y) * (self._dragged(marked[..., :2]) - start) + (self.b_x, self.b_y)
+        return marked
+
+    def _dragged(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where the tip is at each commanded point (..., n, 2): along a straight segment its lag fades exactly."""
+        tips = [path[..., 0, :] + self.touch]
+        for start, end in zip(np.moveaxis(path, -2, 0)[:-1], np.moveaxis(path, -2, 0)[1:], strict=True):
+            length = np.linalg.norm(end - start, axis=-1, keepdims=True)
+            behind = self.lag * (end - start) / np.maximum(length, _SHORTEST)
+            fading = np.exp(-length / max(self.lag, _SHORTEST))
+            tips.append(end - behind + (tips[-1] - start + behind) * fading)
+        return np.stack(tips, axis=-2)
+
+
+def built_in_brushes() -> list[str]:
+    """Names of the brushes that come with Maulstick."""
+    return [name for name, path in BRUSHES.paths().items() if BRUSHES.is_built_in(path)]
+
+
+def load_brush(name: str) -> Brush:
+    """A built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
+
+    Raises InputError where there is no such brush, or the file is not one.
+    """
+    paths = BRUSHES.paths()
+    if name not in paths and Path(name).suffix != ".json":
+        raise InputError.of_choice("brush", name, [*paths, "FILE.json"])
+    path = paths.get(name, Path(name))
+    try:
+        return Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
+    except ValidationError as error:
+        raise InputError(f"{path} is not a brush: {validation_fault(error)}") from error
+
+
+def write_brush(brush: Brush, path: Path) -> None:
+    """Write the JSON of a brush; its folder is made.
+
+    Raises OutputError where that fails; what was at `path` is then still there.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder of brushes {path.parent}: {error.strerror}") from error
+    atomic_write(path, f"{brush.model_dump_json(indent=2)}\n".encode())

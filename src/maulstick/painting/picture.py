@@ -1,0 +1,258 @@
+"""The picture to be painted: any photograph as sRGB, and its place on the canvas."""
+
+import io
+import warnings
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageCms, UnidentifiedImageError
+from PIL.TiffImagePlugin import TiffImageFile
+
+from maulstick.errors import InputError
+from maulstick.painting.raster import Canvas
+from maulstick.storage.files import file_to_read
+
+FITS = ("contain", "cover")
+LONGEST_KEPT_PX = 4096
+"""The longest side of a picture that is kept within another file."""
+
+_LARGEST = 100_000_000  # pixels
+_QUALITY = 88  # of a JPEG
+_STRETCH = 0.02  # of a photograph's shape beside its sheet's
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")
+_BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
+_UPRIGHT = {
+    2: Image.Transpose.FLIP_LEFT_RIGHT,
+    3: Image.Transpose.ROTATE_180,
+    4: Image.Transpose.FLIP_TOP_BOTTOM,
+    5: Image.Transpose.TRANSPOSE,
+    6: Image.Transpose.ROTATE_270,
+    7: Image.Transpose.TRANSVERSE,
+    8: Image.Transpose.ROTATE_90,
+}
+_LANCZOS = Image.Resampling.LANCZOS
+
+
+def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.float32]:
+    """(H, W, 3) sRGB in [0, 1]: the picture upright, on white where it is transparent, the first of several.
+
+    longest_px: scaled down so that no side is longer; a large JPEG is then never decoded whole.
+    Raises InputError where the file is missing, damaged, no picture, or one of more than 100 megapixels.
+    """
+    if longest_px is not None and longest_px < 1:
+        raise InputError.of_range("the longest side in pixels", longest_px, "at least 1")
+    path = file_to_read(path, "picture")
+    too_large = f"the picture {path} has more than {_LARGEST // 10**6} megapixels; scale it down first"
+    try:
+        with warnings.catch_warnings():  # Pillow warns of odd metadata and of sizes that are allowed here
+            warnings.simplefilter("ignore")
+            with Image.open(path, formats=_FORMATS) as image:
+                if image.width * image.height > _LARGEST:
+                    raise InputError(too_large)
+                return _decode(image, longest_px or max(image.size))
+    except InputError:
+        raise
+    except Image.DecompressionBombError as error:
+        raise InputError(too_large) from error
+    except UnidentifiedImageError as error:
+        formats = ", ".join(_FORMATS)
+        raise InputError(f"{path} is not a picture that can be read; save it as one of {formats}") from error
+    except Exception as error:  # decoders raise anything on a damaged file
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
+
+
+def decode_png(content: bytes) -> NDArray[np.float32]:
+    """(H, W, 3) sRGB in [0, 1] of a PNG that is kept within another file.
+
+    Raises InputError where it is none, damaged, or longer than 4096 pixels on a side.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content), formats=("PNG",)) as image:
+                if max(image.size) > LONGEST_KEPT_PX:
+                    size = f"{image.width} x {image.height} pixels"
+                    raise InputError.of_range("the picture", size, f"at most {LONGEST_KEPT_PX} on a side")
+                return _decode(image, LONGEST_KEPT_PX)
+    except InputError:
+        raise
+    except Image.DecompressionBombError as error:
+        raise InputError(
+            f"the picture has more than {LONGEST_KEPT_PX} pixels on a side; scale it down first"
+        ) from error
+    except UnidentifiedImageError as error:
+        raise InputError("the picture is not a PNG; save it as one") from error
+    except Exception as error:  # decoders raise anything on damaged bytes
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"the picture is a damaged PNG: {reason}; embed it again") from error
+
+
+def encode_png(picture: NDArray[np.float32]) -> bytes:
+    """A picture (H, W, 3) in [0, 1] as a PNG of 8 bits a channel."""
+    file = io.BytesIO()
+    Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(file, format="PNG")
+    return file.getvalue()
+
+
+def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> bytes:
+    """A picture (H, W, 3) in [0, 1] as a JPEG, scaled down so that no side is longer."""
+    image = Image.fromarray(np.round(picture * 255).astype(np.uint8))
+    if longest_px is not None:
+        image.thumbnail((longest_px, longest_px))
+    file = io.BytesIO()
+    image.save(file, format="JPEG", quality=_QUALITY)
+    return file.getvalue()
+
+
+def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
+    """(canvas.height_px, canvas.width_px, 3) sRGB in [0, 1]: a photograph of the sheet as it is, cut at its edges.
+
+    Raises InputError where it cannot be read, or its shape is not the sheet's to 2 %.
+    """
+    picture = read_picture(path, longest_px=LONGEST_KEPT_PX)
+    height, width = picture.shape[:2]
+    stretch = (width / height) / (canvas.width / canvas.height)
+    if max(stretch, 1 / stretch) > 1 + _STRETCH:
+        raise InputError(
+            f"the photograph {path} is {width / height:.3f} times as wide as high, and the sheet, "
+            f"{1e3 * canvas.width:g} x {1e3 * canvas.height:g} mm, {canvas.width / canvas.height:.3f} times; "
+            "cut the photograph at the sheet's edges"
+        )
+    return spread(picture, canvas)
+
+
+def spread(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
+    """The whole picture (H, W, 3) over the whole canvas, (canvas.height_px, canvas.width_px, 3), whatever its shape."""
+    height, width = picture.shape[:2]
+    return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
+
+
+def lay_out(
+    picture: NDArray[np.float32], canvas: Canvas, fit: str, under: NDArray[np.float32] | None = None
+) -> tuple[NDArray[np.float32], tuple[float, float, float, float]]:
+    """The picture (H, W, 3) on the canvas, (canvas.height_px, canvas.width_px, 3), and its area (x, y, width, height).
+
+    The area is in metres and whole pixels, but for where the sheet ends within one. `fit` is ``contain`` (all of the
+    picture, in the middle of the sheet) or ``cover`` (all of the sheet; what hangs over is cut off on both sides).
+    under: the sheet as it is, of the canvas' pixels, which is seen around the picture; white when left out.
+    """
+    if fit not in FITS:
+        raise InputError.of_choice("fit", fit, FITS)
+    height, width = picture.shape[:2]
+    across, down = canvas.width_px / width, canvas.height_px / height
+    if fit == "cover":
+        kept = (canvas.width_px / max(across, down), canvas.height_px / max(across, down))
+        left, top = (width - kept[0]) / 2, (height - kept[1]) / 2
+        box = (max(left, 0.0), max(top, 0.0), min(left + kept[0], width), min(top + kept[1], height))
+        return scaled(picture, (canvas.width_px, canvas.height_px), box), (0.0, 0.0, canvas.width, canvas.height)
+    left_px, top_px, right_px, bottom_px = (int(edge) for edge in place_of(picture.shape[:2], canvas, fit))
+    target = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32) if under is None else under.copy()
+    target[top_px:bottom_px, left_px:right_px] = scaled(
+        picture, (right_px - left_px, bottom_px - top_px), (0, 0, width, height)
+    )
+    x, y, right, bottom = (edge / canvas.pixels_per_metre for edge in (left_px, top_px, right_px, bottom_px))
+    return target, (x, y, min(right, canvas.width) - x, min(bottom, canvas.height) - y)
+
+
+def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, float, float, float]:
+    """Where on the canvas the edges of a picture of this shape (h, w) lie, pixels; whole ones for ``contain``."""
+    height, width = shape
+    across, down = canvas.width_px / width, canvas.height_px / height
+    if fit == "cover":
+        columns, rows = width * max(across, down), height * max(across, down)
+        left, top = (canvas.width_px - columns) / 2, (canvas.height_px - rows) / 2
+    else:
+        columns, rows = max(1, round(width * min(across, down))), max(1, round(height * min(across, down)))
+        left, top = (canvas.width_px - columns) // 2, (canvas.height_px - rows) // 2
+    return left, top, left + columns, top + rows
+
+
+def _decode(image: Image.Image, longest_px: int) -> NDArray[np.float32]:
+    if isinstance(image, TiffImageFile):
+        _refuse_misread(image)
+    width, height = _at_most(image.size, longest_px)
+    image.draft(None, (2 * width, 2 * height))  # a JPEG is decoded at half, a quarter or an eighth of its size
+    image.load()
+    turn = _UPRIGHT.get(_orientation(image))
+    deep = _is_deep(image)
+    image = _deep_grey(image) if deep else _eight_bit(image)
+    size = _at_most(image.size, longest_px)
+    if image.size != size:
+        image = image.resize(size, _LANCZOS, reducing_gap=3.0)
+    if not deep:
+        image = _srgb(image)
+    if turn is not None:
+        image = image.transpose(turn)
+    pixels = np.array(image, dtype=np.float32)
+    if deep:
+        return np.repeat(pixels.clip(0, 1)[..., None], 3, axis=2)
+    pixels /= 255
+    return pixels
+
+
+def _at_most(size: tuple[int, int], longest_px: int) -> tuple[int, int]:
+    scale = min(1.0, longest_px / max(size))
+    return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
+
+
+def _orientation(image: Image.Image) -> int:
+    try:
+        return int(image.getexif().get(_ORIENTATION, 1))
+    except Exception:  # damaged metadata do not make a picture unreadable
+        return 1
+
+
+def _is_deep(image: Image.Image) -> bool:
+    return image.mode in ("I", "F") or image.mode.startswith("I;16")
+
+
+def _refuse_misread(image: TiffImageFile) -> None:
+    """TIFFs that Pillow 13 reads wrongly without a word."""
+    tags = image.tag_v2
+    if tags.get(_PLANES) == 2 and (image.mode == "LA" or max(tags.get(_BITS, (1,))) > 8):
+        raise ValueError("a TIFF with 16 bits or transparency must not keep its channels apart (planar)")
+    if tags.get(_PHOTOMETRIC) == 0 and _is_deep(image):
+        raise ValueError("a TIFF with 16 bits must not count from white to black")
+
+
+def _deep_grey(image: Image.Image) -> Image.Image:
+    """One channel of more than 8 bits, as floats in [0, 1]."""
+    values = np.array(image, dtype=np.float32)
+    if image.mode != "F":
+        values /= 65535
+    if not (values.min() >= 0 and values.max() <= 1):
+        raise ValueError("its grey values are not 16-bit numbers, nor fractions of 1")
+    return Image.fromarray(values)
+
+
+def _eight_bit(image: Image.Image) -> Image.Image:
+    """A mode that can be scaled: RGB, L or CMYK, or RGBA where anything is transparent."""
+    if image.has_transparency_data:
+        return image.convert("RGBA")
+    return image if image.mode in ("RGB", "L", "CMYK") else image.convert("RGB")
+
+
+def _srgb(image: Image.Image) -> Image.Image:
+    """8-bit pixels laid on white paper, with their colour profile applied."""
+    profile = image.info.get("icc_profile")
+    if image.mode == "RGBA":
+        paper = Image.new("RGB", image.size, "white")
+        paper.paste(image, mask=image)
+        image = paper
+    if profile:
+        srgb: Any = ImageCms.createProfile("sRGB")
+        with suppress(ImageCms.PyCMSError, OSError):  # a profile that does not fit its picture
+            return ImageCms.profileToProfile(image, io.BytesIO(profile), srgb, outputMode="RGB") or image
+    return image.convert("RGB")
+
+
+def scaled(
+    picture: NDArray[np.float32], size: tuple[int, int], box: tuple[float, float, float, float]
+) -> NDArray[np.float32]:
+    """The `box` (left, upper, right, lower) of the picture (H, W, 3) at `size` (width, height), all pixels."""
+    channels = [Image.fromarray(np.ascontiguousarray(picture[..., i])) for i in range(picture.shape[2])]
+    return np.stack([np.asarray(channel.resize(size, _LANCZOS, box=box)) for channel in channels], axis=2).clip(0, 1)

@@ -1,0 +1,94 @@
+"""A painting as SVG for plotters, Inkscape and vpype: real millimetres, a layer a paint, an open path a stroke."""
+
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from xml.etree import ElementTree
+
+import numpy as np
+
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Paint, Painting, Stroke, hex_colour
+
+_DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
+_AXIDRAW_SPEED = 0.2  # metres a second
+_AXIDRAW_TOUCH = 40  # per cent
+
+
+def painting_svg(painting: Painting) -> str:
+    """The commanded centre lines of `painting` in painting order, millimetres, each as wide as its mean mark.
+
+    There is a layer for every run of strokes of one paint: as many layers as paints where a paint is taken up once.
+    A layer's label begins with its number, which vpype and plotters' drivers go by.
+    """
+    return _svg(painting, lambda number, paint, brush, run: f"{number} {paint.label} {paint.brush}")
+
+
+def axidraw_svg(painting: Painting) -> str:
+    """As `painting_svg`, with codes in its labels at which AxiDraw's own software pauses for the next pen.
+
+    Before its name a label has `!` to pause, and its number; then, where all its strokes agree, `+S` and their speed in
+    per cent of 0.2 m/s, and for a brush that presses `+H` and the pen's height in per cent of its servo's way: 40,
+    which is usual, to just touch, 0 to press most (https://wiki.evilmadscientist.com/AxiDraw_Layer_Control).
+    """
+    return _svg(painting, _coded_label)
+
+
+def _coded_label(number: int, paint: Paint, brush: Brush, run: Sequence[Stroke]) -> str:
+    pause = "!" if number > 1 else ""
+    speeds = {speed for stroke in run for speed in stroke.speed or (None,)}
+    presses = {press for stroke in run for _, _, press in stroke.trajectory} if brush.presses else set()
+    codes = ""
+    if len(speeds) == 1 and (speed := speeds.pop()) is not None:
+        codes += f"+S{min(max(round(100 * speed / _AXIDRAW_SPEED), 1), 100)}"
+    if len(presses) == 1:
+        codes += f"+H{round(_AXIDRAW_TOUCH * (1 - presses.pop()))}"
+    return f"{pause}{number}{codes} {paint.label} {paint.brush}"
+
+
+def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke]], str]) -> str:
+    width, height = (f"{1e3 * side:.6g}" for side in (painting.canvas.width, painting.canvas.height))
+    root = ElementTree.Element(
+        "svg",
+        {
+            "xmlns": "http://www.w3.org/2000/svg",
+            "xmlns:inkscape": "http://www.inkscape.org/namespaces/inkscape",
+            "width": f"{width}mm",
+            "height": f"{height}mm",
+            "viewBox": f"0 0 {width} {height}",
+            "style": f"background-color:{hex_colour(painting.canvas.paper)}",
+        },
+    )
+    for number, (index, strokes) in enumerate(groupby(painting.strokes, key=lambda stroke: stroke.paint), start=1):
+        paint, run = painting.paints[index], tuple(strokes)
+        brush = painting.brushes[paint.brush]
+        layer = ElementTree.SubElement(
+            root,
+            "g",
+            {
+                "id": f"layer-{number}",
+                "inkscape:groupmode": "layer",
+                "inkscape:label": label(number, paint, brush, run),
+            },
+        )
+        for stroke in run:
+            ElementTree.SubElement(layer, "path", _path(stroke, paint, brush))
+    ElementTree.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def _path(stroke: Stroke, paint: Paint, brush: Brush) -> dict[str, str]:
+    trajectory = np.array(stroke.trajectory)
+    half_width = brush.half_width(trajectory[:, 2]).clip(min=0).mean()
+    points = [f"{1e3 * x:.3f},{1e3 * y:.3f}" for x, y in trajectory[:, :2].tolist()]
+    if len(set(points)) == 1:
+        x, y = 1e3 * trajectory[0, :2]
+        points = [points[0], f"{x + _DOT:.3f},{y:.3f}"]
+    return {
+        "id": f"stroke-{stroke.id}",
+        "d": f"M {points[0]} L {' '.join(points[1:])}",
+        "fill": "none",
+        "stroke": paint.hex,
+        "stroke-width": f"{2e3 * half_width:.3f}",
+        "stroke-linecap": "round",
+        "stroke-linejoin": "round",
+    }

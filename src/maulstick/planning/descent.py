@@ -1,0 +1,75 @@
+"""Gradient descent with a rate for each kind of parameter, that all rise and fall together."""
+
+from math import cos, pi
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.state import State, optimiser_state, restore_optimiser
+
+_RATES = {"codes": 0.02, "angles": 0.05, "press_knots": 0.03, "colours": 0.02}
+_CENTRES_IN_SPACINGS = 0.1
+_PAINTS = 0.005
+_WARM_UP = 20
+_LAST = 0.02
+
+
+class Descent:
+    """Adam over the parameters of strokes, and later of paints.
+
+    spacing: metres between strokes, which a step of their centres is measured by.
+    """
+
+    def __init__(self, strokes: StrokeParameters, spacing: float) -> None:
+        self.strokes = strokes
+        self._paints: Tensor | None = None
+        self._taken = 0
+        rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing}
+        groups = [
+            {"params": [tensor], "whole": rates[name]}
+            for name, tensor in strokes.each().items()
+            if tensor.requires_grad
+        ]
+        self._adam = torch.optim.Adam(groups, lr=1.0, betas=(0.9, 0.99))
+
+    def add_paints(self, paints: Tensor) -> None:
+        """Adapt the colours (k, C) of the paints too."""
+        self._paints = paints
+        self._adam.add_param_group({"params": [paints], "whole": _PAINTS})
+
+    def step(self, loss: Tensor, progress: float) -> None:
+        """One step down the loss; its size follows half a cosine over progress in [0, 1]."""
+        self._taken += 1
+        rate = min(1.0, self._taken / _WARM_UP) * (0.5 + 0.5 * cos(pi * progress)) + _LAST
+        for group in self._adam.param_groups:
+            group["lr"] = group["whole"] * rate
+        self._adam.zero_grad(set_to_none=True)
+        loss.backward()
+        self._adam.step()
+        self._clamp()
+
+    def replace(self, rows: Tensor, others: StrokeParameters) -> None:
+        """Begin anew with other strokes in some rows."""
+        self.strokes.replace_rows(rows, others)
+        for tensor in self.strokes.each().values():
+            if tensor in self._adam.state:
+                for moment in ("exp_avg", "exp_avg_sq"):
+                    self._adam.state[tensor][moment][rows] = 0
+
+    def state(self) -> State:
+        """All that its next step depends on but the strokes and paints themselves."""
+        return {"taken": np.array(self._taken), **optimiser_state(self._adam)}
+
+    def restore(self, state: State) -> None:
+        """Go on from there."""
+        self._taken = int(state["taken"])
+        restore_optimiser(state, self._adam)
+
+    @torch.no_grad()
+    def _clamp(self) -> None:
+        self.strokes.press_knots.clamp_(0, 1)
+        self.strokes.colours.clamp_(0, 1)
+        if self._paints is not None:
+            self._paints.clamp_(0, 1)

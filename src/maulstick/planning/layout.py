@@ -1,0 +1,85 @@
+"""Pictures on sheets: where on its sheet a picture lies, and at which resolution it is planned."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.painting.painting import Sheet
+from maulstick.painting.picture import lay_out
+from maulstick.painting.raster import Canvas
+
+Image = NDArray[np.float32]
+
+_HEIGHT_PX = 256
+LONGEST_PX = 2048
+"""The longest side of a canvas that is planned in one piece."""
+_MOST_PX, _MOST_IN_WINDOWS_PX = 6144, 32_768
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A picture on a sheet.
+
+    under: (H, W, 3), the sheet as it is.  target: (H, W, 3), as it should be, or None where there is no picture.
+    area: the picture's, (x, y, width, height), metres.
+    """
+
+    canvas: Canvas
+    sheet: Sheet
+    under: Image
+    target: Image | None
+    area: tuple[float, float, float, float]
+
+    def crop(self, image: Image) -> Image:
+        """The part of an image of the canvas, (H, W, 3), that the picture covers."""
+        left, top, width, height = (round(x * self.canvas.pixels_per_metre) for x in self.area)
+        return image[top : top + max(height, 1), left : left + max(width, 1)]
+
+
+def lay_out_for(
+    picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
+) -> Layout:
+    """Lay a picture (h, w, 3), or none, out on a sheet, at the resolution to plan it in: see `canvas_for`.
+
+    Raises InputError for a sheet that is too narrow or too large in pixels.
+    """
+    canvas = canvas_for(picture, sheet, brush, fit, height_px)
+    if (longest := max(canvas.width_px, canvas.height_px)) > _MOST_PX:
+        raise InputError.of_range("the canvas", f"{longest} pixels long", f"at most {_MOST_PX} in one piece")
+    under = sheet.image(canvas)
+    if picture is None:
+        return Layout(canvas, sheet, under, None, (0.0, 0.0, sheet.width, sheet.height))
+    return Layout(canvas, sheet, under, *lay_out(picture, canvas, fit, under))
+
+
+def canvas_for(
+    picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
+) -> Canvas:
+    """The sheet's canvas, at the resolution to plan a picture (h, w, 3) in.
+
+    height_px: of the picture on the canvas, or without one of the sheet; when left out, at least 256 and as many as
+    show the brush's thinnest mark with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
+    Raises InputError for a sheet that is too narrow or too large in pixels.
+    """
+    height = sheet.height
+    if picture is not None:
+        down, across = sheet.height / picture.shape[0], sheet.width / picture.shape[1]
+        height = min(picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across)), sheet.height)
+    longest = max(sheet.width, sheet.height)
+    if height_px is None:
+        resolution = min(max(_HEIGHT_PX / height, 1 / (brush.thinnest or brush.widest / 4)), LONGEST_PX / longest)
+    elif height_px < 1:
+        raise InputError.of_range("the height of the picture", f"{height_px} pixels", "at least 1")
+    else:
+        resolution = height_px / height
+    if resolution * longest > _MOST_IN_WINDOWS_PX:
+        allowed = f"less, so that no side of the sheet has more than {_MOST_IN_WINDOWS_PX}"
+        raise InputError.of_range("the height of the picture", f"{height_px} pixels", allowed)
+    canvas = Canvas(sheet.width, sheet.height, resolution)
+    if min(canvas.width_px, canvas.height_px) < 2:
+        pixels = f"{canvas.width_px} x {canvas.height_px}"
+        raise InputError.of_range("the sheet in pixels", pixels, "at least 2 x 2; choose a less narrow size")
+    return canvas

@@ -1,0 +1,113 @@
+"""What a person can wish for, and the terms of the loss that it comes to."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Generator, Tensor
+
+from maulstick.errors import InputError
+from maulstick.planning.features.network import Network, ReadingNetwork
+from maulstick.planning.features.views import random_views
+from maulstick.planning.objectives import Edges, Judge, Likeness, Look, Objective, Tone, Words, sketch
+from maulstick.planning.problem import Weighted
+
+Image = NDArray[np.float32]
+
+STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "words": 0.1, "look": 0.01}
+"""The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""
+
+_NEEDS = {"words": "a text", "look": "the look of a picture"}
+_VIEWS = 32
+_HEAVIEST = 1000  # beyond, nothing else would count, and float32 overflow in the end
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the painting should be like, beside the picture that it is of.
+
+    text: what it should show.  look: (H, W, 3), a picture whose look it should have.
+    weights: of the terms by name, 1 for the usual; those left out are weighed as `weights_of_terms` says.
+    """
+
+    text: str | None = None
+    look: Image | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        given = {"words": self.text, "look": self.look}
+        for name, weight in self.weights.items():
+            if name not in STRENGTHS:
+                raise InputError.of_choice("term to weigh", name, STRENGTHS)
+            if not 0 <= weight <= _HEAVIEST:
+                raise InputError.of_range(f"the weight of {name}", weight, f"from 0 to {_HEAVIEST}")
+            if name in given and weight and given[name] is None:
+                raise InputError(f"{name} weighs {_NEEDS[name]}, and there is none; give it, or leave the weight out")
+            if name in given and not weight and given[name] is not None:
+                raise InputError(f"{name}=0 leaves {_NEEDS[name]} out, and there is one; leave one of the two out")
+
+    def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
+        """All terms that count. Raises InputError where none does, or one needs a picture and there is none."""
+        asked = {"words": self.text is not None, "look": self.look is not None}
+        weights = {"tone": has_picture, **asked, **self.weights}
+        counting = {name: float(weight) for name, weight in weights.items() if weight}
+        if not counting:
+            raise InputError("nothing is weighed, so any painting would do; give one of the terms a weight above 0")
+        for name in counting:
+            if not has_picture and name not in _NEEDS:
+                raise InputError(f"{name} compares with a picture; name one, or leave that weight out")
+        return counting
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What terms are made of: target (3, H, W) or None, weights (H, W), and the colour of the paper, (3,)."""
+
+    target: Tensor | None
+    weights: Tensor
+    paper: Tensor
+    one_ink: bool
+
+
+def terms_of(
+    wishes: Wishes, sight: Sight, network: Callable[[], Network]
+) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[Judge], ...]]:
+    """The objectives and judges that the wishes come to; `network` is called where a judge needs one."""
+    network = cache(network)  # which takes seconds and a lot of memory to load
+    objectives: list[Weighted[Objective]] = []
+    judges: list[Weighted[Judge]] = []
+    for name, weight in wishes.weights_of_terms(has_picture=sight.target is not None).items():
+        strength = weight * STRENGTHS[name]
+        if name in ("tone", "edges"):
+            objectives.append(Weighted(_objective(name, sight), strength))
+        else:
+            judges.append(Weighted(_judge(name, wishes, sight, network()), strength))
+    return tuple(objectives), tuple(judges)
+
+
+def _objective(name: str, sight: Sight) -> Objective:
+    assert sight.target is not None  # `Wishes.weights_of_terms` has seen to it
+    if name == "edges":
+        return Edges(sight.target, sight.weights)
+    return Tone(sight.target, sight.weights, halftone=sight.one_ink)
+
+
+def _judge(name: str, wishes: Wishes, sight: Sight, network: Network) -> Judge:
+    chance = Generator().manual_seed(0)  # the same views for every seed, so that plans can be compared
+    views = random_views(_VIEWS, sight.weights.shape[0], sight.weights.shape[1], chance)
+    if name == "words":
+        if not isinstance(network, ReadingNetwork):
+            raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with --clip")
+        return Words(network, wishes.text or "", views, sight.paper)
+    if name == "look":
+        assert wishes.look is not None
+        picture = torch.from_numpy(np.ascontiguousarray(wishes.look.transpose(2, 0, 1))).to(sight.weights)
+        return Look(network, picture, views, sight.paper, chance)
+    assert sight.target is not None
+    if name == "sketch":
+        return sketch(network, sight.target, views, sight.paper, grey=sight.one_ink)
+    return Likeness(network, sight.target, views, sight.paper, grey=sight.one_ink)

@@ -1,0 +1,1 @@
+"""Murals: pictures too large to be planned in one piece, planned in windows."""

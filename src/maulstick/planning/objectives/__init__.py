@@ -1,0 +1,10 @@
+"""What a painting should look like: objectives, asked at every step, and judges, networks that are asked seldom."""
+
+from maulstick.planning.objectives.edges import Edges
+from maulstick.planning.objectives.likeness import Likeness, sketch
+from maulstick.planning.objectives.look import Look
+from maulstick.planning.objectives.objective import Judge, Objective
+from maulstick.planning.objectives.tone import Tone, halved
+from maulstick.planning.objectives.words import Words
+
+__all__ = ["Edges", "Judge", "Likeness", "Look", "Objective", "Tone", "Words", "halved", "sketch"]

@@ -1,0 +1,72 @@
+"""Whether edges are where a picture has them."""
+
+import math
+
+import torch
+from torch import Tensor
+from torch.nn.functional import pad
+
+from maulstick.planning.objectives.luminance import luminance
+from maulstick.planning.objectives.objective import Objective
+from maulstick.planning.objectives.tone import halved
+
+_LEVELS = 3
+_LARGEST_PX = 512
+_FAINTEST = 1e-4  # a slope of luminance, squared, per pixel²: 1 % of contrast a pixel
+
+
+class Edges(Objective):
+    """One minus the local correlation of the slopes of luminance, of the canvas with those of the target (3, H, W).
+
+    weights: (H, W), how much each pixel counts.
+
+    The correlation is normalised in a window of a few pixels, so that a soft edge counts as fulfilled by any edge that
+    lies where it does, and runs as it does. Strong edges of the target matter most, flat places little, but enough to
+    keep them flat. Seen on three levels of a pyramid alike; the finest has at most 512 pixels a side, since on larger
+    ones single lines would be edges.
+    """
+
+    def __init__(self, target: Tensor, weights: Tensor) -> None:
+        self._halvings = max(0, math.ceil(math.log2(max(weights.shape) / _LARGEST_PX)))
+        self._wanted: list[tuple[Tensor, Tensor, Tensor]] = []
+        for image, counts in zip(self._pyramid(luminance(target)), self._pyramid(weights[None]), strict=True):
+            slopes = _slopes(image)
+            energy = _windowed(slopes, slopes)
+            shares = halved(halved(counts)) * energy.sqrt()
+            self._wanted.append((slopes, energy, shares / shares.sum().clamp(min=1e-30)))
+
+    @property
+    def name(self) -> str:
+        """``edges``."""
+        return "edges"
+
+    def loss(self, canvas: Tensor, progress: float) -> Tensor:
+        """0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
+        losses = []
+        for image, (wanted, wanted_energy, shares) in zip(self._pyramid(luminance(canvas)), self._wanted, strict=True):
+            slopes = _slopes(image)
+            correlation = _windowed(slopes, wanted) / (_windowed(slopes, slopes) * wanted_energy).sqrt()
+            losses.append((shares * (1 - correlation)).sum())
+        return torch.stack(losses).mean()
+
+    def _pyramid(self, image: Tensor) -> list[Tensor]:
+        """The levels, finest first, of an image (1, H, W)."""
+        for _ in range(self._halvings):
+            image = halved(image)
+        levels = [image]
+        for _ in range(_LEVELS - 1):
+            levels.append(halved(levels[-1]))
+        return levels
+
+
+def _slopes(image: Tensor) -> Tensor:
+    """Per pixel along x and y, (2, H, W), of an image (1, H, W) (Sobel)."""
+    apart = pad(image, (1, 1, 1, 1), mode="replicate")[0]
+    down = apart[:-2] + 2 * apart[1:-1] + apart[2:]
+    across = apart[:, :-2] + 2 * apart[:, 1:-1] + apart[:, 2:]
+    return torch.stack([down[:, 2:] - down[:, :-2], across[2:] - across[:-2]]) / 8
+
+
+def _windowed(slopes: Tensor, others: Tensor) -> Tensor:
+    """The average of the slopes' products in windows four pixels apart, and a little more, so that it is never 0."""
+    return halved(halved((slopes * others).sum(dim=0, keepdim=True))) + _FAINTEST

@@ -1,0 +1,59 @@
+"""What is optimised of each stroke: code, pose, press and colour, as one tensor a kind."""
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+import torch
+from torch import Tensor
+
+from maulstick.rendering.traj2stroke import place
+from maulstick.style import Style
+from maulstick.style.pressure import press_along
+
+
+@dataclass(frozen=True)
+class StrokeParameters:
+    """What is optimised of N strokes.
+
+    codes: (N, K).  centres: (N, 2) metres, where the middle of each path lies; turning a stroke about it moves both
+    ends alike.  angles: (N,) radians.  press_knots: (N, 4) in [0, 1].  colours: (N, C) in [0, 1].
+    """
+
+    codes: Tensor
+    centres: Tensor
+    angles: Tensor
+    press_knots: Tensor
+    colours: Tensor
+
+    def __len__(self) -> int:
+        return self.angles.shape[0]
+
+    def each(self) -> dict[str, Tensor]:
+        """The tensors by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def __getitem__(self, rows: Tensor) -> Self:
+        """Some of the strokes, without gradients."""
+        return type(self)(**{name: tensor.detach()[rows] for name, tensor in self.each().items()})
+
+    def replace_rows(self, rows: Tensor, others: "StrokeParameters") -> None:
+        """Put `others` in the place of the strokes `rows`."""
+        for name, tensor in self.each().items():
+            tensor.detach()[rows] = getattr(others, name)
+
+    def poses(self, paths: Tensor) -> Tensor:
+        """Poses (N, 3) Δ = (Δx, Δy, Δθ) that put the standardised paths (N, n, 2) where they belong."""
+        turned = torch.cat([torch.zeros_like(self.centres), self.angles[:, None]], dim=1)
+        return torch.cat([self.centres - place(paths, turned).mean(dim=1), self.angles[:, None]], dim=1)
+
+    def trajectories(self, style: Style) -> Tensor:
+        """Commanded trajectories (N, n, 3): x, y in metres, press."""
+        paths = style.decode(self.codes)
+        return torch.cat([place(paths, self.poses(paths)), press_along(self.press_knots)[..., None]], dim=-1)
+
+    @torch.no_grad()
+    def keep_inside(self, style: Style, width: float, height: float) -> None:
+        """Move each stroke by as little as keeps its path on a sheet of this size, metres."""
+        paths = self.trajectories(style)[..., :2]
+        size = torch.tensor([width, height])
+        self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))

@@ -1,0 +1,117 @@
+"""Where strokes begin: places from tone and detail, directions along the picture's edges (design §5)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude
+from scipy.spatial import cKDTree
+from skimage.feature import structure_tensor
+from torch import Generator
+
+from maulstick.painting.brush import Brush
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.style import Style
+
+Floats = NDArray[np.float64]
+
+_ROUNDS = 12
+_SAMPLES_PER_STROKE = 60
+_LENGTH_IN_SPACINGS = 2.0
+_WIDTH_IN_SPACINGS = 0.4
+
+
+@dataclass(frozen=True)
+class Places:
+    """centres: (N, 2) pixels.  angles: (N,) radians.  spacing: (N,) pixels, the room each has.  colours: (N, C)."""
+
+    centres: Floats
+    angles: Floats
+    spacing: Floats
+    colours: Floats
+
+
+def detail(target: Floats) -> Floats:
+    """How densely strokes should lie where colour covers all, (H, W): most where the target (C, H, W) changes."""
+    height = target.shape[1]
+    change = np.zeros(target.shape[1:])
+    for sigma in (max(height / 256, 0.7), max(height / 100, 0.7)):
+        slopes = [gaussian_gradient_magnitude(channel, sigma) for channel in target]
+        change += np.sqrt(np.square(slopes).sum(axis=0)) * sigma
+    density: Floats = gaussian_filter(change, height / 128) + 0.25 * change.mean()
+    return density
+
+
+def ink_density(image: Floats, paper: Floats, ink: Floats) -> Floats:
+    """How much ink the image (C, H, W) shows, (H, W).
+
+    It is 0 where the image is like the paper, (C, H, W), or lighter, and 1 where it is like the ink, (C,), or darker.
+    """
+    way = ink[:, None, None] - paper
+    amount = ((image - paper) * way).sum(axis=0) / np.maximum((way**2).sum(axis=0), 1e-9)
+    density: Floats = amount.clip(0, 1)
+    return density
+
+
+def find_places(target: Floats, density: Floats, count: int, rng: np.random.Generator, room: float = np.inf) -> Places:
+    """`count` places on the target (C, H, W), spread as the density (H, W) asks, along the edges of the target.
+
+    room: no place's spacing is taken to be more than this, pixels.
+
+    Places come from weighted Voronoi stippling, directions from the structure tensor; where it has none they are
+    drawn at random.
+    """
+    centres, spacing = _stipple(density, count, rng)
+    height, width = density.shape
+    spacing = spacing.clip(max=room)
+    sigma = max(1.0, min(float(np.median(spacing)) / 3, min(height, width) / 40))
+    tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
+    at = tuple(np.clip(centres[:, i].astype(int), 0, size - 1) for i, size in ((1, height), (0, width)))
+    rr, rc, cc = (sum(parts)[at] for parts in zip(*tensors, strict=True))
+    along_edge = 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2
+    coherence = np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
+    wander = rng.normal(size=count) * (1 - coherence) * np.pi / 2
+    colours = np.stack([gaussian_filter(channel, sigma / 2)[at] for channel in target], axis=1)
+    return Places(centres, along_edge + wander, spacing, colours)
+
+
+def start_strokes(
+    places: Places, style: Style, brush: Brush, pixels_per_metre: float, generator: Generator
+) -> StrokeParameters:
+    """Strokes of the style at the places, as long as the style lets them be for the room there."""
+    spacing = places.spacing / pixels_per_metre
+    codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
+    if brush.presses:
+        press = brush.press_for(_WIDTH_IN_SPACINGS * spacing)
+        knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(press)[:, None]).clamp(0, 1)
+    else:
+        knots = torch.zeros_like(knots)
+    return StrokeParameters(
+        codes,
+        _tensor(places.centres / pixels_per_metre),
+        _tensor(places.angles),
+        knots,
+        _tensor(places.colours),
+    )
+
+
+def _tensor(array: Floats) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(array, dtype=np.float32))
+
+
+def _stipple(density: Floats, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    height, width = density.shape
+    chance = density.ravel() + 1e-9  # an empty density is an even one
+    samples = rng.choice(density.size, size=_SAMPLES_PER_STROKE * count, p=chance / chance.sum())
+    cloud = np.stack([samples % width, samples // width], axis=1) + rng.random((len(samples), 2))
+    centres = cloud[rng.choice(len(cloud), size=count, replace=False)]
+    for _ in range(_ROUNDS):
+        owner = cKDTree(centres).query(cloud)[1]
+        share = np.bincount(owner, minlength=count)
+        sums = np.stack([np.bincount(owner, weights=column, minlength=count) for column in cloud.T], axis=1)
+        centres = np.where(share[:, None] > 0, sums / np.maximum(share, 1)[:, None], centres)
+    if count == 1:
+        return centres, np.array([float(min(height, width)) / 2])
+    neighbours = np.asarray(cKDTree(centres).query(centres, k=min(5, count))[0])
+    return centres, neighbours[:, 1:].mean(axis=1)

@@ -1,0 +1,102 @@
+"""What is asked of the planner."""
+
+from dataclasses import dataclass
+from typing import Final, Generic, TypeVar
+
+import torch
+from torch import Tensor
+
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.painting.raster import Canvas
+from maulstick.planning.objectives import Judge, Objective
+from maulstick.strokes.strokes import POINTS
+from maulstick.style import Style
+
+Colour = tuple[float, float, float]
+Term = TypeVar("Term", Objective, Judge)
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """How to plan.
+
+    strokes: at most so many; exactly so many with `exact`.
+    paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1], of which one colour is an ink.
+    steps: of the optimiser.  ask_every: so many steps lie between two calls of the judges.  seed: repeats a plan to
+    the bit.
+    """
+
+    strokes: int = 400
+    exact: bool = False
+    paints: int | None = 12
+    palette: tuple[Colour, ...] = ((0.0, 0.0, 0.0),)
+    steps: int = 1500
+    ask_every: int = 10
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.strokes < 1:
+            raise InputError.of_range("the number of strokes", self.strokes, "at least 1")
+        if self.paints is not None and not 1 <= self.paints <= self.strokes:
+            raise InputError.of_range("the number of paints", self.paints, f"1 to the {self.strokes} strokes")
+        if self.steps < 1:
+            raise InputError.of_range("the number of steps", self.steps, "at least 1")
+        if self.ask_every < 1:
+            raise InputError.of_range("the number of steps between two calls", self.ask_every, "at least 1")
+        if not self.palette:
+            raise InputError("the palette is empty; give it at least one colour")
+        for colour in self.palette:
+            if not all(0 <= channel <= 1 for channel in colour):
+                raise InputError.of_range("a colour of the palette", colour, "sRGB in [0, 1]")
+        if not 0 <= self.seed < 2**32:
+            raise InputError.of_range("the seed", self.seed, "in 0 to 4294967295")
+
+    @property
+    def one_ink(self) -> bool:
+        """Whether greys have to be made of the distance between lines."""
+        return self.paints is None and len(self.palette) == 1
+
+
+@dataclass(frozen=True)
+class Weighted(Generic[Term]):
+    """A term of the loss, and by how much it counts."""
+
+    term: Term
+    weight: float
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Strokes of other plans, painted among those of this one where their colours put them; they stay as they are.
+
+    trajectories: (M, 32, 3) commanded, as the canvas has them.  colours: (M, 3).
+    """
+
+    trajectories: Tensor
+    colours: Tensor
+
+
+NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
+
+
+@dataclass(frozen=True)
+class Commission:
+    """What is to be painted, and with what.
+
+    target: (3, H, W) of the canvas' pixels, sRGB in [0, 1], or None where there is no picture.  paper: (3, H, W), what
+    is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the
+    device that is to render.
+    objectives, judges: what the canvas should look like.
+    neighbours: what others paint on the same canvas.
+    """
+
+    target: Tensor | None
+    paper: Tensor
+    weights: Tensor
+    canvas: Canvas
+    brush: Brush
+    style: Style
+    objectives: tuple[Weighted[Objective], ...]
+    judges: tuple[Weighted[Judge], ...] = ()
+    neighbours: Neighbours = NO_NEIGHBOURS

@@ -1,0 +1,91 @@
+"""What each stroke does for the picture.
+
+The canvas is linear in a stroke's opacity and in its colour, so that taking it away, or painting it with another paint,
+changes the squared error by an exact quadratic, whose terms a few backward passes give for all strokes at once.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Generator, Tensor
+from torch.nn.functional import avg_pool2d
+
+from maulstick.rendering.kernels.render import composite
+from maulstick.rendering.traj2stroke import Marks
+
+_PROBES = 8
+
+
+@dataclass(frozen=True)
+class View:
+    """How a canvas is compared with the target (C, H, W).
+
+    weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
+    """
+
+    target: Tensor
+    weights: Tensor
+    pool: int = 1
+
+    def difference(self, canvas: Tensor) -> Tensor:
+        """(C, h, w); the sum of its squares is the error."""
+        difference = (canvas - self.target) * self.weights.sqrt()
+        return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
+
+
+def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
+    """How much the error would grow, (N,), if each stroke alone were not there.
+
+    paper: (C, H, W).  marks and colours, (N, C), are in painting order.  The slope is exact; the curvature, a sum of
+    squares over pixels, is estimated from random signs (Hutchinson).
+    """
+    marks, colours = _detached(marks), colours.detach()
+    opacity = marks.o.requires_grad_()
+    difference = view.difference(_painted(paper, marks, colours))
+    slope, curvature = _slope_and_curvature(difference, opacity, generator)
+    amount = opacity.detach()
+    return 0.5 * curvature * amount.square() - slope * amount
+
+
+def recolouring_costs(
+    view: View, paper: Tensor, marks: Marks, colours: Tensor, paints: Tensor, generator: Generator
+) -> Tensor:
+    """How much the error would grow, (N, k), if each stroke alone took each of the paints (k, C).
+
+    As exact as `removal_costs`, and for the same reason: the canvas is linear in a stroke's colour too.
+    """
+    colours = colours.detach().requires_grad_()
+    difference = view.difference(_painted(paper, _detached(marks), colours))
+    slope, curvature = _slope_and_curvature(difference, colours, generator)
+    change = paints.detach().to(colours) - colours.detach()[:, None]
+    return (slope[:, None] * change + 0.5 * curvature[:, None] * change.square()).sum(dim=-1)
+
+
+def coverage(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+    """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
+    colours = colours.detach().requires_grad_()
+    (shown,) = torch.autograd.grad((_painted(paper, _detached(marks), colours) * view.weights).sum(), colours)
+    return shown.mean(dim=1)
+
+
+def _slope_and_curvature(difference: Tensor, numbers: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    """Of the sum of the squared differences, in each of the numbers that they are linear in."""
+
+    def pull(signal: Tensor) -> Tensor:
+        (gradient,) = torch.autograd.grad(difference, numbers, signal, retain_graph=True)
+        return gradient
+
+    slope = pull(2 * difference.detach())
+    curvature = torch.zeros_like(slope)
+    for _ in range(_PROBES):
+        signs = torch.randint(0, 2, difference.shape, generator=generator).to(difference) * 2 - 1
+        curvature += 2 * pull(signs).square() / _PROBES
+    return slope, curvature
+
+
+def _detached(marks: Marks) -> Marks:
+    return Marks(**{name: tensor.detach() for name, tensor in vars(marks).items()})
+
+
+def _painted(paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+    return composite(paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)

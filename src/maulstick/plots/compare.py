@@ -1,0 +1,70 @@
+"""The plate of several paintings side by side, all at one scale."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+
+from maulstick.painting.raster import Canvas
+from maulstick.plots.sheet import FAINT, INK, Plate
+from maulstick.storage.arrays import Floats
+
+_PROPORTION = 1.6
+_GAP = 2.0  # lines between pictures
+_TITLE = 4.2  # lines above a picture
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A picture on a plate. size: (width, height), metres.  draw: its image (H, W, 3) in [0, 1] on a canvas' pixels."""
+
+    name: str
+    note: str
+    size: tuple[float, float]
+    draw: Callable[[Canvas], NDArray[np.float32]]
+
+
+def compare_plate(panels: Sequence[Panel], title: str, told: str, note: str, px: int) -> bytes:
+    """A PNG, `px` pixels high: the panels in rows, as large as there is room, over what is told of them."""
+    plate = Plate(_PROPORTION * px, px)
+    room = plate.width - 2 * plate.margin, px - plate.foot - plate.margin
+    gap, above = _GAP * plate.line, _TITLE * plate.line
+    scale, rows = _rows(np.array([panel.size for panel in panels]), room, gap, above)
+    heights = [scale * max(panels[number].size[1] for number in row) for row in rows]
+    y = plate.margin + (room[1] - sum(heights) - len(rows) * (above + gap) + gap) / 2
+    for row, height in zip(rows, heights, strict=True):
+        widths = [scale * panels[number].size[0] for number in row]
+        x = (plate.width - sum(widths) - gap * (len(row) - 1)) / 2
+        for number, width in zip(row, widths, strict=True):
+            _draw(plate, panels[number], x, y + above, scale)
+            x += width + gap
+        y += above + height + gap
+    plate.caption(title, told, note, scale)
+    return plate.png()
+
+
+def _rows(sizes: Floats, room: tuple[float, float], gap: float, above: float) -> tuple[float, list[list[int]]]:
+    """The largest scale at which panels of these sizes (N, 2) have room, and their numbers in as many rows as it needs.
+
+    gap: between two panels.  above: left free over each.
+    """
+    found = []
+    for count in range(1, len(sizes) + 1):
+        rows = [row.tolist() for row in np.array_split(np.arange(len(sizes)), count)]
+        across = min((room[0] - gap * (len(row) - 1)) / sizes[row, 0].sum() for row in rows)
+        down = (room[1] - above * count - gap * (count - 1)) / sum(sizes[row, 1].max() for row in rows)
+        found.append((float(min(across, down)), rows))
+    return max(found, key=lambda each: each[0])
+
+
+def _draw(plate: Plate, panel: Panel, x: float, y: float, scale: float) -> None:
+    """Its upper left corner at (x, y), its name above it."""
+    width, height = scale * panel.size[0], scale * panel.size[1]
+    plate.text(x, y - 2.1 * plate.line, panel.name, INK, 1.4, room=width)
+    plate.text(x, y - 0.7 * plate.line, panel.note, room=width)
+    axes = plate.axes(x, y, width, height, 1.0)
+    image = panel.draw(Canvas(*panel.size, scale))
+    axes.imshow(image, extent=(0, width, height, 0), aspect="auto", interpolation="antialiased")
+    axes.add_patch(Rectangle((0, 0), width, height, fill=False, ec=FAINT, lw=plate.points(1), clip_on=False))

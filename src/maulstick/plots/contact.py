@@ -1,0 +1,122 @@
+"""The plate of a drawing's heights, by which a person sets the threshold: what was taken for touching, over time."""
+
+from math import ceil
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from maulstick.plots.sheet import ACCENT, FAINT, INK, QUIET, Plate, round_length
+from maulstick.recording.mocap.contact import Frames
+from maulstick.recording.mocap.drawing import Drawing
+from maulstick.storage.arrays import Floats
+
+_ROW_SECONDS = (2.0, 5.0, 10.0, 15.0, 20.0, 30.0)
+_FEW_ROWS, _MOST_ROWS = 6, 130
+_TICKS = 5  # steps of time in a row
+_WIDTH, _LINE = 1600, 16  # pixels
+_LEFT, _TOP, _BETWEEN, _CROWD = 4.5, 6.0, 2.2, 9.0  # lines, as are the next two
+_HIGH, _LOW = 8.0, 4.0  # rows: when they are few, and when they are many
+_CROWDED = 18.0
+_BINS = 150
+_TOUCH, _MERGED, _DROPPED, _BESIDE = "#b4e0d7", "#f5c669", "#ec93a6", "#d9d4ca"
+
+
+def contact_plate(drawing: Drawing) -> bytes:
+    """A PNG of the height in millimetres over time, and of how often each height was had.
+
+    Time runs in rows, so that a second stays wide enough to see a stroke; what is far above the paper is cut off.
+    """
+    contact = drawing.contact
+    top = max(3.0, 4 * contact.release * 1e3)
+    rows, each = rows_of(max(float(drawing.times[-1]), 1.0))
+    high = _HIGH if rows <= _FEW_ROWS else _LOW
+    lines = _TOP + rows * (high + _BETWEEN) + 2
+    plate = Plate(_WIDTH, ceil(lines * _LINE), lines)
+    line, margin = plate.line, plate.margin
+    crowd = plate.width - margin - _CROWD * line
+    left, wide = margin + _LEFT * line, crowd - margin - (margin + _LEFT * line)
+    told = f"threshold {contact.threshold * 1e3:.2f} mm, release {contact.release * 1e3:.2f} mm (dashed)"
+    plate.text(margin, margin + line, f"Height of the tip over the paper, in mm; {told}", INK, 1.2)
+    _legend(plate, drawing, left, (_TOP - 1.2) * line, wide)
+    for number in range(rows):
+        y = (_TOP + number * (high + _BETWEEN)) * line
+        axes = plate.paper(left, y, wide, high * line, 1.0)
+        _draw_row(plate, axes, drawing, number * each, (number + 1) * each, wide)
+        _finish(plate, axes, drawing, top)
+        for share in np.linspace(0, 1, _TICKS + 1).tolist():
+            plate.text(left + share * wide, y + (high + 1.2) * line, f"{(number + share) * each:g} s", ha="center")
+        for height in (0.0, round_length(top)):
+            down = high * line * (top - height) / (1.25 * top)
+            plate.text(left - 0.6 * line, y + down + 0.3 * line, f"{height:g}", ha="right", size=0.9)
+    tall = min(_CROWDED, rows * (high + _BETWEEN) - _BETWEEN)
+    axes = plate.paper(crowd, _TOP * line, _CROWD * line, tall * line, 1.0)
+    _draw_crowd(axes, drawing.heights * 1e3, top)
+    _finish(plate, axes, drawing, top)
+    plate.text(crowd, (_TOP + tall + 1.2) * line, "how often (log)")
+    return plate.png()
+
+
+def rows_of(seconds: float) -> tuple[int, float]:
+    """Into how many rows so long a take is cut, and the seconds of each."""
+    each = next((each for each in _ROW_SECONDS if seconds <= each * _FEW_ROWS), _ROW_SECONDS[-1])
+    each *= ceil(seconds / each / _MOST_ROWS)
+    return ceil(seconds / each), each
+
+
+def _legend(plate: Plate, drawing: Drawing, x: float, y: float, wide: float) -> None:
+    parts = [
+        ("strokes", len(drawing.ink), _TOUCH),
+        ("merged lifts", len(drawing.contact.merged), _MERGED),
+        ("dropped touches", len(drawing.contact.dropped), _DROPPED),
+        ("beside the canvas", len(drawing.beside), _BESIDE),
+    ]
+    for number, (name, count, colour) in enumerate(parts):
+        left = x + number * wide / len(parts)
+        plate.rule(left, y - 0.35 * plate.line, 2 * plate.line, colour, 0.9)
+        plate.text(left + 2.6 * plate.line, y, f"{name}: {count}", QUIET)
+
+
+def _draw_row(plate: Plate, axes: Axes, drawing: Drawing, start: float, stop: float, wide: float) -> None:
+    first, last = np.searchsorted(drawing.times, (start, stop), side="right")
+    first = max(0, int(first) - 1)
+    for parts, colour in (
+        (drawing.contact.touches, _TOUCH),
+        (drawing.contact.merged, _MERGED),
+        (drawing.contact.dropped, _DROPPED),
+        (drawing.beside, _BESIDE),
+    ):
+        _draw_parts(axes, drawing.times, parts[(parts[:, 1] > first) & (parts[:, 0] < last)], colour)
+    times, heights = drawing.times[first : last + 1], drawing.heights[first : last + 1] * 1e3
+    axes.plot(*_outline(times, heights, round(wide)), color=INK, linewidth=plate.points(1.1))
+    axes.set_xlim(start, stop)
+
+
+def _draw_parts(axes: Axes, times: Floats, parts: Frames, colour: str) -> None:
+    starts, ends = times[parts[:, 0]], times[np.minimum(parts[:, 1], len(times) - 1)]
+    spans = list(zip(starts.tolist(), (ends - starts).tolist(), strict=True))
+    axes.broken_barh(spans, (0, 1), transform=axes.get_xaxis_transform(), color=colour, linewidth=0.5)
+
+
+def _outline(times: Floats, heights: Floats, columns: int) -> tuple[Floats, Floats]:
+    """The line itself, or where it has many samples a pixel its lowest and highest there, one after the other."""
+    many = len(times) // columns
+    if many < 3:
+        return times, heights
+    starts = np.arange(0, len(times), many)
+    ends = np.stack([np.fmin.reduceat(heights, starts), np.fmax.reduceat(heights, starts)], axis=1)
+    return np.repeat(times[starts], 2), ends.ravel()
+
+
+def _draw_crowd(axes: Axes, heights: Floats, top: float) -> None:
+    edges = np.linspace(-top / 4, top, _BINS)
+    counts = np.histogram(heights, edges)[0]
+    axes.stairs(np.log1p(counts), edges, orientation="horizontal", fill=True, color=INK)
+    axes.set_xlim(0, 1.05 * np.log1p(counts.max(initial=1)))
+
+
+def _finish(plate: Plate, axes: Axes, drawing: Drawing, top: float) -> None:
+    for height in (0.0, round_length(top)):
+        axes.axhline(height, color=FAINT, linewidth=plate.points(1), zorder=1.5)  # under the curve
+    axes.axhline(drawing.contact.threshold * 1e3, color=ACCENT, linewidth=plate.points(1.4))
+    axes.axhline(drawing.contact.release * 1e3, color=ACCENT, linewidth=plate.points(1.4), linestyle=(0, (4, 3)))
+    axes.set_ylim(-top / 4, top)

@@ -1,0 +1,1 @@
+"""Readers of ink files, one per format."""

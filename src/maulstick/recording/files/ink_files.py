@@ -1,0 +1,65 @@
+"""Files of ink that others write; what a file is, its content tells."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
+
+from maulstick.errors import InputError
+from maulstick.recording.files.inkml import read_inkml
+from maulstick.recording.files.page import Page, on_sheet
+from maulstick.recording.files.pointer_events import read_pointer_events
+from maulstick.recording.files.svg_ink import read_svg
+from maulstick.recording.files.wacom import read_uim, read_will
+from maulstick.recording.mocap.take import KIND as TAKE
+from maulstick.storage.arrays import kind_of
+from maulstick.storage.files import file_to_read, read_whole
+from maulstick.strokes.ink import Ink
+
+FORMATS = "InkML, SVG, Wacom's UIM and WILL 2, and JSON of pointer events"
+_LARGEST = 64 * 2**20  # bytes
+_START = 64 * 2**10
+
+
+def read_ink_file(
+    path: str | Path, size: tuple[float, float] | None = None, longest: float | None = None
+) -> tuple[Ink, str]:
+    """The ink in a file of one of the `FORMATS`, and the name of its format.
+
+    size, longest: metres; what they do, `page.on_sheet` tells.
+    Raises InputError where the file is of none of them, or damaged.
+    """
+    path = file_to_read(path, "drawing")
+    if (kind := kind_of(path)) is not None:
+        if kind == TAKE:
+            raise InputError(f"{path} holds a take; read it with maulstick record motive")
+        raise InputError(f"{path} holds {kind} already; there is nothing to record; look at it with maulstick show")
+    content = read_whole(path, "drawing", _LARGEST)
+    name, reader = _reader(content, path)
+    try:
+        with np.errstate(all="ignore"):  # numbers beyond all measure are refused by name afterwards
+            page = reader(content)
+            return on_sheet(page, size, longest, path.name), page.kind
+    except DefusedXmlException as error:
+        raise InputError(f"cannot read {path} as {name}: it declares entities; save it as plain {name}") from error
+    except RecursionError as error:
+        raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
+    except Exception as error:  # from the depths of the parsers, which raise nearly anything
+        fault = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
+
+
+def _reader(content: bytes, path: Path) -> tuple[str, Callable[[bytes], Page]]:
+    start = content[:_START].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if content[:4] == b"RIFF" and content[8:12] == b"UINK":
+        return "UIM", read_uim
+    if content[:4] == b"PK\x03\x04":
+        return "WILL", read_will
+    if start[:1] == b"{":
+        return "pointer events", read_pointer_events
+    outermost = re.search(rb"<(?:[\w.-]+:)?(svg|ink)[\s/>]", start.replace(b"\0", b""))  # UTF-16 is ASCII with zeros
+    if outermost is not None:
+        return ("SVG", read_svg) if outermost[1] == b"svg" else ("InkML", read_inkml)
+    raise InputError(f"{path} is none of the drawings that can be read; there are: {FORMATS}")

@@ -1,0 +1,71 @@
+"""A page of ink as a file has it, in a unit that may be unknown; and how it comes onto a sheet."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.ink import Ink
+
+LONGEST = 0.15
+"""Metres: the longer side of a drawing whose scale nobody has written down."""
+
+_MARGIN = 0.05
+_LEAST_SHEET = 10e-3  # metres
+MOST_SAMPLES = 5_000_000
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a reader finds in a file.
+
+    strokes: each (m, 4) of (t, x, y, press): seconds from any moment; x right, y down, in units; press in [0, 1].
+    unit: metres, or None where the file does not tell.  size: of the sheet, from (0, 0), in units, or None likewise.
+    kind: the name of the format.
+    """
+
+    strokes: list[Floats]
+    unit: float | None
+    size: tuple[float, float] | None
+    kind: str
+
+
+def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None, source: str) -> Ink:
+    """Ink in seconds and metres.
+
+    With `size`, (width, height) in metres, the page fills a sheet of that size, or as much of it as it can without
+    being distorted. With `longest` the longer side of the drawing is that many metres. With neither it keeps its size,
+    and where that is unknown its longer side is `LONGEST`. Where the file has no page, the page is the drawing with a
+    twentieth of its longer side as margin.
+
+    Raises InputError where there is nothing on the page, or too much, or something at no place.
+    """
+    samples = np.concatenate([np.zeros((0, 4)), *page.strokes])
+    if not len(samples):
+        raise InputError("there are no strokes in it")
+    if len(samples) > MOST_SAMPLES:
+        raise InputError(f"it has {len(samples)} samples; {MOST_SAMPLES} are the most that a drawing may have")
+    places = samples[:, 1:3]
+    # Far from zero a place loses its last digits, and what is farther than this is a broken number.
+    if not (np.abs(places) < 1e12).all():
+        raise InputError("a sample has no place: its x or y is no number, or too large")
+    origin, extent = places.min(axis=0), np.ptp(places, axis=0)
+    longer = float(extent.max())
+    if page.size is not None:
+        box, origin = np.array(page.size), np.zeros(2)
+    else:
+        box, origin = extent + 2 * _MARGIN * longer, origin - _MARGIN * longer
+    wanted = longest if longest is not None or page.unit is not None else LONGEST
+    if size is not None:
+        scale = min((side / length for side, length in zip(size, box.tolist(), strict=True) if length > 0), default=1.0)
+    elif wanted is not None:
+        scale = wanted / longer if longer > 0 else 1.0
+    else:
+        scale = page.unit or 1.0
+    width, height = size or np.maximum(np.round(scale * box, 6), _LEAST_SHEET).tolist()
+    samples[:, 1:3] = scale * (places - origin) + (np.array([width, height]) - scale * box) / 2
+    if not np.isnan(samples[:, 0]).all():
+        samples[:, 0] -= np.nanmin(samples[:, 0])
+    lengths = np.array([len(stroke) for stroke in page.strokes if len(stroke)], dtype=np.int64)
+    return Ink(samples, lengths, (width, height), source)

@@ -1,0 +1,1 @@
+"""Motion capture: from what cameras saw of a pen to ink."""

@@ -1,0 +1,123 @@
+"""From a take to ink: where the canvas was, where the tip was on it, and when it touched."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.recording.mocap.contact import Contact, ContactOptions, Frames, find_contact
+from maulstick.recording.mocap.frames import CanvasPath, canvas_path
+from maulstick.recording.mocap.plane import Paper, find_paper
+from maulstick.recording.mocap.take import Take
+from maulstick.recording.mocap.tip import GAP, TipPath, tip_path
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.ink import Ink
+from maulstick.strokes.strokes import path_lengths
+
+_BESIDE = 0.01  # metres beyond the sheet
+_DOUBTFUL = 3e-3  # metres between the paper and the plane of the markers
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What a take shows.
+
+    ink: its strokes; without press.
+    times: (F,), seconds since the take began.  heights: (F,), of the tip over the paper, metres; NaN where not known.
+    contact: when the tip touches.  beside: (k, 2), first frame and the one after the last of touches beside the sheet.
+    summary: what was found and decided, a line each, for people.
+    """
+
+    ink: Ink
+    times: Floats
+    heights: Floats
+    contact: Contact
+    beside: Frames
+    summary: list[str]
+
+
+def drawing_of(
+    take: Take, tip: Floats, options: ContactOptions | None = None, corner: str = "upper-left", source: str = ""
+) -> Drawing:
+    """The drawing that the take shows, made by the tip at `tip` (3,), metres in the frame of the pen's rigid body.
+
+    corner: in which corner of the sheet the canvas's marker at the right angle sits.  source: for people.
+
+    Raises InputError where the pen or the canvas cannot be followed, the tip is never at the paper or never draws.
+    """
+    options = options or ContactOptions()
+    canvas = canvas_path(take, corner)
+    path = tip_path(take, tip, canvas)
+    paper = find_paper(take.times, path.places, path.heights, canvas.size)
+    heights = paper.heights_over(path.places, path.heights)
+    contact = find_contact(take.times, heights, options)
+    outside = np.maximum(-path.places, path.places - canvas.size).max(axis=1)  # metres; negative on the sheet
+    nearest = np.array([outside[start:stop].min() for start, stop in contact.touches])
+    drawn = nearest <= _BESIDE
+    times = take.times - take.times[0]
+    samples = np.column_stack([times, path.places, np.full(len(times), np.nan)])
+    strokes = [samples[start:stop] for start, stop in contact.touches[drawn]]
+    if not strokes:
+        raise InputError(
+            f"no stroke was found: the tip comes down to {np.nanmin(heights) * 1e3:.2f} mm over the paper, with a "
+            f"threshold of {contact.threshold * 1e3:.2f} mm, {len(contact.dropped)} touches were too short and "
+            f"{len(contact.touches)} beside the canvas; set another threshold or a shorter touch"
+        )
+    summary = [
+        *_seen(take, canvas, path),
+        _where(paper),
+        *_decided(contact, options, int((~drawn).sum())),
+        *_cut(contact.touches[drawn], heights),
+        _drawn(strokes),
+    ]
+    ink = Ink.of(strokes, canvas.size, source)
+    return Drawing(ink, times, heights, contact, contact.touches[~drawn], summary)
+
+
+def _seen(take: Take, canvas: CanvasPath, path: TipPath) -> list[str]:
+    width, height = (side * 1e3 for side in canvas.size)
+    (plane, up), (plane_hertz, up_hertz) = path.noise, path.hertz
+    return [
+        f"{_count(len(take), 'frame')} in {take.times[-1] - take.times[0]:.1f} s; the pen was in the wrong place in "
+        f"{path.rejected}, bridged in {path.bridged}, and lost for longer than {GAP * 1e3:g} ms in {path.lost}",
+        f"canvas {width:.1f} x {height:.1f} mm, with an angle of {90 + np.degrees(canvas.skew):.1f} degrees; its "
+        f"markers swapped names in {_count(canvas.swapped, 'frame')}, two of them were enough in {canvas.mended}, and "
+        f"it was taken to be where it was before and after in {canvas.guessed}",
+        f"the tip trembled by {plane * 1e3:.2f} mm, smoothed from {plane_hertz:g} Hz on, and in height by "
+        f"{up * 1e3:.2f} mm, smoothed from {up_hertz:g} Hz on",
+    ]
+
+
+def _where(paper: Paper) -> str:
+    doubt = ": is the pen's length measured well?" if abs(paper.level) > _DOUBTFUL else ""
+    return (
+        f"the paper lies {abs(paper.level) * 1e3:.1f} mm {'over' if paper.level > 0 else 'under'} the plane of the "
+        f"markers, leaning by {np.degrees(np.arctan(np.hypot(*paper.slope))):.1f} degrees{doubt}"
+    )
+
+
+def _decided(contact: Contact, options: ContactOptions, beside: int) -> list[str]:
+    chosen = "proposed from the data" if options.threshold is None else "as you set it"
+    return [
+        f"threshold {contact.threshold * 1e3:.2f} mm over the paper, {chosen}; a stroke ends above "
+        f"{contact.release * 1e3:.2f} mm",
+        f"merged {_count(len(contact.merged), 'lift')} of at most {options.merge * 1e3:g} ms",
+        f"dropped {_count(len(contact.dropped), 'touch', 'touches')} shorter than {options.shortest * 1e3:g} ms"
+        + (f", and {beside} beside the canvas" if beside else ""),
+    ]
+
+
+def _cut(touches: Frames, heights: Floats) -> list[str]:
+    around = np.concatenate([[np.nan], heights, [np.nan]])
+    cut = np.isnan(around[touches[:, 0]]) | np.isnan(around[touches[:, 1] + 1])
+    return [f"{_count(int(cut.sum()), 'stroke')} cut short where the pen was lost"] if cut.any() else []
+
+
+def _drawn(strokes: list[Floats]) -> str:
+    metres = sum(float(path_lengths(stroke[:, 1:3])) for stroke in strokes)
+    seconds = sum(stroke[-1, 0] - stroke[0, 0] for stroke in strokes)
+    return f"{_count(len(strokes), 'stroke')}, {metres:.2f} m drawn in {seconds:.1f} s of touching"
+
+
+def _count(number: int, word: str, words: str = "") -> str:
+    return f"{number} {word if number == 1 else words or word + 's'}"

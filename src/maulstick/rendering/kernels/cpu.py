@@ -1,0 +1,133 @@
+"""The fast renderer on the CPU: same signatures, values and gradients as `reference`, in float32."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+from torch.autograd.function import FunctionCtx, once_differentiable
+
+from maulstick.rendering.kernels import _cpu
+from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
+
+INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
+"""Those that this processor can run, the fastest first."""
+
+THREADS = torch.get_num_threads()
+"""As many as torch would use."""
+
+
+def darkness(
+    points: Tensor,
+    thickness: Tensor,
+    c: Tensor,
+    q: Tensor,
+    o: Tensor,
+    *,
+    height: int,
+    width: int,
+    instructions: str = INSTRUCTION_SETS[0],
+    threads: int = THREADS,
+) -> Tensor:
+    """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
+    points, thickness, c, q, o = plain(points, thickness, c, q, o)
+    check_strokes(points, thickness, c, q, o)
+    check_size(height, width)
+    result: Tensor = _Darkness.apply(
+        points, thickness, *_one_each(points, c, q, o), height, width, instructions, threads
+    )
+    return result
+
+
+def composite(
+    canvas: Tensor,
+    points: Tensor,
+    thickness: Tensor,
+    colours: Tensor,
+    c: Tensor,
+    q: Tensor,
+    o: Tensor,
+    *,
+    trainable: Tensor | None = None,
+    instructions: str = INSTRUCTION_SETS[0],
+    threads: int = THREADS,
+) -> Tensor:
+    """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
+    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
+    check_strokes(points, thickness, c, q, o)
+    check_canvas(canvas, points, colours, trainable)
+    if trainable is None:
+        trainable = torch.ones(points.shape[0], dtype=torch.bool)
+    result: Tensor = _Composite.apply(
+        canvas,
+        points,
+        thickness,
+        colours,
+        *_one_each(points, c, q, o),
+        trainable.to(torch.uint8).contiguous(),
+        instructions,
+        threads,
+    )
+    return result
+
+
+def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:
+    return [x.expand(points.shape[0]).contiguous() for x in numbers]
+
+
+def _bare(*tensors: Tensor) -> tuple[Any, ...]:
+    """Arrays over the same memory, which the native module accepts."""
+    return tuple(x.detach().numpy() for x in tensors)
+
+
+def _split(gradients: Tensor, points: int, channels: int) -> tuple[Tensor, ...]:
+    """Gradients of points, thickness, colours, c, q, o out of the native module's records."""
+    count = gradients.shape[0]
+    at_points = gradients[:, : 3 * points].reshape(count, points, 3)
+    colours, numbers = gradients[:, 3 * points :].split([channels, 3], dim=1)
+    return at_points[..., :2], at_points[..., 2], colours, *numbers.unbind(1)
+
+
+class _Darkness(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, *args: Any) -> Tensor:
+        *tensors, height, width, instructions, threads = args
+        ctx.save_for_backward(*tensors)
+        ctx.how = instructions, threads
+        out: Tensor = tensors[0].new_empty(tensors[0].shape[0], height, width)
+        _cpu.darkness(instructions, threads, *_bare(*tensors, out))
+        return out
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
+        tensors = ctx.saved_tensors
+        count, points = tensors[1].shape
+        gradients = tensors[0].new_empty(count, 3 * points + 3)
+        _cpu.darkness_backward(*ctx.how, *_bare(*tensors, grad_out.contiguous(), gradients))
+        xy, thickness, _, *numbers = _split(gradients, points, 0)
+        return xy, thickness, *numbers, None, None, None, None
+
+
+class _Composite(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: FunctionCtx, *args: Any) -> Tensor:
+        *tensors, trainable, instructions, threads = args
+        ctx.save_for_backward(*tensors, trainable)
+        ctx.how = instructions, threads  # type: ignore[attr-defined]
+        out = torch.empty_like(tensors[0])
+        _cpu.composite(instructions, threads, *_bare(*tensors, out))
+        return out
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
+        canvas, xy, thickness, *rest = ctx.saved_tensors
+        (count, points), channels = thickness.shape, canvas.shape[0]
+        wanted = ctx.needs_input_grad[0]
+        grad_canvas = canvas.new_empty(canvas.shape if wanted else (0, 0, 0))
+        gradients = canvas.new_empty(count, 3 * points + channels + 3)
+        _cpu.composite_backward(
+            *ctx.how,
+            *_bare(canvas, xy, thickness, *rest, grad_out.contiguous(), grad_canvas, gradients),
+        )
+        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None, None

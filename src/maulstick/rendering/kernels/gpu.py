@@ -1,0 +1,220 @@
+"""The fast renderer on a GPU: same signatures, values and gradients as `reference`, in float32, by Triton.
+
+Segments are listed by the tiles that they may mark, so that time and memory grow with the tiles touched. Every number
+is written by one program and summed in one order: the same strokes give the same bits.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import torch
+import triton
+from torch import Tensor
+from torch.autograd.function import once_differentiable
+from torch.nn.functional import pad
+
+from maulstick.rendering.kernels import gpu_programs as programs
+from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
+
+_TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value
+
+
+def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
+    """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
+    points, thickness, c, q, o = plain(points, thickness, c, q, o)
+    check_strokes(points, thickness, c, q, o)
+    check_size(height, width)
+    with torch.cuda.device_of(points):
+        result: Tensor = _Darkness.apply(points, thickness, _numbers(points, c, q, o), height, width)
+    return result
+
+
+def composite(
+    canvas: Tensor,
+    points: Tensor,
+    thickness: Tensor,
+    colours: Tensor,
+    c: Tensor,
+    q: Tensor,
+    o: Tensor,
+    *,
+    trainable: Tensor | None = None,
+) -> Tensor:
+    """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
+    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
+    check_strokes(points, thickness, c, q, o)
+    check_canvas(canvas, points, colours, trainable)
+    if trainable is None:
+        trainable = torch.ones(points.shape[0], dtype=torch.bool, device=points.device)
+    strokes = torch.cat([_numbers(points, c, q, o), colours], dim=1)
+    with torch.cuda.device_of(points):
+        result: Tensor = _Composite.apply(canvas, points, thickness, strokes, trainable.to(torch.uint8).contiguous())
+    return result
+
+
+def _numbers(points: Tensor, *numbers: Tensor) -> Tensor:
+    return torch.stack([x.expand(points.shape[0]) for x in numbers], dim=1)
+
+
+@dataclass(frozen=True)
+class _Lists:
+    """Which segments may mark which tiles; `programs` says what pairs and items are.
+
+    segments: (S, 6).  starts: (S + 1,) the first slot of each segment.  slots: (P,) the place of each pair among all,
+    segment after segment; itself it stands tile after tile, as do pairs: (P,), items: (I + 1, 3) and tiles: (T + 1,).
+    """
+
+    segments: Tensor
+    starts: Tensor
+    slots: Tensor
+    pairs: Tensor
+    items: Tensor
+    tiles: Tensor
+
+    @classmethod
+    def of(cls, points: Tensor, thickness: Tensor, height: int, width: int) -> Self:
+        """The lists for strokes (N, n) on a canvas, or on a canvas each."""
+        count, each = points.shape[0], _segments_each(points.shape[1])
+        ends = torch.cat([points, thickness[..., None]], dim=2)
+        segments = torch.cat([ends[:, :each], ends[:, -each:]], dim=2).reshape(-1, 6)  # a dot's is without length
+        total = count * each
+        counts = segments.new_zeros(total + 1, dtype=torch.int64)
+        _launch(programs.count_tiles, triton.cdiv(total, _LANES), segments, counts[1:], total, height, width)
+        starts = counts.cumsum(0)
+        keys = starts.new_empty(int(starts[-1]))
+        _launch(programs.list_tiles, triton.cdiv(total, _LANES), segments, starts, keys, total, height, width)
+        keys, slots = keys.sort()
+        stroke_in_tile, lengths = torch.unique_consecutive(keys // each, return_counts=True)
+        tile, stroke = stroke_in_tile // max(count, 1), stroke_in_tile % max(count, 1)  # without strokes both are empty
+        items = torch.stack([pad(lengths.cumsum(0), (1, 0)), pad(stroke, (0, 1)), pad(tile, (0, 1))], dim=1)
+        every_tile = torch.arange(_tiles(height, width) + 1, device=points.device)
+        tiles = torch.searchsorted(tile, every_tile, out_int32=True)
+        return cls(segments, starts, slots, (keys % max(total, 1)).int(), items.int(), tiles)
+
+    @property
+    def item_count(self) -> int:
+        """How often a stroke may mark a tile."""
+        return self.items.shape[0] - 1
+
+    def records(self, size: int) -> Tensor:
+        """Room for the gradients of each pair."""
+        return self.segments.new_zeros(self.pairs.shape[0], size)
+
+    def sums(self, records: Tensor, count: int, points: int) -> tuple[Tensor, Tensor, Tensor]:
+        """Gradients of the points (N, n, 2), the thickness (N, n) and what else the records (P, 6 + k) hold (N, k)."""
+        each = _segments_each(points)
+        of_segments = torch.segment_reduce(records, "sum", offsets=self.starts, axis=0, initial=0)
+        of_segments = of_segments.reshape(count, each, records.shape[1])
+        starts, ends, rest = of_segments[..., :3], of_segments[..., 3:6], of_segments[..., 6:]
+        of_points = pad(starts, (0, 0, 0, points - each)) + pad(ends, (0, 0, points - each, 0))
+        return of_points[..., :2], of_points[..., 2], rest.sum(1)
+
+
+def _launch(program: Any, count: int, *args: Tensor | int) -> None:
+    program[(count,)](*args, enable_fp_fusion=True)  # said, because Triton means to change its default, and warns of it
+
+
+def _segments_each(points: int) -> int:
+    return max(points - 1, 1)
+
+
+def _tiles(height: int, width: int) -> int:
+    return int(triton.cdiv(height, _TILE) * triton.cdiv(width, _TILE))
+
+
+class _Darkness(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, *args: Any) -> Tensor:
+        points, thickness, strokes, height, width = args
+        lists = _Lists.of(points, thickness, height, width)
+        images: Tensor = points.new_zeros(points.shape[0], height, width)
+        _launch(
+            programs.darkness,
+            lists.item_count,
+            images,
+            lists.segments,
+            strokes,
+            lists.pairs,
+            lists.items,
+            height,
+            width,
+        )
+        ctx.save_for_backward(strokes)
+        ctx.lists, ctx.points = lists, points.shape[1]
+        return images
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_images: Tensor) -> tuple[Tensor | None, ...]:
+        (strokes,), lists = ctx.saved_tensors, ctx.lists
+        count, height, width = grad_images.shape
+        records = lists.records(9)
+        _launch(
+            programs.darkness_backward,
+            lists.item_count,
+            grad_images.contiguous(),
+            records,
+            lists.slots,
+            lists.segments,
+            strokes,
+            lists.pairs,
+            lists.items,
+            height,
+            width,
+        )
+        return *lists.sums(records, count, ctx.points), None, None
+
+
+class _Composite(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, *args: Any) -> Tensor:
+        canvas, points, thickness, strokes, trainable = args
+        channels, height, width = canvas.shape
+        lists = _Lists.of(points, thickness, height, width)
+        out = torch.empty_like(canvas)
+        _launch(
+            programs.composite,
+            _tiles(height, width),
+            canvas,
+            out,
+            lists.segments,
+            strokes,
+            lists.pairs,
+            lists.items,
+            lists.tiles,
+            channels,
+            height,
+            width,
+            triton.next_power_of_2(channels),
+        )
+        ctx.save_for_backward(canvas, strokes, trainable)
+        ctx.lists, ctx.points = lists, points.shape[1]
+        return out
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
+        (canvas, strokes, trainable), lists = ctx.saved_tensors, ctx.lists
+        channels, height, width = canvas.shape
+        grad_canvas, records = torch.empty_like(canvas), lists.records(9 + channels)
+        _launch(
+            programs.composite_backward,
+            _tiles(height, width),
+            canvas,
+            grad_out.contiguous(),
+            grad_canvas,
+            canvas.new_empty(lists.item_count, _PIXELS),
+            records,
+            trainable,
+            lists.slots,
+            lists.segments,
+            strokes,
+            lists.pairs,
+            lists.items,
+            lists.tiles,
+            channels,
+            height,
+            width,
+            triton.next_power_of_2(channels),
+        )
+        return grad_canvas, *lists.sums(records, strokes.shape[0], ctx.points), None

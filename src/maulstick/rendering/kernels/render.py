@@ -1,0 +1,47 @@
+"""The fast renderer for wherever the tensors are: on a GPU `gpu`, elsewhere `cpu`."""
+
+from types import ModuleType
+
+import torch
+from torch import Tensor
+
+from maulstick.rendering.kernels import cpu
+
+
+def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
+    """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32.
+
+    All tensors are on one device; so is the result.
+    """
+    kernels = kernels_for(points.device)
+    images: Tensor = kernels.darkness(points, thickness, c, q, o, height=height, width=width)
+    return images
+
+
+def composite(
+    canvas: Tensor,
+    points: Tensor,
+    thickness: Tensor,
+    colours: Tensor,
+    c: Tensor,
+    q: Tensor,
+    o: Tensor,
+    *,
+    trainable: Tensor | None = None,
+) -> Tensor:
+    """Paint all strokes onto one canvas in order, as `reference.composite` does; float32.
+
+    All tensors are on one device; so is the result.
+    """
+    kernels = kernels_for(points.device)
+    painted: Tensor = kernels.composite(canvas, points, thickness, colours, c, q, o, trainable=trainable)
+    return painted
+
+
+def kernels_for(device: torch.device) -> ModuleType:
+    """The module that renders there."""
+    if device.type != "cuda":
+        return cpu
+    from maulstick.rendering.kernels import gpu  # needs Triton, which no machine without a GPU has to have
+
+    return gpu

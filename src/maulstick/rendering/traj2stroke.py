@@ -1,0 +1,149 @@
+"""Traj2Stroke (paper; design §4): from commanded trajectories and a brush's numbers to marks on a canvas."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import torch
+from torch import Tensor
+
+from maulstick.painting.brush import CURVE_PRESSES, Brush
+from maulstick.rendering.kernels.render import composite
+
+_PIECES = len(CURVE_PRESSES) + 1
+_SHORTEST = 1e-9  # metres
+_SOFT_ENOUGH = 4.0
+"""Pixels. Edges at least this wide are sampled well enough by the pixels' centres."""
+
+
+def place(paths: Tensor, poses: Tensor) -> Tensor:
+    """Commanded paths R(dθ)(x, y) + (dx, dy), (N, n, 2) metres, of standardised paths and poses (N, 3)."""
+    cos, sin = poses[:, 2:3].cos(), poses[:, 2:3].sin()
+    x, y = paths.unbind(-1)
+    return torch.stack([cos * x - sin * y + poses[:, :1], sin * x + cos * y + poses[:, 1:2]], dim=-1)
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What the kernels draw. points: (N, n, 2) pixels; thickness: (N, n) pixels; c, q, o: (N,)."""
+
+    points: Tensor
+    thickness: Tensor
+    c: Tensor
+    q: Tensor
+    o: Tensor
+
+
+@dataclass(frozen=True)
+class Traj2Stroke:
+    """The numbers of one brush a stroke, as tensors; metres. What they mean is told by `Brush`.
+
+    scale, shift: (N, 2) m and b.  curve: (N, 7).  nib, touch: (N, 2).  The others: (N,).
+    """
+
+    scale: Tensor
+    shift: Tensor
+    curve: Tensor
+    nib: Tensor
+    touch: Tensor
+    alpha: Tensor
+    beta: Tensor
+    c: Tensor
+    plateau: Tensor
+    opacity: Tensor
+    lag: Tensor
+    faint: Tensor
+    solid: Tensor
+
+    @classmethod
+    def of(cls, brushes: Sequence[Brush]) -> Self:
+        """The numbers of `brushes`, one a stroke."""
+        rows = [
+            (
+                *(b.m_x, b.m_y, b.b_x, b.b_y, *b.curve, *b.nib, *b.touch),
+                *(b.alpha, b.beta, b.c, b.plateau, b.opacity, b.lag, b.faint, b.solid),
+            )
+            for b in brushes
+        ]
+        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 16 + len(CURVE_PRESSES))
+        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSES), 2, 2, 8], dim=1)
+        return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
+
+    def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
+        """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1], as the equations say."""
+        start, press = trajectories[:, :1, :2], trajectories[..., 2]
+        tips = self._dragged(trajectories[..., :2])
+        points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
+        half_width = self.alpha[:, None] * self._risen(press) + self.beta[:, None]
+        flow = self.faint + (1 - self.faint) * (press.mean(dim=1) / self.solid).clamp(max=1)
+        return Marks(
+            points * pixels_per_metre,
+            half_width * self._broad(points) * pixels_per_metre,
+            self.c,
+            self.plateau,
+            self.opacity * flow,
+        )
+
+    def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
+        """The bare marks, as they are best shown on pixels.
+
+        An edge narrower than pixels can show is drawn two pixels wide, and a mark thinner than that paler, such
+        that its ink per millimetre stays what it is: a ramp of two pixels adds up to the same ink wherever it lies
+        between their centres. So no optimiser can gain by a place on the grid, and a plan looks alike at every
+        resolution.
+        """
+        bare = self.bare(trajectories, pixels_per_metre)
+        inked = bare.q + (1 - bare.q) / (bare.c + 1)  # half-width of a hard mark with as much ink
+        mean = bare.thickness.clamp(min=1e-3).mean(dim=1)
+        slope = torch.where(bare.c > 1, (2 / (bare.c * (bare.c + 1))).sqrt(), bare.c)
+        edge = (1 - bare.q) * slope * mean  # how wide a cone's would be that is as hard to sample
+        hard = inked * mean
+        q = ((hard - 1) / (hard + 1)).clamp(min=0)
+        even = (hard * 2 / (1 + q)).clamp(min=2) / mean
+        soft = edge >= _SOFT_ENOUGH
+        return Marks(
+            bare.points,
+            torch.where(soft, 1.0, even)[:, None] * bare.thickness,
+            torch.where(soft, bare.c, 1.0),
+            torch.where(soft, bare.q, q),
+            torch.where(soft, bare.o, bare.o * hard.clamp(max=1)),
+        )
+
+    def _risen(self, press: Tensor) -> Tensor:
+        """The share of alpha at each press, (N, n): straight within each piece of the curve."""
+        ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
+        piece = (press.detach() * _PIECES).long().clamp(0, _PIECES - 1)
+        below, above = ends.gather(1, piece), ends.gather(1, piece + 1)
+        return below + (above - below) * (press * _PIECES - piece)
+
+    def _dragged(self, path: Tensor) -> Tensor:
+        """Where the tip is at each commanded point (N, n, 2), as `Brush.mark` says."""
+        if not (self.lag.any() or self.touch.any() or self.touch.requires_grad):
+            return path
+        lag = self.lag[:, None].clamp(min=_SHORTEST)
+        steps = path[:, 1:] - path[:, :-1]
+        lengths = (steps.square().sum(-1, keepdim=True) + _SHORTEST**2).sqrt()
+        behind, fading = lag[:, None] * steps / lengths, (-lengths / lag[:, None]).exp()
+        tips = [path[:, 0] + self.touch]
+        for k in range(steps.shape[1]):
+            tips.append(path[:, k + 1] - behind[:, k] + (tips[-1] - path[:, k] + behind[:, k]) * fading[:, k])
+        return torch.stack(tips, dim=1)
+
+    def _broad(self, points: Tensor) -> Tensor:
+        """How much broader than its mean the mark is at each point, (N, n) or (N, 1), for its direction there."""
+        if points.shape[1] < 2 or not (self.nib.any() or self.nib.requires_grad):
+            return points.new_ones(points.shape[0], 1)
+        along = torch.cat(
+            [points[:, 1:2] - points[:, :1], points[:, 2:] - points[:, :-2], points[:, -1:] - points[:, -2:-1]], 1
+        )
+        x, y = along.unbind(-1)
+        squared = x * x + y * y + _SHORTEST**2
+        return 1 + (self.nib[:, :1] * (x * x - y * y) + self.nib[:, 1:] * 2 * x * y) / squared
+
+
+def paint(
+    canvas: Tensor, trajectories: Tensor, colours: Tensor, brushes: Traj2Stroke, pixels_per_metre: float
+) -> Tensor:
+    """The canvas (C, H, W) after all strokes, in order: trajectories (N, n, 3), colours (N, C)."""
+    marks = brushes.marks(trajectories, pixels_per_metre)
+    return composite(canvas, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)

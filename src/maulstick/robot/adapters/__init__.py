@@ -1,0 +1,1 @@
+"""Adapters: what each machine needs to be driven."""

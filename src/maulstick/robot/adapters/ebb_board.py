@@ -1,0 +1,137 @@
+"""The EiBotBoard, which drives an AxiDraw's motors and pen: its commands and answers (firmware 2.x)."""
+
+import re
+from typing import Final, final
+
+from serial.tools import list_ports
+
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.serial_line import GLANCE, Patience, SerialLine
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.stopping import Stopping
+
+STEPS_A_SECOND: Final = 25_000
+"""The most that either motor can make."""
+
+HALT: Final = b"ES\r"
+"""Stands still at once and forgets what is queued; answered like any other command."""
+
+_USB = (0x04D8, 0xFD92)
+_BAUD = 115200  # of no meaning over USB
+_OLDEST = (2, 4, 4)  # the first whose QM tells of its queue
+_POSITION = r"(-?\d+),(-?\d+)"
+_MOTORS = r"QM,(\d+),(\d+),(\d+),(\d+)"
+_NOTHING = "$^"
+
+
+@final
+class EbbBoard:
+    """Commands to a board, each answered before the next is sent, so that it is never more than two motions ahead.
+
+    Raises MachineError where it is silent, fails or is not understood; StoppedError once `stopping`.
+    """
+
+    def __init__(self, line: SerialLine, patience: float, stopping: Stopping) -> None:
+        self._line = line
+        self._patience = patience
+        self._stopping = stopping
+
+    def greet(self) -> None:
+        """Find out that it is there and new enough; answers to earlier commands are dropped."""
+        self._line.drop()
+        self._line.write(b"V\r")
+        patience, found = Patience(self._patience), None
+        while found is None:
+            found = re.search(r"Firmware Version (\d+)\.(\d+)\.(\d+)", self._line.line() or "")
+            if patience.over:
+                raise MachineError(f"no EiBotBoard answers on {self._line.port}; check port, cable and power")
+        if tuple(map(int, found.groups())) < _OLDEST:
+            came, oldest = ".".join(found.groups()), ".".join(map(str, _OLDEST))
+            raise MachineError(f"the board on {self._line.port} has firmware {came}; update it to {oldest} or newer")
+
+    def enable(self) -> None:
+        """Hold both motors, at 1/16 of a step; they are counted from where they are now."""
+        self._command("EM,1,1")
+
+    def set_pen(self, up: float, down: float) -> None:
+        """Where the servo goes to, in units of 1/12 microsecond of its pulse."""
+        self._command(f"SC,4,{up:.0f}")
+        self._command(f"SC,5,{down:.0f}")
+
+    def pen(self, down: bool, seconds: float) -> None:
+        """Lift or lower the pen, and do nothing else for so long."""
+        self._command(f"SP,{0 if down else 1},{max(round(1e3 * seconds), 1)}")
+
+    def steps(self, milliseconds: int, first: int, second: int) -> None:
+        """Step both motors evenly; returns once the motion before this one has begun."""
+        self._command(f"SM,{milliseconds},{first},{second}")
+
+    def position(self) -> tuple[int, int]:
+        """Steps of both motors since they were enabled."""
+        first, second = self._command("QS", _POSITION)
+        return first, second
+
+    def wait(self) -> None:
+        """Return once nothing moves and nothing is queued."""
+        while any(self._ask("QM", _MOTORS)):
+            self._stopping.wait(GLANCE)
+
+    def _command(self, command: str, pattern: str = _NOTHING) -> tuple[int, ...]:
+        """The numbers in the line of the pattern that comes before OK."""
+        self._send(command)
+        numbers: tuple[int, ...] = ()
+        while (text := self._answer()) != "OK":
+            numbers = self._numbers(command, pattern, text)
+        if pattern != _NOTHING and not numbers:
+            raise self._noise("OK")
+        return numbers
+
+    def _ask(self, command: str, pattern: str) -> tuple[int, ...]:
+        """The numbers in an answer that has no OK."""
+        self._send(command)
+        return self._numbers(command, pattern, self._answer())
+
+    def _send(self, command: str) -> None:
+        self._obey()
+        self._line.write(f"{command}\r".encode())
+
+    def _answer(self) -> str:
+        patience = Patience(self._patience)
+        while not patience.over:
+            self._obey()
+            if (text := self._line.line()) is not None:
+                return text
+        raise self._line.lost()
+
+    def _obey(self) -> None:
+        if self._stopping.is_set():
+            raise StoppedError
+
+    def _numbers(self, command: str, pattern: str, text: str) -> tuple[int, ...]:
+        if (found := re.fullmatch(pattern, text)) is not None:
+            return tuple(map(int, found.groups()))
+        if text.startswith("!"):
+            raise MachineError(f"the board on {self._line.port} refused {command!r}: {' '.join(text[1:].split())}")
+        raise self._noise(text)
+
+    def _noise(self, text: str) -> MachineError:
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        return MachineError(
+            f"there is noise on the line to {self._line.port} ({shown!r}); check cable and hub, "
+            "then go on with maulstick run ... --resume"
+        )
+
+
+def open_board_line(port: str | None) -> SerialLine:
+    """The line to the board on this port, or to the one board that is plugged in; raises as `port_of_the_board`."""
+    return SerialLine(port_of_the_board() if port is None else port, _BAUD)
+
+
+def port_of_the_board() -> str:
+    """Where the one board is plugged in. Raises InputError where there is none, or there are several."""
+    found = [it.device for it in list_ports.comports() if (it.vid, it.pid) == _USB]
+    if not found:
+        raise InputError("no AxiDraw is plugged in; connect its USB cable and power, or name its port: axidraw:PORT")
+    if len(found) > 1:
+        raise InputError(f"there are several AxiDraws; name one of their ports: {', '.join(sorted(found))}")
+    return str(found[0])

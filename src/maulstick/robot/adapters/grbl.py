@@ -1,0 +1,133 @@
+"""Plotters and small machines that run Grbl 1.1, over a serial port."""
+
+from contextlib import suppress
+from typing import final
+
+import numpy as np
+from pydantic import ValidationError
+
+from maulstick.errors import InputError, MachineError, validation_fault
+from maulstick.robot.adapters.grbl_answers import own_limits, settings_of, work_origin
+from maulstick.robot.adapters.grbl_stream import HOLD, GrblStream
+from maulstick.robot.adapters.serial_line import SerialLine
+from maulstick.robot.easel import Easel, Pen
+from maulstick.robot.export.gcode import Gcode
+from maulstick.robot.limits import Limits
+from maulstick.robot.robot import Robot
+from maulstick.robot.stopping import Stopping
+from maulstick.storage.arrays import Floats
+
+_BAUD = 115200
+_CLEAR = 5e-3  # metres above the paper: where a tip is lifted to that nobody has moved yet
+_FACTORY = Limits(  # of a Grbl that has not been asked yet
+    lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, presses=True
+)
+
+
+@final
+class Grbl(Robot):
+    """A machine with Grbl 1.1, its frame that of its work (G54): lower left corner of the sheet at (0, 0), paper at 0.
+
+    address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: of one with a servo; without, it lifts by height.
+    limits: narrower ones than its own, which it is asked for; its `limits` are right only then, or once it is entered.
+    patience: seconds that it may say nothing.
+    """
+
+    def __init__(
+        self, address: str, pen: Pen | None = None, limits: Limits | None = None, patience: float = 5.0
+    ) -> None:
+        port, at, baud = address.partition("@")
+        if at and not baud.isdecimal():
+            raise InputError.of_range(
+                "the baud rate of a Grbl", repr(baud), "a whole number, as in /dev/ttyUSB0@115200"
+            )
+        super().__init__(limits or _FACTORY)
+        self._port, self._baud = port, int(baud) if at else _BAUD
+        self._pen = pen
+        self._narrower = limits
+        self._patience = patience + (0.0 if pen is None else pen.seconds)
+        self._line: SerialLine | None = None
+
+    def easel(self, width: float, height: float) -> Easel:
+        """As `Robot.easel`: flat, its lower left corner at the work's origin."""
+        return Easel(corner=(0, height, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
+
+    def _open(self) -> Floats:
+        self._gcode = Gcode("grbl", self.limits, self._pen)
+        return self._lift_from_where_it_is(self._stream, _CLEAR)
+
+    def _connect(self) -> None:
+        self._line = SerialLine(self._port, self._baud)
+        self._stream = GrblStream(self._line, self._patience, self._stopping)
+        self._stream.reset()
+        self._stream.status()
+        self._take_settings()
+
+    def _close(self) -> None:
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+
+    def _move(self, place: Floats) -> Floats:
+        self._stream.run(self._gcode.travel(self.place, place))
+        return self._gcode.rounded(place)
+
+    def _stroke(self, path: Floats, speed: Floats) -> Floats:
+        self._stream.run(self._gcode.draw(self.place, path, speed))
+        return self._gcode.rounded(path)
+
+    def _lift(self, place: Floats) -> Floats:
+        self._stream.run(self._gcode.lift(place))
+        return self._gcode.rounded(place)
+
+    def _halt(self) -> None:
+        if (line := self._line) is not None:
+            with suppress(MachineError):  # whoever waits for the machine is told
+                line.write(HOLD)
+
+    def _recover(self) -> None:
+        if self._line is None:
+            return
+        stream = GrblStream(self._line, self._patience, Stopping())  # which no stop interrupts
+        stream.hold()
+        stream.reset()
+        if stream.status(ready=False).state == "Alarm":
+            stream.ask("$X")
+        self._lift_from_where_it_is(stream, self.place[2])
+
+    def _lift_from_where_it_is(self, stream: GrblStream, height: float) -> Floats:
+        """Lift the pen to a height, or leave it where it is above; where the tip is then, (3,)."""
+        status = stream.status()
+        tip = status.tip - self._origin if status.of_machine else status.tip
+        inside = np.clip([*tip[:2], max(tip[2], height)], self.limits.lower, self.limits.upper)
+        stream.run([*self._gcode.begin(), *self._gcode.lift(inside)])
+        return np.array([*tip[:2], inside[2]])
+
+    def _take_settings(self) -> None:
+        settings = settings_of(self._stream.ask("$$"))
+        origin = work_origin(self._stream.ask("$#"))
+        if origin is None:
+            raise MachineError(f"the Grbl on {self._port} did not tell where its work's origin lies; start again")
+        try:
+            self._check_modes(settings)
+            own = own_limits(settings, origin, self._pen)
+            self.limits = own if self._narrower is None else own.narrowed(self._narrower)
+        except KeyError as error:
+            raise MachineError(f"the Grbl on {self._port} did not tell its setting ${error}; start again") from error
+        except ValidationError as error:
+            raise InputError(
+                f"the settings of the Grbl on {self._port} leave no limits: {validation_fault(error)}"
+            ) from error
+        self._origin = origin
+
+    def _check_modes(self, settings: dict[int, float]) -> None:
+        if settings[13]:
+            raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
+        if self._pen is None:
+            return
+        if settings[32]:
+            raise MachineError(f"the Grbl on {self._port} is in laser mode, which moves the servo; send $32=0")
+        for name, target in (("up", self._pen.up), ("down", self._pen.down)):
+            if not settings[31] <= target <= settings[30]:
+                allowed = f"{settings[31]:g} to {settings[30]:g} ($31 to $30 of this Grbl)"
+                raise InputError.of_range(f"the pen's {name}", f"{target:g}", allowed)

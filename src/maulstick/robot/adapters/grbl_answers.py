@@ -1,0 +1,135 @@
+"""What a Grbl 1.1 says: its status, its settings as limits, and its error and alarm codes in words."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+
+from maulstick.robot.easel import Pen
+from maulstick.robot.limits import Limits
+from maulstick.storage.arrays import Floats
+
+_MM = 1e-3
+_MM_A_MINUTE = 1e-3 / 60
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
+
+ERRORS: Final = {
+    1: "a word of G-code has no letter",
+    2: "a number is missing or cannot be read",
+    3: "it does not know that $ command",
+    4: "a number is negative that must not be",
+    5: "homing is switched off; set $22=1 if it has limit switches",
+    6: "its step pulses are shorter than 3 microseconds; set $0 to 3 or more",
+    7: "it could not read its memory and took the factory settings; check $$",
+    8: "it takes that $ command only when idle",
+    9: "it takes no G-code while it is locked; unlock with $X or home with $H",
+    10: "soft limits need homing; set $22=1 or $20=0",
+    11: "a line was too long for it",
+    12: "a setting asks for more steps a second than it can make",
+    13: "its safety door is open; close it",
+    14: "a start-up line was too long for its memory",
+    15: "a jog would leave its travel",
+    16: "a jog command is malformed",
+    17: "laser mode needs a spindle with PWM; set $32=0",
+    20: "it does not support a command of G-code",
+    21: "two commands of one line exclude each other",
+    22: "no feed has been set",
+    23: "a command needs a whole number",
+    24: "two commands of one line both use axes",
+    25: "a word is repeated in a line",
+    26: "a command needs axes and has none",
+    27: "a line number is out of range",
+    28: "a command lacks a value",
+    29: "it has only the work coordinates G54 to G59",
+    30: "G53 goes with G0 and G1 only",
+    31: "there are axes that no command uses",
+    32: "an arc needs an axis in its plane",
+    33: "the target of a motion is invalid",
+    34: "the radius of an arc is invalid",
+    35: "an arc needs an offset in its plane",
+    36: "there are values that no command uses",
+    37: "a tool length offset is for another axis",
+    38: "the number of a tool is too large",
+}
+
+_HOME = "home it with $H before it draws again"
+
+ALARMS: Final = {
+    1: f"a limit switch was hit and its position is lost; {_HOME}",
+    2: "a motion would leave its travel; unlock it with $X and check where its work origin lies",
+    3: f"it was reset while it moved and its position is lost; {_HOME}",
+    4: "the probe was not in its first state",
+    5: "the probe touched nothing",
+    6: f"homing was interrupted by a reset; {_HOME}",
+    7: f"the safety door was opened while homing; close it and {_HOME}",
+    8: "homing could not leave a limit switch; check its wiring, or set a longer pull-off $27",
+    9: "homing did not find a limit switch; check its wiring, or set the travels $130 to $132",
+}
+
+
+@dataclass(frozen=True)
+class Status:
+    """A status report: the state (Idle, Run, Hold:0 ...) and where the tip is, (3,) metres.
+
+    of_machine: whether that is counted from the machine's own origin, not from that of its work.
+    """
+
+    state: str
+    tip: Floats
+    of_machine: bool
+
+    @classmethod
+    def parse(cls, line: str) -> Self | None:
+        """The report in a line, or None where it is none, or noise has changed it."""
+        found = re.fullmatch(rf"<([A-Z][a-z]+(?::\d)?)\|([MW])Pos:{_TRIPLE}(?:\|[A-Za-z]+:[\w.,-]*)*>", line)
+        return None if found is None else cls(found[1], _triple(found[3]), found[2] == "M")
+
+
+def settings_of(lines: Iterable[str]) -> dict[int, float]:
+    """The settings in the answer to $$, by their numbers; lines that are none are left out."""
+    found = (re.fullmatch(rf"\$(\d+)=({_NUMBER})", line) for line in lines)
+    return {int(setting[1]): float(setting[2]) for setting in found if setting is not None}
+
+
+def work_origin(lines: Iterable[str]) -> Floats | None:
+    """(3,) metres: where the work's origin lies for the machine, out of the answer to $#; None where it is not told."""
+    told: dict[str, Floats] = {}
+    for line in lines:
+        if found := re.fullmatch(rf"\[(G54|G92):{_TRIPLE}\]", line):
+            told[found[1]] = _triple(found[2])
+        elif found := re.fullmatch(rf"\[TLO:({_NUMBER})\]", line):
+            told["TLO"] = np.array([0, 0, _MM * float(found[1])])
+    return sum(told.values(), np.zeros(3)) if len(told) == 3 else None
+
+
+def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> Limits:
+    """What a Grbl with these settings can do, counted from its work's origin (3,) metres.
+
+    With homing its travel lies below its own origin, on every axis. Without, only the operator knows where it was
+    switched on: in the lower left corner of its travel, as plotters are, the tip on the paper or above it.
+    Raises KeyError where a setting is missing.
+    """
+    rates = [_MM_A_MINUTE * settings[code] for code in (110, 111, 112)]
+    gains = (_MM * settings[120], _MM * settings[121], _MM * settings[122])
+    travel = np.array([_MM * settings[code] for code in (130, 131, 132)])
+    lower, upper = (-travel - origin, -origin) if settings[22] else (travel * (0, 0, -1), travel)
+    if pen is not None:  # it has no height
+        lower[2], upper[2] = -travel[2], travel[2]
+    return Limits(
+        lower=tuple(lower.tolist()),
+        upper=tuple(upper.tolist()),
+        speed=min(rates[:2]),
+        climb=rates[2],
+        acceleration=min(gains if pen is None else gains[:2]),
+        axes=gains,
+        deviation=_MM * settings[11],
+        presses=pen is None,
+        lifting=0.0 if pen is None else pen.seconds,
+    )
+
+
+def _triple(numbers: str) -> Floats:
+    return np.array([_MM * float(number) for number in numbers.split(",")])

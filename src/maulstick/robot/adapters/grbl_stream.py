@@ -1,0 +1,171 @@
+"""Grbl's streaming protocol: as many lines on their way as its buffer holds, counted by character (Grbl 1.1 interface).
+
+A line is counted from when it is sent until Grbl has answered it. Reports are asked for meanwhile, so that a line that
+takes long can be told from a Grbl that is gone.
+"""
+
+import re
+import time
+from typing import Final, final
+
+from maulstick.errors import MachineError
+from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
+from maulstick.robot.adapters.serial_line import Patience, SerialLine
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.stopping import Stopping
+
+BUFFER: Final = 127
+"""Bytes that Grbl can hold unread; it has 128, one of which tells full from empty."""
+
+HOLD: Final = b"!"
+"""Brakes at once, whatever else is on the line."""
+
+_RESET, _REPORT = b"\x18", b"?"
+_BETWEEN_REPORTS = 0.2  # seconds
+_BETWEEN_RESETS = 1.0  # seconds; a board that starts when its port is opened misses the first
+_QUIET = 0.1  # seconds in which a board that did not miss it starts once more
+_HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")
+_UNABLE = {
+    "Door": "its safety door is open; close it, then go on with maulstick run ... --resume",
+    "Check": "it only checks G-code; send $C, then start again",
+    "Sleep": "it sleeps; reset it, then start again",
+    "Alarm": "it is locked, as its position may be lost; home it with $H or unlock it with $X, then start again",
+}
+
+
+@final
+class GrblStream:
+    """Commands to a Grbl and its answers.
+
+    Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping`.
+    """
+
+    def __init__(self, line: SerialLine, patience: float, stopping: Stopping) -> None:
+        self._line = line
+        self._patience = patience
+        self._stopping = stopping
+        self._waiting: list[str] = []
+        self._told: list[str] = []
+        self._progress = Patience(patience)
+        self._next_report = 0.0
+
+    def reset(self) -> None:
+        """Empty its buffers, as whoever starts or gives up does; its position is kept if it stands still."""
+        self._line.drop()
+        self._waiting.clear()
+        patience, resets = Patience(self._patience), 0
+        while True:
+            self._line.write(_RESET)
+            resets += 1
+            if self._starts():
+                break
+            if patience.over:
+                raise MachineError(f"no Grbl answers on {self._line.port}; check port, baud rate, cable and power")
+        again = Patience(_QUIET)
+        while resets > 1 and not again.over:
+            self._line.line()
+
+    def hold(self) -> None:
+        """Brake; returns once it stands still, or will not say so."""
+        self._line.write(HOLD)
+        patience = Patience(self._patience)
+        while self.status(ready=False).state not in _HALTED and not patience.over:
+            pass
+
+    def status(self, ready: bool = True) -> Status:
+        """What it reports now. Unless it is `ready`, raises MachineError that says what to do."""
+        patience = Patience(self._patience)
+        while not patience.over:
+            self._line.write(_REPORT)
+            asked = Patience(_BETWEEN_REPORTS)
+            while not asked.over:
+                if (status := Status.parse(self._line.line() or "")) is not None:
+                    if ready:
+                        self._check(status)
+                    return status
+        raise self._line.lost()
+
+    def ask(self, command: str) -> list[str]:
+        """What it tells before it answers the command with ok."""
+        self._told.clear()
+        self._send(command)
+        while self._waiting:
+            self._hear()
+        return self._told.copy()
+
+    def run(self, lines: list[str]) -> None:
+        """Return once the lines are done, not just read."""
+        for line in [*lines, "G4 P0"]:  # a pause of no time is answered once all motions before it have ended
+            content = line.replace(" ", "")
+            while sum(map(_size, self._waiting)) + _size(content) > BUFFER:
+                self._go_on()
+            self._send(content)
+        while self._waiting:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        if self._stopping.is_set():
+            raise StoppedError
+        if (now := time.monotonic()) > self._next_report:
+            self._line.write(_REPORT)
+            self._next_report = now + _BETWEEN_REPORTS
+        self._hear()
+
+    def _send(self, content: str) -> None:
+        if not self._waiting:
+            self._progress.renew()
+        self._waiting.append(content)
+        self._line.write(f"{content}\n".encode())
+
+    def _hear(self) -> None:
+        text = self._line.line()
+        if text is None:
+            if self._progress.over:
+                raise self._line.lost()
+        elif text == "ok" and self._waiting:
+            self._waiting.pop(0)
+            self._progress.renew()
+        elif text.startswith("<") or text.endswith(">"):  # a report that noise has changed comes again
+            if (status := Status.parse(text)) is not None:
+                self._check(status)
+                if status.state != "Idle":  # an idle Grbl that owes an answer has lost it
+                    self._progress.renew()
+        elif text.startswith(("[", "$", ">")):
+            self._told.append(text)
+        else:
+            raise self._fault(text)
+
+    def _fault(self, text: str) -> MachineError:
+        port = self._line.port
+        if found := re.fullmatch(r"error:(\d+)", text):
+            line = self._waiting[0] if self._waiting else ""
+            said = ERRORS.get(int(found[1]), "it does not say what that means")
+            return MachineError(f"the Grbl on {port} refused the line {line!r} with error {found[1]}: {said}")
+        if found := re.fullmatch(r"ALARM:(\d+)", text):
+            said = ALARMS.get(int(found[1]), f"it does not say why; {_UNABLE['Alarm']}")
+            return MachineError(f"the Grbl on {port} raised alarm {found[1]}: {said}")
+        if text.startswith("Grbl "):
+            return MachineError(f"the Grbl on {port} started again by itself; check its power, and home it with $H")
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        return MachineError(
+            f"there is noise on the line to {port} ({shown!r}); check cable and ground, "
+            "then go on with maulstick run ... --resume"
+        )
+
+    def _check(self, status: Status) -> None:
+        if (remedy := _UNABLE.get(status.state.split(":")[0])) is not None:
+            raise MachineError(f"the Grbl on {self._line.port} cannot draw: {remedy}")
+
+    def _starts(self) -> bool:
+        """Whether it says its name in time."""
+        patience = Patience(min(_BETWEEN_RESETS, self._patience))
+        while not patience.over:
+            if (found := re.match(r"Grbl (\S+)", self._line.line() or "")) is not None:
+                if not found[1].startswith("1.1"):
+                    raise MachineError(f"the machine on {self._line.port} is a Grbl {found[1]}; it must be a Grbl 1.1")
+                return True
+        return False
+
+
+def _size(content: str) -> int:
+    return len(content) + 1

@@ -1,0 +1,48 @@
+"""Set-points in time: how a machine is driven that goes at once to wherever it was last told."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from maulstick.errors import MachineError
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.stopping import Stopping
+from maulstick.robot.timing import Profile
+from maulstick.storage.arrays import Floats
+
+_BRAKING = 0.1  # seconds from any speed to rest, along the path
+_LATEST = 3  # periods; what a busy computer is later than that, the motion is later too: set-points never leap
+_ARRIVED = 5e-4  # metres
+_PATIENCE = 1.0  # seconds
+
+
+def stream(
+    profile: Profile,
+    send: Callable[[Floats], None],
+    where: Callable[[], Floats],
+    period: float,
+    stopping: Stopping,
+) -> None:
+    """Send every `period` seconds the place (3,), metres, where the tip should be; return once it is at the end.
+
+    where: asks the machine where its tip is.
+    Raises StoppedError, at rest, soon after `stopping` is set; MachineError where the tip does not arrive.
+    """
+    gone, pace, last = 0.0, 1.0, time.monotonic()
+    while gone < profile.seconds and pace > 0:
+        time.sleep(max(0.0, last + period - time.monotonic()))
+        now = time.monotonic()
+        passed, last = min(now - last, _LATEST * period), now
+        if stopping.is_set():
+            pace = max(pace - passed / _BRAKING, 0.0)
+        gone = min(gone + pace * passed, profile.seconds)
+        send(profile.at(np.array([gone]))[0])
+    goal, ended = profile.points[-1], time.monotonic()
+    while not stopping.is_set() and (missing := float(np.linalg.norm(where() - goal))) > _ARRIVED:
+        if time.monotonic() - ended > _PATIENCE:
+            raise MachineError(f"the arm stands {1e3 * missing:.2g} mm beside where it was sent; see what holds it")
+        send(goal)
+        time.sleep(period)
+    if stopping.is_set():
+        raise StoppedError

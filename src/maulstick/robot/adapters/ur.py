@@ -1,0 +1,122 @@
+"""Universal Robots' arms: set-points through ur-rtde, whose servoL follows them with a little smoothing."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final, final
+
+import numpy as np
+
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.arm import Arm
+from maulstick.robot.adapters.streaming import stream
+from maulstick.robot.force import FeelsForce
+from maulstick.robot.limits import Limits
+from maulstick.robot.stopping import Stopping
+from maulstick.robot.timing import Profile
+from maulstick.storage.arrays import Floats
+
+UR_LIMITS: Final = Limits(
+    lower=(-0.7, -0.7, -0.1),
+    upper=(0.7, 0.7, 0.5),
+    speed=0.2,
+    climb=0.1,
+    acceleration=0.5,
+    deviation=1e-4,
+    presses=True,
+)
+"""A box around the arm; nearer ones, and what it must not touch, are matters of its own safety planes."""
+
+_PERIOD: Final = 0.008  # seconds: both series keep that pace, and a busy computer too
+_LOOKAHEAD: Final = 0.03  # seconds, the least: at our acceleration it cuts corners by 0.2 mm at most
+_GAIN: Final = 500.0
+
+
+@final
+class UR(Arm, FeelsForce):
+    """A UR at an IP address, of the CB or e-series, under remote control; the limits narrow those of UR_LIMITS."""
+
+    def __init__(self, address: str, limits: Limits | None = None) -> None:
+        super().__init__(UR_LIMITS, limits)
+        self._address = address
+        self._control: Any = None
+        self._receive: Any = None
+        self._turned: list[float] = []
+
+    def force(self) -> float:
+        """Newtons along z at the tip, of which only differences mean anything."""
+        with self._line():
+            return float(self._receive.getActualTCPForce()[2])
+
+    def _connect(self) -> None:
+        try:
+            from rtde_control import RTDEControlInterface
+            from rtde_receive import RTDEReceiveInterface
+        except ImportError as error:
+            raise InputError("the ur extra is not installed; run: pip install 'maulstick[ur]'") from error
+        try:
+            self._receive = RTDEReceiveInterface(self._address)
+            self._check_safety()
+            self._control = RTDEControlInterface(self._address)
+        except RuntimeError as error:
+            raise MachineError(
+                f"no UR can be driven at {self._address} ({' '.join(str(error).split())}); check its power and the "
+                "cable, and that it is under remote control"
+            ) from error
+        self._turned = self._pose()[3:6]
+
+    def _disconnect(self) -> None:
+        control, receive = self._control, self._receive
+        self._control = self._receive = None
+        with self._line():
+            if control is not None:
+                control.stopScript()
+                control.disconnect()
+            if receive is not None:
+                receive.disconnect()
+
+    def _where(self) -> Floats:
+        return np.array(self._pose()[:3])
+
+    def _follow(self, profile: Profile, stopping: Stopping) -> None:
+        with self._line():
+            try:
+                stream(profile, self._send, self._where, _PERIOD, stopping)
+            finally:
+                self._control.servoStop()
+
+    def _make_ready(self) -> None:
+        self._check_safety()
+        with self._line():
+            if not self._control.isProgramRunning() and not self._control.reuploadScript():
+                raise MachineError("the UR does not take its program again; see what its pendant says")
+
+    def _pose(self) -> list[float]:
+        with self._line():
+            return list(self._receive.getActualTCPPose())
+
+    def _send(self, place: Floats) -> None:
+        pose = [*place.tolist(), *self._turned]
+        if not self._control.servoL(pose, 0.0, 0.0, _PERIOD, _LOOKAHEAD, _GAIN):
+            self._check_safety()
+            raise MachineError("the UR no longer follows; see what its pendant says")
+
+    def _check_safety(self) -> None:
+        """Raise MachineError in a stop that, by the arm's own rules, a person has to look at and to release."""
+        with self._line():
+            if not self._receive.isConnected():
+                raise MachineError(f"the connection to the UR at {self._address} is lost; check the cable")
+            if self._receive.isEmergencyStopped():
+                raise MachineError("the UR's emergency stop is pressed; release it, and start the arm at its pendant")
+            if self._receive.isProtectiveStopped():
+                raise MachineError("the UR is in a protective stop; see what it hit, and release it at its pendant")
+
+    @contextmanager
+    def _line(self) -> Iterator[None]:
+        """Turn what ur-rtde raises into MachineError."""
+        try:
+            yield
+        except RuntimeError as error:
+            text = " ".join(str(error).split())
+            raise MachineError(
+                f"the connection to the UR at {self._address} is lost ({text}); check the cable"
+            ) from error

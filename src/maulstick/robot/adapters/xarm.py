@@ -1,0 +1,130 @@
+"""UFACTORY's arms, xArm 5 to 7, 850 and Lite 6: set-points through xarm-python-sdk, in the controller's servo mode.
+
+That mode goes straight to the last set-point, so the tip follows our own profile, and stands when none follows.
+"""
+
+import io
+import time
+from contextlib import redirect_stdout
+from typing import Any, Final, final
+
+import numpy as np
+
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.adapters.arm import Arm
+from maulstick.robot.adapters.streaming import stream
+from maulstick.robot.limits import Limits
+from maulstick.robot.stopping import Stopping
+from maulstick.robot.timing import Profile
+from maulstick.storage.arrays import Floats
+
+XARM: Final = Limits(
+    lower=(0.15, -0.4, -0.1),
+    upper=(0.6, 0.4, 0.45),
+    speed=0.2,
+    climb=0.1,
+    acceleration=1.0,
+    deviation=1e-4,
+    presses=True,
+)
+"""A box that the arms of 700 mm reach."""
+
+LITE6: Final = XARM.narrowed(XARM.model_copy(update={"lower": (0.15, -0.2, -0.05), "upper": (0.38, 0.2, 0.35)}))
+"""A box that a Lite 6 reaches."""
+
+_SERVO_MODE: Final = 1
+_READY: Final = 0
+_LITE6_TYPE: Final = 9
+_PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points a second
+_METRE: Final = 1e3  # of the wire's millimetres
+_OF_A_COLLISION: Final = (22, 31, 35)  # with itself, with something, with a boundary
+_RETURNED: Final = {
+    -1: "it is not connected; check the cable",
+    -2: "it is not enabled; release the emergency stop",
+    -6: "that place is outside the limits set in UFACTORY Studio",
+    -7: "a joint would pass its limit; turn the tool, or lay the sheet elsewhere",
+    -9: "the emergency stop is pressed; release it",
+    1: "it has an error that was not cleared",
+    3: "it did not answer in time; check the cable",
+    8: "nothing can be sent to it; check the cable",
+    9: "it is not ready to move; it was stopped from elsewhere",
+}
+
+
+@final
+class XArm(Arm):
+    """An xArm, or with `limits` within LITE6 a Lite 6, at an IP address; the limits narrow those of XARM."""
+
+    def __init__(self, address: str, limits: Limits | None = None) -> None:
+        super().__init__(XARM, limits)
+        self._address = address
+        self._arm: Any = None
+        self._turned: list[float] = []
+
+    def _connect(self) -> None:
+        try:
+            with redirect_stdout(io.StringIO()):  # it prints its version
+                from xarm.wrapper import XArmAPI
+        except ImportError as error:
+            raise InputError("the xarm extra is not installed; run: pip install 'maulstick[xarm]'") from error
+        try:
+            self._arm = XArmAPI(self._address)
+        except Exception as error:  # the SDK knows no narrower one
+            raise MachineError(
+                f"no xArm answers at {self._address} ({error}); check its power, and the cable"
+            ) from error
+        if self._arm.device_type == _LITE6_TYPE and self.limits.narrowed(LITE6) != self.limits:
+            raise InputError("this arm is a Lite 6, which reaches less far than an xArm; call it lite6:IP")
+        _, (stopped_by, _) = self._arm.get_err_warn_code()
+        if stopped_by in _OF_A_COLLISION:
+            raise MachineError(f"{self._sentence(0)}; see that it is free, clear the error at the arm, and start again")
+        self._make_ready()
+        self._turned = self._pose()[3:6]
+
+    def _disconnect(self) -> None:
+        if self._arm is not None:
+            self._arm.disconnect()
+            self._arm = None
+
+    def _where(self) -> Floats:
+        return np.array(self._pose()[:3]) / _METRE
+
+    def _follow(self, profile: Profile, stopping: Stopping) -> None:
+        stream(profile, self._send, self._where, _PERIOD, stopping)
+
+    def _make_ready(self) -> None:
+        self._arm.clean_error()
+        self._arm.clean_warn()
+        self._check(self._arm.motion_enable(True))
+        self._check(self._arm.set_mode(_SERVO_MODE))
+        self._check(self._arm.set_state(_READY))
+        time.sleep(0.1)  # the controller takes that long to change its mode
+        code, (error, _) = self._arm.get_err_warn_code()
+        if code or error:
+            raise MachineError(self._sentence(code))
+
+    def _pose(self) -> list[float]:
+        code, pose = self._arm.get_position(is_radian=True)
+        self._check(code)
+        return list(pose)
+
+    def _send(self, place: Floats) -> None:
+        pose = [*(_METRE * place).tolist(), *self._turned]
+        self._check(self._arm.set_servo_cartesian(pose, is_radian=True))
+
+    def _check(self, code: int) -> None:
+        if code:
+            raise MachineError(self._sentence(code))
+
+    def _sentence(self, code: int) -> str:
+        """What is wrong: the controller's error where it has one, else what a call of the SDK returned."""
+        from xarm.core.config.x_code import ControllerError
+
+        asked, (error, _) = self._arm.get_err_warn_code()
+        if asked or not error:
+            return (
+                f"the xArm refuses: {_RETURNED.get(code, f'the SDK returned code {code}, which its manual explains')}"
+            )
+        told = ControllerError(error)
+        cure = " ".join(told.description["en"].split())
+        return f"the xArm stopped with error {error}, {told.title['en']}: {cure}"

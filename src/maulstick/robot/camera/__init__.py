@@ -1,0 +1,1 @@
+"""Cameras over the sheet, and the tags that they look for."""

@@ -1,0 +1,63 @@
+"""A routine as a file, for machines that are driven by other programs."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.robot.easel import Pen
+from maulstick.robot.export.gcode import Dialect, Gcode
+from maulstick.robot.export.hpgl import hpgl
+from maulstick.robot.limits import Limits
+from maulstick.robot.routine import Action, Ask, Care, Draw
+
+
+def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: Pen | None) -> str:
+    """G-code, which begins by lifting the pen where it is, as high as it is ever lifted.
+
+    It pauses where a person has to do something.
+    Raises InputError where a motion leaves the limits.
+    """
+    writer = Gcode(dialect, limits, pen)
+    highest = max((action.motion.above for action in actions if not isinstance(action, Ask)), default=limits.upper[2])
+    place = np.array([*limits.lower[:2], highest])
+    lines = [*writer.begin(), *writer.lift(place)]
+    for action in actions:
+        if isinstance(action, Ask):
+            lines += writer.pause(action.message)
+            continue
+        motion = action.motion
+        lines += [*writer.travel(place, motion.start), *writer.draw(motion.start, motion.path, motion.speed)]
+        place = np.array([*motion.path[-1, :2], motion.after])
+        lines += writer.lift(place)
+    return "\n".join([*lines, ""])
+
+
+def as_hpgl(actions: Sequence[Action], limits: Limits) -> str:
+    """HPGL: strokes, a pen a paint. Raises InputError where it would need a tray, or leave the limits."""
+    if any(isinstance(action, Care) for action in actions):
+        raise InputError("HPGL knows pens and no wells; leave out the tray, or export gcode")
+    return hpgl([(action.paint, action.motion.path) for action in actions if isinstance(action, Draw)], limits)
+
+
+def as_json(actions: Sequence[Action]) -> str:
+    """A JSON object a line, in order: draw, dip, rinse, wipe or ask; metres of the machine, metres a second."""
+    return "".join(f"{json.dumps(_entry(action))}\n" for action in actions)
+
+
+def _entry(action: Action) -> dict[str, Any]:
+    if isinstance(action, Ask):
+        return {"do": "ask", "paint": action.paint, "message": action.message}
+    motion = action.motion
+    entry = {
+        "paint": action.paint,
+        "above": round(motion.above, 6),
+        "path": motion.path.round(6).tolist(),
+        "speed": motion.speed.round(6).tolist(),
+        "after": round(motion.after, 6),
+    }
+    if isinstance(action, Draw):
+        return {"do": "draw", "stroke": action.stroke, **entry}
+    return {"do": action.what, **entry}

@@ -1,0 +1,1 @@
+"""Ink as recorded, and strokes as arrays."""

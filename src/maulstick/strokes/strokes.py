@@ -1,0 +1,134 @@
+"""Strokes as arrays: resampled by arc length, standardised, and placed again (paper: Motion Capture ... Processing)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maulstick.errors import InputError
+from maulstick.storage.arrays import Bools, Floats, read_arrays, write_arrays
+from maulstick.strokes.ink import Ink
+
+POINTS = 32
+"""Points of a standardised trajectory, the paper's n."""
+
+KIND = "strokes"
+_CLOSED = 0.02
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """N standardised strokes of one hand.
+
+    trajectories: (N, n, 3) of x, y in metres and press in [0, 1]; press is NaN where it was not recorded.
+    times: (N, n) seconds since each stroke began; NaN where they were not recorded.
+    poses: (N, 3) (dx, dy, dθ), which put each stroke back where it was drawn.
+    """
+
+    trajectories: Floats
+    times: Floats
+    poses: Floats
+
+    def __post_init__(self) -> None:
+        shape = self.trajectories.shape
+        if len(shape) != 3 or shape[1] < 2 or shape[2] != 3:
+            raise InputError(f"trajectories have shape {shape}; it must be (N, n, 3) with n of at least 2")
+        if self.times.shape != shape[:2] or self.poses.shape != (shape[0], 3):
+            raise InputError(
+                f"times have shape {self.times.shape} and poses {self.poses.shape} for {shape} trajectories"
+            )
+        if not (np.isfinite(self.trajectories[..., :2]).all() and np.isfinite(self.poses).all()):
+            raise InputError("a point or a pose of a stroke is not a finite number")
+        press = self.trajectories[..., 2]
+        if ((press < 0) | (press > 1)).any():
+            raise InputError.of_range("press", f"{np.nanmin(press):g} to {np.nanmax(press):g}", "in [0, 1]")
+
+    @classmethod
+    def of(cls, ink: Ink, n: int = POINTS) -> Self:
+        """The strokes of the ink, each resampled to n points by arc length and standardised."""
+        raw = [np.concatenate([stroke[:, 1:4], stroke[:, :1] - stroke[0, 0]], axis=1) for stroke in ink.strokes()]
+        paths = np.array([resample(stroke, n) for stroke in raw]).reshape(-1, n, 4)
+        standard, poses = standardise(paths[..., :2])
+        return cls(np.concatenate([standard, paths[..., 2:3]], axis=-1), paths[..., 3], poses)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def __getitem__(self, rows: NDArray[np.int64] | Bools | slice) -> Self:
+        """Some of the strokes."""
+        return type(self)(self.trajectories[rows], self.times[rows], self.poses[rows])
+
+    @property
+    def lengths(self) -> Floats:
+        """Arc length of each stroke, (N,), metres."""
+        return path_lengths(self.trajectories[..., :2])
+
+    def placed(self) -> Floats:
+        """Trajectories (N, n, 3) where they were drawn."""
+        return np.concatenate([place(self.trajectories[..., :2], self.poses), self.trajectories[..., 2:]], axis=-1)
+
+
+def write_strokes(strokes: Strokes, path: str | Path) -> None:
+    """Write the strokes to a file. Raises OutputError where that fails; what was at `path` is then still there."""
+    arrays = {"trajectories": strokes.trajectories, "times": strokes.times, "poses": strokes.poses}
+    write_arrays(path, KIND, arrays)
+
+
+def read_strokes(path: str | Path) -> Strokes:
+    """The strokes in the file at `path`. Raises InputError where there are none."""
+    arrays = read_arrays(path, KIND, ("trajectories", "times", "poses"))
+    try:
+        return Strokes(*(array.astype(np.float64) for array in arrays.values()))
+    except (InputError, ValueError, TypeError) as error:
+        raise InputError(f"{path} is not a file of {KIND}: {error}") from error
+
+
+def path_lengths(paths: Floats) -> Floats:
+    """Arc length (...) of polylines (..., n, 2)."""
+    steps = np.diff(paths, axis=-2)
+    lengths: Floats = np.hypot(steps[..., 0], steps[..., 1]).sum(axis=-1)
+    return lengths
+
+
+def resample(path: Floats, n: int = POINTS) -> Floats:
+    """N points at equal distances along the polyline `path`, (m, k) with x and y first; further columns follow along.
+
+    The ends stay where they are. A path without length gives n times its first point.
+    """
+    path = np.asarray(path, dtype=np.float64)
+    if path.ndim != 2 or path.shape[0] < 1 or path.shape[1] < 2:
+        raise InputError(f"a path has shape {path.shape}; it must be (m, 2 or more) with m of at least 1")
+    steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    keep = np.concatenate([[True], steps > 0])
+    places = np.linspace(0, along[-1], n)
+    return np.stack([np.interp(places, along[keep], column[keep]) for column in path.T], axis=1)
+
+
+def standardise(paths: Floats) -> tuple[Floats, Floats]:
+    """Paths (N, n, 2) starting at the origin and ending on the positive x-axis, and their poses (N, 3) (dx, dy, dθ).
+
+    A closed stroke, whose chord is less than a fiftieth of its length, has no direction of its own that could be
+    trusted: it is turned until the mean of its points lies on the positive x-axis instead.
+    """
+    paths = np.asarray(paths, dtype=np.float64)
+    start = paths[:, 0]
+    chord = paths[:, -1] - start
+    closed = np.hypot(chord[:, 0], chord[:, 1]) < _CLOSED * path_lengths(paths)
+    towards = np.where(closed[:, None], paths.mean(axis=1) - start, chord)
+    angle = np.arctan2(towards[:, 1], towards[:, 0])
+    poses = np.concatenate([start, angle[:, None]], axis=1)
+    return _rotate(paths - start[:, None], -angle), poses
+
+
+def place(paths: Floats, poses: Floats) -> Floats:
+    """Standardised paths (N, n, 2) put on the canvas: R(dθ)(x, y) + (dx, dy), with poses (N, 3)."""
+    return _rotate(np.asarray(paths), poses[:, 2]) + poses[:, None, :2]
+
+
+def _rotate(paths: Floats, angles: Floats) -> Floats:
+    cos, sin = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    x, y = paths[..., 0], paths[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

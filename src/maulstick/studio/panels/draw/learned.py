@@ -1,0 +1,43 @@
+"""From a hand to a style, which is shown at once."""
+
+from nicegui import Client, html, ui
+
+from maulstick.errors import InputError
+from maulstick.studio.panels.styles.shown import AS_TURNED, address_of
+from maulstick.studio.state.studio import Studio
+from maulstick.style.cards import STYLES
+
+
+async def learn_hand(studio: Studio, name: str, client: Client) -> None:
+    """Learn the style of a hand's name from it, in place of one's own of that name, and show it to a client.
+
+    Raises InputError where the hand has too few strokes, or its name belongs to a style that comes with Maulstick.
+    """
+    styles = studio.styles
+    old = STYLES.paths().get(STYLES.check_name(name))
+    if old is not None and STYLES.is_built_in(old):
+        raise InputError(f"a style that comes with Maulstick is called {name}; give this hand another name")
+    replaces = await styles.renew(name, lambda: studio.drawing.hands.learn(name, name))
+    with client.layout:  # where the button was, there may be something else by now
+        _show(name, f"/sheet/{(await styles.sheet(name)).name}", replaces=replaces)
+
+
+def _show(name: str, sheet: str, replaces: bool) -> None:
+    with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks learned"):
+        dialog.props(f'aria-label="This is how {name} draws"').on("hide", dialog.delete)
+
+        def go(where: str) -> None:
+            dialog.close()
+            ui.navigate.to(where)
+
+        html.h2(f"This is how {name} draws")
+        html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {name}").classes("picture")
+        ui.label(AS_TURNED).classes("hint")
+        if replaces:
+            ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(
+                "hint"
+            )
+        with ui.element().classes("line"):
+            ui.button("Plan a picture with it", on_click=lambda: go(f"/plan?style={name}"))
+            ui.button("Look closer", on_click=lambda: go(address_of([name]))).props("outline")
+            ui.button("Close", on_click=dialog.close).props("flat")

@@ -1,0 +1,106 @@
+"""The frame of the page: where one goes, what is going on, and the button that stops the machine."""
+
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+from nicegui import PageArguments, html, ui
+
+from maulstick.errors import MaulstickError
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+
+_PANELS = {
+    "/": ("Draw", "draw", "maulstick.studio.panels.draw.draw"),
+    "/styles": ("Styles", "brush", "maulstick.studio.panels.styles.styles"),
+    "/plan": ("Plan", "auto_awesome_mosaic", "maulstick.studio.panels.plan.plan"),
+    "/paints": ("Paints", "palette", "maulstick.studio.panels.paints.paints"),
+    "/paint": ("Paint", "precision_manufacturing", "maulstick.studio.panels.paint.paint"),
+    "/survey": ("Survey", "how_to_vote", "maulstick.studio.panels.survey.survey"),
+}
+"""By path: a panel's name, its icon, and its module, whose `build` is called with the studio and what a link asks."""
+
+# Esc closes what is open first; only where nothing is does it stop the machine, as the button does always.
+_STOP = """<script>
+  function stopMachine() {
+    const silent = document.querySelector(".silent");
+    const say = (heard) => { silent.hidden = heard; };
+    fetch("/stop", { method: "POST" }).then((answer) => say(answer.ok), () => say(false));
+  }
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !document.querySelector(".q-dialog, .q-menu")) stopMachine();
+  }, { capture: true });
+</script>"""
+
+_STYLE = Path(__file__).with_name("studio.css")
+
+
+def page(studio: Studio) -> None:
+    """Build the page for whoever has opened it."""
+    ui.on_exception(_tell)
+    ui.add_css(_STYLE)
+    ui.colors(primary="#8c3d26", secondary="#5b6770", accent="#2f6690", negative="#b3261e", positive="#3c7a3f")
+    with ui.header().classes("frame"):
+        ui.label("Maulstick").classes("name")
+        links = _links()
+        _doing(studio)
+        _stop()
+    with ui.element().classes("panel"):
+        ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
+
+
+def _links() -> dict[str, ui.link]:
+    links = {}
+    with ui.element("nav").props('aria-label="Panels"').classes("panels"):
+        for path, (name, icon, _) in _PANELS.items():
+            with ui.link(target=path).classes("panel-link") as links[path]:
+                ui.icon(icon).props("aria-hidden=true")
+                ui.label(name)
+    return links
+
+
+def _built(path: str, studio: Studio, links: dict[str, ui.link]) -> Callable[[PageArguments], None]:
+    def build(asked: PageArguments) -> None:
+        for other, link in links.items():
+            link.props(remove="aria-current")
+            if other == path:
+                link.props('aria-current="page"')
+        name, _, module = _PANELS[path]
+        ui.page_title(f"{name} · Maulstick")
+        import_module(module).build(studio, asked.query_parameters)
+
+    return build
+
+
+def _doing(studio: Studio) -> None:
+    """A line that says what is being planned and painted."""
+    line = ui.label().classes("doing").props('role="status"')
+
+    def say() -> None:
+        doing = [each for each in (studio.plans.doing, studio.run.doing) if each]
+        line.set_text(" · ".join(doing))
+
+    shown_by(line, studio.plans.changed, say)
+    shown_by(line, studio.run.changed, say)
+
+
+def _stop() -> None:
+    """Asked for beside the socket, so that it works while the page waits for anything else."""
+    stop = html.button("STOP").classes("stop").props('type="button" title="Stop the machine and lift the pen (Esc)"')
+    stop.on("click", js_handler="() => stopMachine()")
+    html.p("Maulstick does not answer. If the machine moves, use its own emergency switch.").classes("silent").props(
+        'role="alert" hidden'
+    )
+    ui.add_body_html(_STOP)
+
+
+def _tell(error: Exception) -> None:
+    """A person's mistake is a sentence on the page; what is broken is in the terminal, where NiceGUI says it."""
+    if isinstance(error, MaulstickError):
+        first, _, rest = str(error).partition(" ")
+        sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
+        notify = partial(ui.notify, sentence, timeout=12000, multi_line=True)
+    else:
+        notify = partial(ui.notify, "Something in Maulstick is broken; the terminal says what.")
+    notify(type="negative", position="top", close_button="OK")

@@ -1,0 +1,184 @@
+"""What a person asks of the machine, on the page where it paints."""
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+from nicegui import events, ui
+
+from maulstick.errors import InputError
+from maulstick.jobs.paint.options import Asked
+from maulstick.studio.state.machine_names import MACHINES
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.uploading import upload_button
+
+SHORT_MENU = "outlined popup-content-class=short-menu"
+"""Of a select: its menu opens downwards, and not up under the frame."""
+
+_AT_A_PORT = ("grbl", "axidraw")
+_CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
+_EASEL_S_OWN = "easel"
+_LARGEST_EASEL = 2**16  # bytes
+_SLOWEST, _FASTEST = 0.1, 10_000  # mm/s: no limit, where the machine has one of its own, as all have
+_MOST_STROKES = 100_000
+_LONGEST_ADDRESS = 253
+
+
+class AskedForm:
+    """What fits the machine that is chosen is shown, and nothing else.
+
+    first: where the machine is asked for.  later: where the finer points are.
+    touched: is called once a person has asked for something else.
+    """
+
+    def __init__(self, studio: Studio, first: ui.element, later: ui.element, touched: Callable[[], None]) -> None:
+        self._studio = studio
+        self._tray_file = studio.folder.root / "tray.json"
+        self._easel_files: dict[str, Path] = {}
+        with first:
+            self._machine = ui.select(MACHINES, label="Machine", value="sim:real", on_change=self.fit)
+            self._machine.props(SHORT_MENU)
+            self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
+            self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
+            self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
+        with later:
+            self._speed = ui.number("No faster than, mm/s", min=_SLOWEST, max=_FASTEST).props("outlined clearable")
+            self._speed.props("hint='empty: as fast as hand and machine are'")
+            self._easel = ui.select({}, label="Where the sheet lies").props(SHORT_MENU)
+            upload_button("Bring an easel file", ".json", self._take_easel)
+            self._tray = ui.switch("Dip the brush into the tray", value=True)
+            self._camera = ui.select({}, label="Camera", on_change=self.fit).props(SHORT_MENU)
+            self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
+            self._every.props("outlined hint='0: only when you ask for it'")
+        for field in (
+            self._machine,
+            self._port,
+            self._address,
+            self._speed,
+            self._easel,
+            self._tray,
+            self._camera,
+            self._every,
+        ):
+            field.on("update:model-value", touched, args=[])  # unlike on_change, not when it is filled in for them
+        self._offer_easels("")
+        self.fit()
+
+    async def offer_ports(self) -> None:
+        """Let the serial ports be chosen that there are."""
+        ports = await asyncio.to_thread(_ports)
+        if not self._port.is_deleted:
+            self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
+
+    def dip(self, dips: bool) -> None:
+        """Whether the brush is to be dipped, for a plan that nothing was asked for yet."""
+        self._tray_file = self._studio.folder.root / "tray.json"
+        self._tray.value = dips
+        self.fit()
+
+    def fill(self, asked: Asked) -> None:
+        """Show what was asked before."""
+        self._tray_file = asked.tray or self._studio.folder.root / "tray.json"
+        self._tray.value = asked.tray is not None
+        kind, _, address = asked.machine.partition(":")
+        self._machine.value = asked.machine if asked.simulated else kind
+        if kind in _AT_A_PORT and address:
+            self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
+        elif not asked.simulated:
+            self._address.value = address
+        self._speed.value = None if asked.speed in (None, 1e-3 * _FASTEST) else 1e3 * asked.speed
+        self._offer_easels("" if asked.easel is None else self._easel_of(asked.easel))
+        self.fit()
+        watched = bool(asked.replan or asked.look)
+        self._camera.value = (_EASEL_S_OWN if asked.simulated else asked.camera or "") if watched else ""
+        self._every.value = asked.replan or 0
+
+    def asked(self, picture: Path | None) -> Asked:
+        """All that is asked now, and where something is not, None. picture: that the plan is of.
+
+        Raises InputError for what cannot be asked.
+        """
+        looks, every = bool(self._camera.value), _whole(self._every.value)
+        if looks and picture is None:
+            raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
+        easel = str(self._easel.value)
+        return Asked(
+            robot=self._word(),
+            easel=(self._easel_files.get(easel) or self._studio.run.easels.path(easel)) if easel else None,
+            tray=self._tray_file if self._tray.visible and self._tray.value else None,
+            speed=1e-3 * _speed(self._speed.value),
+            replan=every if looks else 0,
+            look=looks,
+            camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
+            picture=picture if looks else None,
+        )
+
+    def _word(self) -> str:
+        """The machine's."""
+        kind = str(self._machine.value)
+        if kind.startswith("sim"):
+            return kind
+        address = str((self._port.value if kind in _AT_A_PORT else self._address.value) or "").strip()
+        if not address and kind == "axidraw":
+            return kind
+        if not address:
+            what = "port" if kind in _AT_A_PORT else "address in the network"
+            raise InputError(f"where is the {MACHINES[kind]}? Give its {what}")
+        if len(address) > _LONGEST_ADDRESS or not address.isprintable():
+            raise InputError("that is no port and no address; write it as in /dev/ttyUSB0, or 192.168.1.20")
+        return f"{kind}:{address}"
+
+    def fit(self) -> None:
+        """Show what belongs to the machine, and to the tray if there is one."""
+        kind = str(self._machine.value)
+        simulated = kind.startswith("sim")
+        self._port.visible = kind in _AT_A_PORT
+        self._address.visible = not simulated and kind not in _AT_A_PORT
+        self._tray.visible = self._tray_file.is_file()
+        own = {"": _CAMERAS[""], _EASEL_S_OWN: "The easel's own camera"}
+        cameras = own if simulated else _CAMERAS
+        if self._camera.options != cameras:
+            self._camera.set_options(cameras, value=self._camera.value if self._camera.value in cameras else "")
+        self._every.visible = bool(self._camera.value)
+
+    def _easel_of(self, path: Path) -> str:
+        """What it is called here; one of the command line by its path."""
+        easels = self._studio.run.easels
+        if path.stem in easels.names() and easels.path(path.stem).absolute() == path:
+            return path.stem
+        self._easel_files[str(path)] = path
+        return str(path)
+
+    def _offer_easels(self, chosen: str) -> None:
+        names = [*self._studio.run.easels.names(), *self._easel_files]
+        self._easel.set_options({"": "Where the machine expects it", **{name: name for name in names}}, value=chosen)
+
+    async def _take_easel(self, file: events.UploadEventArguments) -> None:
+        if file.file.size() > _LARGEST_EASEL:
+            raise InputError("that file is too large for an easel; choose one from maulstick calibrate touch")
+        content = await file.file.read()
+        name = await asyncio.to_thread(self._studio.run.easels.keep, str(file.file.name), content)
+        self._offer_easels(name)
+        ui.notify(f"The sheet lies as {name} says", type="positive")
+
+
+def _ports() -> list[str]:
+    from serial.tools import list_ports
+
+    return [port.device for port in list_ports.comports()]
+
+
+def _speed(value: float | None) -> float:
+    """Millimetres a second."""
+    if value is None:
+        return _FASTEST
+    if not _SLOWEST <= value <= _FASTEST:
+        raise InputError.of_range("the speed", f"{value:g} mm/s", f"from {_SLOWEST} to {_FASTEST} mm/s")
+    return value
+
+
+def _whole(value: float | None) -> int:
+    if value is None or not 0 <= value <= _MOST_STROKES or value != int(value):
+        shown = "nothing" if value is None else f"{value:g}"
+        raise InputError.of_range("the number of strokes between two looks", shown, f"from 0 to {_MOST_STROKES}")
+    return int(value)

@@ -1,0 +1,213 @@
+"""How far a machine is: its sheet beside the plan, what it does, what it wants, and what can be told to it."""
+
+from math import ceil
+
+from nicegui import background_tasks, html, ui
+
+from maulstick.errors import MaulstickError
+from maulstick.jobs.paint.estimate import Outlook
+from maulstick.studio.state.machine_names import name_of
+from maulstick.studio.state.run import State
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.workers.messages import PAINTING
+from maulstick.studio.workers.planned_paints import PlannedPaint
+
+
+class Controls:
+    """While it paints: progress, the next paint, the question, and pause."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._studio, self._run = studio, studio.run
+        self._paints: tuple[str, tuple[PlannedPaint, ...]] = ("", ())
+        self._asked_for: int | None = None
+        self.root = html.section().classes("sheet going")
+        with self.root:
+            with html.h2():
+                self._title = ui.label()
+            with ui.element().classes("question").props('role="alert"') as self._question:
+                self._message = ui.label().classes("message")
+                self._answer = ui.element()
+            with ui.element().classes("question").props('role="alert"') as self._silent:
+                ui.label("The machine does not answer. Use its own emergency switch.").classes("message")
+                ui.button("Stop waiting for it", icon="close", on_click=self._run.give_up).props("size=lg outline")
+            self._doing = ui.label().classes("now").props('role="status"')
+            self._bar = ui.linear_progress(0, show_value=False, size="1rem").props("rounded aria-label='Painted'")
+            self._figures = ui.label().classes("figure")
+            with ui.element().classes("line next") as self._next:
+                self._swatch = html.span().classes("dab").props("aria-hidden=true")
+                self._next_paint = ui.label()
+            with ui.element().classes("line"):
+                self._pause = ui.button("Pause", icon="pause", on_click=self._run.pause).props("outline")
+                self._on = ui.button("Go on", icon="play_arrow", on_click=self._run.go_on)
+                self._look = ui.button("Look and plan again", icon="photo_camera", on_click=self._run.replan_now)
+                self._look.props("outline")
+
+    def show(self) -> None:
+        """As the run stands."""
+        state, going = self._run.state, self._run.state.going
+        if not state.is_on:
+            self._show_answer(None)
+            return
+        self._title.text = f"{state.plan} · {name_of(state.asked.machine)}"
+        self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
+        self._show_answer(state.asked_for if state.question else None)
+        self._silent.visible = state.silent
+        self._doing.text = _doing(state)
+        self._bar.value = 0.0 if going is None else going.drawn / (going.metres or 1.0)
+        self._figures.text = _figures(state)
+        paints = state.phase == "painting"
+        self._pause.visible, self._on.visible = not state.held, state.held
+        self._pause.enabled = self._on.enabled = paints
+        self._look.visible = bool(state.asked.look or state.asked.replan)
+        is_drawing = going is not None and going.doing == PAINTING
+        self._look.enabled = paints and is_drawing and not state.will_look and not state.held
+        self._show_next(None if going is None else going.next_paint)
+        if self._paints[0] != state.plan:
+            self._paints = (state.plan, ())
+            background_tasks.create(self._learn_paints(state.plan), context=self.root)
+
+    def _show_answer(self, question: int | None) -> None:
+        """A button for each question: a click on that of an earlier one, which comes late, is no answer to this."""
+        if question == self._asked_for:
+            return
+        self._asked_for = question
+        self._answer.clear()
+        if question is not None:
+            with self._answer:
+                done = ui.button("Done", icon="check", on_click=lambda: self._run.done(question))
+                done.props("size=lg").classes("done")
+
+    def _show_next(self, index: int | None) -> None:
+        paint = next((paint for paint in self._paints[1] if paint.number - 1 == index), None)
+        self._next.visible = paint is not None
+        if paint is not None:
+            self._swatch.style(f"background: {paint.hex}")
+            well = "" if paint.well is None else ", in its well"
+            self._next_paint.text = f"Next: {paint.called}{well}"
+
+    async def _learn_paints(self, plan: str) -> None:
+        try:
+            self._paints = (plan, await self._studio.mixing.paints(plan))
+        except MaulstickError:
+            return  # it is painted all the same
+
+
+class Sheets:
+    """The plan beside the sheet as it was last seen, and how a check or a run came out."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._run, self._folder = studio.run, studio.folder
+        self._outcome = ui.label().classes("outcome").props('role="status"')
+        with ui.element().classes("pair") as self._pair:
+            with html.figure():
+                self._plan = html.img().props('alt="The plan"').classes("picture")
+                html.figcaption("The plan")
+            with html.figure():
+                self._sheet = html.img().props('alt="The sheet as it was last seen"').classes("picture")
+                self._bare = ui.label().classes("bare picture")
+                html.figcaption("The sheet")
+        with ui.element().classes("notes") as self._notes:
+            html.h2("Notes")
+            self._list = html.ul()
+        self._noted: tuple[str, ...] = ()
+        self._past: State | None = None
+
+    def forget_outcome(self) -> None:
+        """It is of something else than what is asked for now."""
+        self._past = self._run.state
+        self._show_outcome()
+
+    def show(self, plan: str) -> None:
+        """The plan, and what is known of its sheet."""
+        state = self._run.state
+        self._show_outcome()
+        self._pair.visible = bool(plan)
+        if plan:
+            self._show_at(self._plan, f"/picture/plans/{plan}/preview.png")
+            source = f"/seen/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
+            self._sheet.visible, self._bare.visible = bool(source), not source
+            if source:
+                self._show_at(self._sheet, source)
+            self._bare.text = _why_bare(state)
+        if self._noted != state.notes:
+            self._noted = state.notes
+            self._list.clear()
+            with self._list:
+                for note in state.notes:
+                    html.li(note)
+        self._notes.visible = bool(state.notes)
+
+    def _show_outcome(self) -> None:
+        state = self._run.state
+        self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state)
+        self._outcome.visible = bool(self._outcome.text)
+        self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
+
+    def _left_of(self, plan: str) -> str:
+        """Where the picture is that an earlier run left of its sheet, if it did and none is on."""
+        path = self._folder.of("plans", plan) / "painting-painted.png"
+        if self._run.state.is_on or not path.is_file():
+            return ""
+        return f"/picture/plans/{plan}/{path.name}?{path.stat().st_mtime_ns}"
+
+    def _show_at(self, picture: html.img, source: str) -> None:
+        if picture.props.get("src") != source:
+            picture.props["src"] = source
+            picture.update()
+
+
+def _doing(state: State) -> str:
+    going = state.going
+    if state.phase == "stopping":
+        return "Stopping, and lifting the pen …"
+    if state.phase == "starting":
+        return "Getting ready …"
+    if state.question:
+        return "It waits for you."
+    if going is None:
+        return "Connected."
+    if state.held:
+        return f"Paused at stroke {going.stroke}."
+    if going.doing != PAINTING:
+        return f"{going.doing.capitalize()} …"
+    of = "" if going.strokes is None else f" of {going.strokes}"
+    return f"Stroke {going.stroke}{of}{'; then it looks' if state.will_look else ''}"
+
+
+def _figures(state: State) -> str:
+    if (going := state.going) is None:
+        return "" if state.outlook is None else _in_words(state.outlook)
+    if going.metres < 1:
+        return f"{1e3 * going.drawn:.0f} of {_length(going.metres)} · {_left(going.left)}"
+    return f"{going.drawn:.1f} m of {_length(going.metres)} · {_left(going.left)}"
+
+
+def _length(metres: float) -> str:
+    return f"{1e3 * metres:.0f} mm" if metres < 1 else f"{metres:.1f} m"
+
+
+def _left(seconds: float) -> str:
+    return f"about {ceil(seconds / 60)} min left" if seconds > 90 else f"{ceil(seconds)} s left"
+
+
+def _outcome(state: State) -> str:
+    if state.phase == "checking":
+        return f"Checking whether {state.plan} can be painted …"
+    if state.phase != "ended":
+        return ""
+    if state.outlook is not None and state.outlook.strokes and state.going is None and not state.fault:
+        return f"{state.sentence} {_in_words(state.outlook)}"
+    return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
+
+
+def _in_words(outlook: Outlook) -> str:
+    paints = "1 paint" if outlook.paints == 1 else f"{outlook.paints} paints"
+    strokes = "1 stroke" if outlook.strokes == 1 else f"{outlook.strokes} strokes"
+    time = f"about {max(1, ceil(outlook.seconds / 60))} min"
+    return f"{strokes}, {_length(outlook.metres)}, {paints}, {time}."
+
+
+def _why_bare(state: State) -> str:
+    if state.is_on and not (state.asked.simulated or state.asked.look or state.asked.replan):
+        return "Nobody looks: there is no camera"
+    return "Nothing was seen yet"

@@ -1,0 +1,209 @@
+"""The panel where a machine paints: what it is to do, and what there is before it does."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from nicegui import background_tasks, html, ui
+
+from maulstick.errors import InputError, MaulstickError
+from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.status import Standing
+from maulstick.studio.panels.paint.form import SHORT_MENU, AskedForm
+from maulstick.studio.panels.paint.going import Controls, Sheets
+from maulstick.studio.state.machine_names import ANEW, FINER
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.workers.planned_paints import PlannedPaint
+
+_STYLE = Path(__file__).with_name("paint.css")
+
+
+def build(studio: Studio, query: Mapping[str, str]) -> None:
+    """Build it. query: `plan` is the one that is chosen first."""
+    ui.add_css(_STYLE)
+    html.h1("Let a machine paint")
+    html.p("Choose a plan and a machine, check, and start. STOP or the Esc key lifts the pen at once.").classes("hint")
+    with ui.element().classes("desk paint"):
+        with ui.element().classes("side"):
+            setting = _Setting(studio, query.get("plan", ""))
+            controls = Controls(studio)
+        with ui.element().classes("wide"):
+            sheets = Sheets(studio)
+
+    def show() -> None:
+        state = studio.run.state
+        setting.root.visible, controls.root.visible = not state.is_on, state.is_on
+        setting.show()
+        controls.show()
+        sheets.show(state.plan if state.is_on else setting.plan)
+
+    setting.on_choice, setting.on_touch = show, sheets.forget_outcome
+    shown_by(setting.root, studio.run.changed, show)
+
+
+class _Setting:
+    """What is to be painted on what, and the buttons that begin it.
+
+    on_choice: called when another plan is chosen.  on_touch: when a person asks for anything else than before.
+    """
+
+    def __init__(self, studio: Studio, plan: str) -> None:
+        self._touches = 0  # by a person, of the form
+        self._studio, self._run = studio, studio.run
+        self._standing: Standing | None = None
+        self._unfilled = True
+        self._was_busy = True
+        self.on_choice: Callable[[], None] = lambda: None
+        self.on_touch: Callable[[], None] = lambda: None
+        self.root = html.section().classes("sheet")
+        with self.root:
+            html.h2("What to paint, and with what")
+            self._plan = ui.select([], label="Plan", on_change=self._choose).props(SHORT_MENU)
+            self._plan.on("update:model-value", lambda: self.on_touch(), args=[])
+            with ui.element().classes("line") as self._none:
+                html.p("No plan is finished yet; once one is, it can be painted here.").classes("hint")
+                ui.button("Plan a painting", icon="auto_awesome_mosaic", on_click=lambda: ui.navigate.to("/plan"))
+            first = ui.element().classes("fields")
+            self._begun = ui.label().classes("begun").props('role="status"')
+            with html.fieldset().classes("unfinished") as self._question:
+                with html.legend():
+                    self._legend = ui.label()
+                self._answer = ui.radio({True: "Yes, it is", False: "No, paint it again"})
+                self._answer.props('aria-label="Is that stroke on the paper?"')
+            with ui.element().classes("line"):
+                self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
+                self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
+                self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
+                self._anew = ui.button(ANEW, icon="note_add", on_click=self._ask_for_a_new_sheet)
+                self._anew.props("outline")
+            self._mix = ui.link("", "/paints").classes("hint")
+            later = ui.expansion(FINER).classes("more")
+            self._new_sheet = ui.dialog().props('aria-label="A new sheet"')
+            with self._new_sheet, html.div().classes("sheet new-sheet"):
+                html.h2("Start again on a new sheet?")
+                html.p("The sheet so far counts as thrown away.")
+                with ui.element().classes("line end"):
+                    ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
+                    ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
+        self._form = AskedForm(studio, first, later, touched=self._touch)
+        self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
+        shown_by(self.root, studio.plans.changed, self._offer)
+        shown_by(self.root, studio.mixing.changed, self._follow)
+        shown_by(self.root, studio.mixing.changed, self._form.fit)
+        background_tasks.create(self._form.offer_ports(), context=self.root)
+
+    def _touch(self) -> None:
+        self._touches += 1
+        self.on_touch()
+
+    @property
+    def plan(self) -> str:
+        """The one that is chosen; none where there is none."""
+        return str(self._plan.value or "")
+
+    def show(self) -> None:
+        """As the run stands."""
+        busy = self._run.is_busy
+        if self._was_busy and not busy:
+            self._follow()
+        self._was_busy = busy
+        self._show_buttons()
+
+    def _offer(self) -> None:
+        plans = self._run.plans()
+        fallback = self._run.state.plan if self._run.state.plan in plans else plans[0] if plans else None
+        self._plan.set_options(plans, value=self._plan.value if self._plan.value in plans else fallback)
+        self._show_buttons()
+
+    def _choose(self) -> None:
+        self._standing, self._unfilled = None, True
+        self._follow()
+        self.on_choice()
+
+    def _follow(self) -> None:
+        background_tasks.create(self._look_up(self.plan), context=self.root)
+
+    async def _look_up(self, plan: str) -> None:
+        """Find out how far the plan is, and what it lacks."""
+        if not plan:
+            return
+        standing, fault, missing, paints = None, "", list[PlannedPaint](), 0
+        before = self._touches
+        try:
+            missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
+            standing = await self._run.standing(plan)
+        except MaulstickError as error:
+            fault = str(error)
+        if plan != self.plan or self.root.is_deleted:
+            return
+        is_other = standing is not None and (self._standing is None or standing.asked != self._standing.asked)
+        if standing != self._standing:
+            self._answer.value = None  # it was about another stroke
+        self._standing = standing
+        if standing is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
+            self._form.fill(standing.asked)
+        elif standing is None and self._unfilled:
+            self._form.dip(paints > 1)  # the one pen is in the holder
+        self._unfilled = self._unfilled and bool(fault)
+        self._begun.text = fault or _begun(standing)
+        self._mix.text = _to_be_mixed(len(missing), paints)
+        self._mix.props["href"] = f"/paints?plan={plan}"
+        self._show_buttons()
+
+    def _show_buttons(self) -> None:
+        standing, there = self._standing, bool(self.plan)
+        goes_on = standing is not None and not standing.is_over
+        self._none.visible, self._plan.visible = not there, there
+        self._check.visible = there
+        self._start.visible = there and standing is None
+        self._anew.visible = there and standing is not None
+        self._resume.visible = there and goes_on
+        self._question.visible = goes_on and standing is not None and standing.unfinished is not None
+        if standing is not None and standing.unfinished is not None:
+            self._legend.text = f"Stroke {standing.painted + 1} was under the brush when it ended. Is it on the paper?"
+        self._begun.visible = bool(self._begun.text)
+        self._mix.visible = bool(self._mix.text)
+        for button in (self._check, self._start, self._anew, self._resume):
+            button.enabled = not self._run.is_busy
+
+    def _asked(self) -> tuple[str, Asked]:
+        known = self._studio.plans.plans.get(self.plan)
+        return self.plan, self._form.asked(None if known is None else known.asked.photo)
+
+    def _rehearse(self) -> None:
+        self._run.check(*self._asked(), resume=self._standing is not None and not self._standing.is_over)
+
+    async def _begin(self) -> None:
+        await self._run.begin(*self._asked())
+
+    def _ask_for_a_new_sheet(self) -> None:
+        self._asked()  # before anybody is asked about the sheet
+        self._new_sheet.open()
+
+    async def _begin_anew(self) -> None:
+        self._new_sheet.close()
+        await self._run.begin(*self._asked(), anew=True)
+
+    async def _go_on(self) -> None:
+        answer = self._answer.value
+        if self._question.visible and answer is None:
+            raise InputError("say first whether the stroke is on the paper: look at the sheet")
+        await self._run.resume(*self._asked(), answer if self._question.visible else None)
+
+
+def _begun(standing: Standing | None) -> str:
+    if standing is None:
+        return ""
+    if standing.is_over:
+        return f"All {_counted(standing.strokes, 'stroke')} are painted."
+    return f"It was begun: {standing.painted} of {_counted(standing.strokes, 'stroke')} are painted."
+
+
+def _to_be_mixed(missing: int, paints: int) -> str:
+    if not missing:
+        return ""
+    return "Put the pen into the holder first" if paints == 1 else f"Mix {_counted(missing, 'paint')} first"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

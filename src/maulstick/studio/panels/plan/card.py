@@ -1,0 +1,150 @@
+"""A plan on the page: its canvas as it is planned, and afterwards what it became."""
+
+from math import ceil
+
+from nicegui import html, ui
+
+from maulstick.errors import InputError
+from maulstick.jobs.plan.options import Job
+from maulstick.studio.panels.plan.form import in_words
+from maulstick.studio.panels.plan.loss_curve import LossCurve
+from maulstick.studio.panels.plan.weights import PlanWeights
+from maulstick.studio.state.plans import Phase, Plan
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.slider import Slider
+from maulstick.studio.widgets.undoing import offer_undo
+from maulstick.studio.workers.planner import TARGET, order_frame
+
+_FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}
+_SPLIT = """(event) => {
+  const pictures = event.target.closest(".plan").querySelector(".compare");
+  pictures.style.setProperty("--split", event.target.value + "%");
+}"""
+_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
+
+
+class PlanCard:
+    """A card. plan: what it shows."""
+
+    def __init__(self, studio: Studio, plan: Plan) -> None:
+        self.plan, self._studio = plan, studio
+        self._card = html.article().classes("sheet plan").props(f'aria-label="Plan {plan.name}"')
+        with self._card:
+            with ui.element().classes("line head"):
+                html.h2(plan.name)
+                self._phase = ui.label().classes("phase").props('role="status"')
+            with ui.element().classes("compare") as self._pictures:
+                self._canvas = html.img(alt=f"The strokes of {plan.name}")
+                self._target = html.img(alt="").classes("target")
+            with html.label().classes("weight") as self._split:
+                ui.label("Picture or plan")
+                html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
+            self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
+            self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
+            ui.label(_asked(plan.asked)).classes("hint")
+            self._said = ui.label().classes("hint figure")
+            self._curve = LossCurve()
+            self._weights = PlanWeights(studio, plan)
+            with ui.element().classes("line"):
+                self._buttons()
+        self._frames = 0
+        shown_by(self._card, plan.stepped, self.show)
+
+    def delete(self) -> None:
+        """Take it off the page."""
+        self._card.delete()
+
+    def come_first(self) -> None:
+        """Before all other cards."""
+        self._card.move(target_index=0)
+
+    def show(self) -> None:
+        """What the plan is now."""
+        plan = self.plan
+        finished = plan.is_painting and not plan.is_busy
+        self._phase.set_text(plan.phase.value)
+        self._card.classes(remove="planning waiting", add=_CLASSES.get(plan.phase))
+        self._bar.set_value(plan.done)
+        self._bar.visible = plan.is_busy
+        self._said.set_text(_said(plan))
+        self._curve.show(plan.curve)
+        self._weights.visible = plan.phase is Phase.PLANNING
+        self._weights.follow()
+        self._target.visible = (plan.folder / TARGET).is_file()
+        if self._target.visible:
+            self._target.props["src"] = f"/picture/plans/{plan.name}/{TARGET}"
+        if finished and self._frames != plan.frames:
+            self._frames = plan.frames
+            self._until.set(self._frames - 1, most=self._frames - 1)
+        self._until.element.visible = finished and self._frames > 1
+        self._show_canvas(finished)
+        self._split.visible = self._target.visible and self._pictures.visible
+        self._stop.set_text("Do not plan it" if plan.phase is Phase.WAITING else "Stop and keep")
+        self._on.set_text("Try again" if plan.phase is Phase.FAILED else "Go on")
+        self._stop.visible = plan.phase in (Phase.WAITING, Phase.PLANNING)
+        self._on.visible = plan.phase in (Phase.STOPPED, Phase.FAILED)
+        self._mix.visible = self._files.visible = finished
+        self._away.visible = not plan.is_busy
+
+    def _buttons(self) -> None:
+        plan, plans = self.plan, self._studio.plans
+        self._stop = ui.button("Stop and keep", icon="back_hand", on_click=lambda: plans.stop(plan))
+        self._on = ui.button("Go on", icon="play_arrow", on_click=lambda: plans.go_on(plan)).props("outline")
+        self._mix = ui.button(
+            "Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}")
+        )
+        self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
+        with self._files:
+            for file, called in _FILES.items():
+                ui.item(called).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
+        self._away = ui.button(icon="delete", on_click=self._throw_away).props(
+            f'flat aria-label="Throw {plan.name} away"'
+        )
+
+    def _show_canvas(self, finished: bool) -> None:
+        plan = self.plan
+        if finished:
+            self._show_order()
+        elif plan.canvas:
+            self._set_picture(f"/live/{plan.name}/{plan.seen}")
+        self._pictures.visible = finished or bool(plan.canvas)
+
+    def _show_order(self) -> None:
+        """The first strokes, as many as the slider says."""
+        until, plan = int(self._until.value), self.plan
+        if plan.is_busy:
+            return
+        if until >= self._frames - 1:
+            self._set_picture(f"/picture/plans/{plan.name}/preview.png?{plan.planned}")
+        else:
+            self._set_picture(f"/picture/plans/{plan.name}/order/{order_frame(plan.folder, until).name}?{plan.planned}")
+
+    def _set_picture(self, source: str) -> None:
+        if self._canvas.props.get("src") != source:
+            self._canvas.props["src"] = source
+
+    def _throw_away(self) -> None:
+        plans, name, client = self._studio.plans, self.plan.name, ui.context.client
+        if self._studio.run.state.is_on and self._studio.run.state.plan == name:
+            raise InputError(f"{name} is being painted; stop the machine first")
+        grave = plans.throw_away(self.plan)
+        offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(grave))
+
+
+def _asked(job: Job) -> str:
+    colours = "one ink" if job.ink is not None else "1 paint" if job.paints == 1 else f"{job.paints} paints"
+    return f"{job.style}, {job.brush}, {job.strokes} strokes, {colours}, {in_words(job.size)}"
+
+
+def _said(plan: Plan) -> str:
+    if plan.phase is Phase.FAILED:
+        return plan.why
+    if plan.is_busy:
+        left = "" if plan.left is None or plan.phase is not Phase.PLANNING else f", about {_time(plan.left)} left"
+        return f"{plan.done:.0%}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
+    return ", ".join(plan.figures)
+
+
+def _time(seconds: float) -> str:
+    return f"{ceil(seconds)} s" if seconds < 90 else f"{ceil(seconds / 60)} min"

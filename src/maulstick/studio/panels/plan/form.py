@@ -1,0 +1,134 @@
+"""What is wished for: a picture or a text, how large, with what, in whose hand, and what matters."""
+
+from importlib.util import find_spec
+
+from nicegui import app, html, ui
+
+from maulstick.colour.palette import parse_colour
+from maulstick.errors import InputError
+from maulstick.jobs.plan.options import Job
+from maulstick.painting.brush import BRUSHES
+from maulstick.painting.raster import parse_size
+from maulstick.studio.panels.plan.pictures import PictureChoice
+from maulstick.studio.panels.plan.weights import OF_A_PICTURE, checked, weight_sliders
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+
+_SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
+_EFFORTS = {300: "A sketch, quickly", 1500: "As usual", 4000: "Fine, and slowly"}
+_USUAL = {
+    "text": "",
+    "brush": "marker",
+    "strokes": 800,
+    "size": _SIZES[0],
+    "kind": "paints",
+    "paints": 12,
+    "ink": "#000000",
+    "effort": 1500,
+}
+_ASK_EVERY = 10
+_PAUSE = 1.0  # seconds
+_MOST_STROKES, _MOST_PAINTS = 20_000, 64
+
+
+class PlanForm:
+    """The form, and the button that plans what it says."""
+
+    def __init__(self, studio: Studio, style: str) -> None:
+        self._studio = studio
+        kept = app.storage.client.setdefault("plan", dict(_USUAL))  # while a person is at other panels
+        with ui.element().classes("sheet"):
+            html.h2("What")
+            self._picture = PictureChoice(studio)
+            self._text = ui.input("Or say in words what to paint").bind_value(kept, "text").props("maxlength=300")
+        with ui.element().classes("sheet"):
+            html.h2("With what")
+            with ui.element().classes("numbers"):
+                self._style = ui.select([], label="Hand")
+                self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
+                self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
+                self._strokes.bind_value(kept, "strokes")
+                self._size = ui.select({size: in_words(size) for size in _SIZES}, label="Sheet").bind_value(
+                    kept, "size"
+                )
+                self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
+                self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
+                self._ink = ui.color_input("The ink").bind_value(kept, "ink")
+            self._paints.bind_visibility_from(self._kind, "value", value="paints")
+            self._ink.bind_visibility_from(self._kind, "value", value="ink")
+        with ui.element().classes("sheet"):
+            html.h2("What matters")
+            self._weights = weight_sliders({name: float(name == "tone") for name in OF_A_PICTURE})
+            self._effort = ui.select(_EFFORTS, label="How long").bind_value(kept, "effort")
+        self._go = (
+            ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
+        )
+        shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
+
+    def _show_styles(self, wanted: str) -> None:
+        names = ["free", *self._studio.styles.names()]
+        chosen = self._style.value if self._style.value in names else wanted if wanted in names else "loops"
+        self._style.set_options({name: "free (nobody's)" if name == "free" else name for name in names}, value=chosen)
+
+    def _plan(self) -> None:
+        plan = self._studio.plans.add(self._asked())
+        self._go.disable()  # or a double click would plan it twice
+        ui.timer(_PAUSE, self._go.enable, once=True)
+        ui.notify(f"{plan.name} is being planned", type="positive")
+
+    def _asked(self) -> Job:
+        text = str(self._text.value or "").strip() or None
+        photo = self._picture.path
+        if photo is None and text is None:
+            raise InputError("there is nothing to paint yet; bring a picture, or write a text")
+        if text is not None and find_spec("open_clip") is None:
+            raise InputError("this studio cannot read texts, for CLIP is not installed; bring a picture")
+        strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
+        size, ink = str(self._size.value), str(self._ink.value) if self._kind.value == "ink" else None
+        parse_size(size)
+        if ink is not None:
+            parse_colour(ink)
+        weights = {name: slider.value for name, slider in self._weights.items()}
+        return Job(
+            photo=photo,
+            text=text,
+            look=None,
+            weigh={} if photo is None else weights if text is not None else checked(weights),
+            clip=None,
+            clip_weights=None,
+            clip_layers=None,
+            size=size,
+            paper="white",
+            canvas=None,
+            fit="contain",
+            strokes=strokes,
+            exact=False,
+            paints=None
+            if ink is not None
+            else min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes),
+            ink=ink,
+            paints_from=None,
+            brush=str(self._brush.value),
+            press=None,
+            style=str(self._style.value),
+            steps=int(self._effort.value or 0),
+            ask_every=_ASK_EVERY,
+            px=None,
+            seed=0,
+            tries=1,
+            frames=None,
+        )
+
+
+def in_words(size: str) -> str:
+    """The size of a sheet, for people."""
+    return size.replace("x", " by ").replace("mm", " mm").replace("-landscape", ", lying")
+
+
+def _whole(number: ui.number, name: str, most: int) -> int:
+    value = number.value
+    if value is None or not 1 <= value <= most or value != int(value):
+        raise InputError.of_range(
+            name, "nothing" if value is None else f"{value:g}", f"a whole number from 1 to {most}"
+        )
+    return int(value)

@@ -1,0 +1,65 @@
+"""Which picture is to be painted: one of those that were brought, or none."""
+
+from collections.abc import Awaitable
+from pathlib import Path
+
+from nicegui import events, html, ui
+
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.uploading import incoming, upload_button
+
+_PICTURES = ".jpg,.jpeg,.png,.webp,.tif,.tiff,.gif,.bmp"
+
+
+class PictureChoice:
+    """Small pictures to choose from, and ways to bring another."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._studio = studio
+        names = studio.gallery.names()
+        self._chosen = names[0] if names else None
+        self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
+        with ui.element().classes("line"):
+            upload_button("Bring a picture", _PICTURES, self._bring)
+            self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
+        shown_by(self._group, studio.gallery.changed, self._show)
+
+    @property
+    def path(self) -> Path | None:
+        """Of the picture that is chosen, if one is."""
+        return None if self._chosen is None else self._studio.gallery.path(self._chosen)
+
+    def _show(self) -> None:
+        names = self._studio.gallery.names()
+        self._group.clear()
+        with self._group:
+            for name in names:
+                self._offer(name)
+            if names:
+                self._offer(None)
+        self._group.visible = bool(names)
+        self._portrait.visible = "portrait" not in names
+
+    def _offer(self, name: str | None) -> None:
+        def choose() -> None:
+            self._chosen = name
+
+        with html.label().classes("thumb").props(f'title="{name or "No picture"}"'):
+            button = html.input_(type="radio", name=f"picture-{self._group.id}").on("change", choose)
+            button.props["^checked"] = name == self._chosen or None
+            if name is None:
+                html.span("No picture")
+            else:
+                html.img(src=f"/picture/pictures/{name}/small.jpg", alt=name)
+
+    async def _bring(self, event: events.UploadEventArguments) -> None:
+        async with incoming(self._studio.folder, event) as file:
+            await self._take(self._studio.gallery.keep(file, str(event.file.name)))
+
+    async def _use_portrait(self) -> None:
+        await self._take(self._studio.gallery.keep_portrait())
+
+    async def _take(self, kept: Awaitable[str]) -> None:
+        self._chosen = await kept
+        self._show()

@@ -1,0 +1,145 @@
+"""The panel of styles: a gallery of hands, one of them looked at closely, or some side by side."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from nicegui import app, html, ui
+
+from maulstick.studio.panels.styles.compared import show_compared
+from maulstick.studio.panels.styles.opened import show_opened
+from maulstick.studio.panels.styles.shown import AS_TURNED, about, address_of, fill, sheet_picture
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.styles import MOST, Entry, Thrown
+from maulstick.studio.widgets.showing import shown_by
+from maulstick.style.cards import StyleCard
+
+_STYLE = Path(__file__).with_name("styles.css")
+_LEFT, _TICKED = "style-left", "styles-ticked"
+
+
+def build(studio: Studio, query: Mapping[str, str]) -> None:
+    """Build it. query: `style` is the hand to look at closely, `compare` those to see side by side, as in a,b."""
+    ui.add_css(_STYLE)
+    asked = [query["style"]] if "style" in query else query.get("compare", "").split(",")
+    names = studio.styles.names()
+    StylesPanel(studio, [name for name in dict.fromkeys(asked) if name in names][:MOST])
+
+
+class StylesPanel:
+    """What a page looks at by its address: none of the styles in particular, one, or some side by side."""
+
+    def __init__(self, studio: Studio, looked_at: Sequence[str]) -> None:
+        self._studio, self._looked_at = studio, looked_at
+        self._kept = app.storage.client  # for as long as the page is open, whatever it shows
+        self._root = ui.element().classes("styles")
+        if looked_at:
+            self._look_closely()
+        shown_by(self._root, studio.styles.changed, self._follow)
+
+    def _look_closely(self) -> None:
+        with self._root:
+            if len(self._looked_at) == 1:
+                self._kept[_LEFT] = self._looked_at[0]
+                way_out = show_opened(self._studio, self._looked_at[0])
+            else:
+                self._kept[_TICKED] = list(self._looked_at)
+                way_out = show_compared(self._studio, self._looked_at)
+        if not ui.context.client.sub_pages_router.is_initial_request:
+            _focus(way_out)
+
+    def _follow(self) -> None:
+        """What somebody looks at closely stays as it is for as long as it is there."""
+        if not self._looked_at:
+            self._root.clear()
+            with self._root:
+                self._gallery()
+        elif not set(self._looked_at) <= set(self._studio.styles.names()):
+            ui.navigate.to(address_of([]))
+
+    def _gallery(self) -> None:
+        styles = self._studio.styles
+        self._ticked = [name for name in self._kept.get(_TICKED, []) if name in styles.names()]
+        html.h1("Hands to paint with")
+        html.p(
+            "Each sheet shows what a person drew and, below it, what Maulstick draws in that hand. "
+            f"{AS_TURNED} Look closer at one, or tick a few to see how they differ."
+        ).classes("hint")
+        ways_in = {thrown.name: self._thrown(thrown) for thrown in styles.thrown_away[-3:]}
+        with ui.element().classes("line chosen"):
+            self._compare = ui.button("Compare", icon="compare", on_click=lambda: _look_at(self._ticked))
+            self._told = ui.label().classes("hint").props('role="status"')
+            ui.button("Draw a hand", icon="draw", on_click=lambda: ui.navigate.to("/")).props("outline")
+        sheets: dict[str, ui.element] = {}
+        with ui.element().classes("cards"):
+            for entry in map(styles.entry, styles.names()):
+                with html.article().classes("sheet style-card").props(f'aria-label="{entry.name}"'):
+                    if entry.card is None:
+                        self._broken(entry)
+                    else:
+                        sheets[entry.name], ways_in[entry.name] = self._card(entry, entry.card)
+        self._count()
+        ui.timer(0, lambda: self._draw(sheets), once=True)
+        left = self._kept.pop(_LEFT, "")
+        if left in ways_in:
+            _focus(ways_in[left])
+
+    def _thrown(self, thrown: Thrown) -> ui.element:
+        """A line about what was deleted; its button that has it again."""
+        with ui.element().classes("line notice").props('role="status"'):
+            ui.label(f"{thrown.name} is deleted.")
+            return ui.button("Undo", icon="undo", on_click=lambda: self._studio.styles.take_back(thrown)).props(
+                f'outline aria-label="Undo: have {thrown.name} again"'
+            )
+
+    def _broken(self, entry: Entry) -> None:
+        html.h2(entry.name)
+        html.p(f"This one cannot be used: {entry.fault}").classes("fault")
+        if not entry.is_built_in:
+            delete = ui.button("Delete", icon="delete", on_click=lambda: self._studio.styles.delete(entry.name))
+            delete.props(f'outline aria-label="Delete {entry.name}"').classes("foot")
+
+    def _card(self, entry: Entry, card: StyleCard) -> tuple[ui.element, ui.element]:
+        """A style among the others; where its sheet goes, and the button that opens it."""
+        picture = html.div().classes("thumb")
+        picture.on("click", lambda: _look_at([entry.name]))
+        with picture:
+            ui.label("Drawing its sheet …").classes("hint")
+        with ui.element().classes("line between"):
+            html.h2(entry.name)
+            html.span("comes with Maulstick" if entry.is_built_in else "yours").classes("badge")
+        html.p(about(card)).classes("hint")
+        html.p(f"From {card.source}", title=card.source).classes("hint source")
+        with ui.element().classes("line between foot"):
+            look = ui.button("Look closer", on_click=lambda: _look_at([entry.name])).props("flat")
+            look.props(f'aria-label="Look closer at {entry.name}"')
+            tick = ui.checkbox("Compare", value=entry.name in self._ticked)
+            tick.props(f'aria-label="Compare {entry.name}"')
+            tick.on_value_change(lambda event: self._tick(entry.name, event.value is True))
+        return picture, look
+
+    def _tick(self, name: str, is_ticked: bool) -> None:
+        self._ticked = [other for other in self._ticked if other != name] + [name] * is_ticked
+        self._kept[_TICKED] = self._ticked
+        self._count()
+
+    def _count(self) -> None:
+        count = len(self._ticked)
+        self._compare.set_enabled(2 <= count <= MOST)
+        told = f"Tick 2 to {MOST} hands to compare them." if count < 2 else ", ".join(self._ticked)
+        self._told.set_text(told if count <= MOST else f"{count} are too many to compare; leave at most {MOST} ticked.")
+
+    async def _draw(self, sheets: Mapping[str, ui.element]) -> None:
+        """One after another, so that the desk is soon free for somebody who wants something else of it."""
+        for name, place in sheets.items():
+            if place.is_deleted:
+                return
+            await fill(place, self._studio.styles.sheet(name), lambda path: sheet_picture(path, "", "cropped"))
+
+
+def _look_at(names: Sequence[str]) -> None:
+    ui.navigate.to(address_of(names))
+
+
+def _focus(element: ui.element) -> None:
+    """Let keys act upon it once it is there: what had the focus is gone."""
+    element.on("vnodeMounted", js_handler="(node) => node.el.focus()")

@@ -1,0 +1,183 @@
+"""The panel where people are asked: surveys that there are, their links, and what came out."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from nicegui import background_tasks, html, ui
+
+from maulstick.errors import InputError, MaulstickError
+from maulstick.studio.panels.survey.form import SurveyForm
+from maulstick.studio.panels.survey.results import opinions_table, right_table, taken_table
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.undoing import offer_undo
+from maulstick.studio.workers.survey_results import Told
+from maulstick.survey.answers import Participant
+
+_STYLE = Path(__file__).with_name("survey.css")
+_MOST_SHOWN = 40  # links; all of them can be copied
+
+
+def build(studio: Studio, query: Mapping[str, str]) -> None:
+    """Build it. query: nothing is asked of it."""
+    ui.add_css(_STYLE)
+    html.h1("Ask people")
+    html.p(
+        "Can they tell whose strokes these are? Which of two looks do they prefer? Everyone gets a link of their own."
+    ).classes("hint")
+    with ui.element().classes("desk survey"):
+        _Panel(studio)
+
+
+class _Panel:
+    """A list of surveys, and beside it the one that is chosen, or the form for a new one."""
+
+    def __init__(self, studio: Studio) -> None:
+        self._studio, self._address = studio, str(ui.context.client.request.base_url)
+        self._chosen: str | None = next(iter(studio.surveys.names()), None)
+        with html.nav().classes("side sheet").props('aria-label="Surveys"') as self._side:
+            html.h2("Your surveys")
+            self._list = ui.element().classes("survey-list")
+            ui.button("A new survey", icon="add", on_click=lambda: self._choose(None)).props("outline")
+        self._wide = ui.element().classes("wide")
+        self._show()
+        shown_by(self._side, studio.surveys.changed, self._follow)
+
+    def _choose(self, name: str | None) -> None:
+        if name != self._chosen:
+            self._chosen = name
+            self._show()
+
+    def _show(self) -> None:
+        name = self._chosen
+        self._wide.clear()
+        with self._wide:
+            if name is None:
+                SurveyForm(self._studio, made=self._choose)
+            else:
+                _Survey(self._studio, name, self._address)
+        self._follow()
+
+    def _follow(self) -> None:
+        names = self._studio.surveys.names()
+        if self._chosen is not None and self._chosen not in names:
+            self._choose(next(iter(names), None))
+            return
+        self._list.clear()
+        with self._list:
+            if not names:
+                ui.label("There is none yet.").classes("hint")
+            for name in names:
+                each = html.button(name).props("type=button").classes("survey-name")
+                each.on("click", lambda name=name: self._choose(name))
+                if name == self._chosen:
+                    each.props('aria-current="true"')
+
+
+class _Survey:
+    """One that there is."""
+
+    def __init__(self, studio: Studio, name: str, address: str) -> None:
+        self._surveys, self._name, self._under = studio.surveys, name, f"{address}survey/{name}"
+        self._people: list[Participant] | None = None
+        with html.section().classes("sheet").props('aria-label="Links"') as self._root:
+            with html.h2():
+                self._title = ui.label(name)
+            self._count = ui.label("Counting the answers …").classes("figure").props('role="status"')
+            with ui.element().classes("line"):
+                self._more = ui.number("How many people?", value=10, min=1, max=1000, precision=0)
+                self._more.props("outlined dense").classes("how-many")
+                ui.button("Make their links", icon="add_link", on_click=self._invite)
+                self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
+                ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
+            if "//127." in address or "//localhost" in address:
+                html.p(
+                    "These links open on this computer only. For people elsewhere: ask whoever installed Maulstick to "
+                    "open it to your network (--host), and make the links there."
+                ).classes("hint")
+            self._links = html.ul().classes("links")
+        with html.section().classes("sheet").props('aria-label="Results"') as self._said:
+            with ui.element().classes("line"):
+                html.h2("What they said")
+                ui.button("All answers as CSV", icon="download", on_click=self._download).props("outline")
+            self._results = ui.element().classes("results")
+        self._said.visible = False  # until the links are there, which would push it down
+        shown_by(self._root, studio.surveys.changed, lambda: background_tasks.create(self._show(), context=self._root))
+
+    async def _show(self) -> None:
+        try:
+            told, people = await self._surveys.told(self._name), await self._surveys.people(self._name)
+        except MaulstickError as error:
+            self._count.text, self._said.visible = str(error), True
+            return
+        if self._root.is_deleted:
+            return
+        begun, finished = sum(person.begun for person in people), sum(person.finished for person in people)
+        self._title.text = told.title
+        self._count.text = f"{len(people)} links · {begun} have begun · {finished} have finished"
+        if people != self._people:
+            self._people = people
+            self._show_links([person for person in people if not person.finished])
+        self._said.visible = True
+        self._results.clear()
+        with self._results:
+            _tables(told)
+
+    def _show_links(self, waiting: list[Participant]) -> None:
+        self._all.visible = bool(waiting)
+        self._links.clear()
+        with self._links:
+            for person in waiting[:_MOST_SHOWN]:
+                link = self._link(person)
+                with html.li():
+                    state = f"{person.answered} answered" if person.begun else "not begun"
+                    ui.label(f"Person {person.number}, {state}").classes("who figure")
+                    ui.input(value=link).props("readonly dense outlined").props(f'aria-label="Link {person.number}"')
+                    copy = ui.button("Copy", on_click=lambda link=link: _copy(link, "The link is copied."))
+                    copy.props("flat").props(f'aria-label="Copy link {person.number}"')
+            if len(waiting) > _MOST_SHOWN:
+                html.li(f"and {len(waiting) - _MOST_SHOWN} more, which “Copy all links” copies too").classes("hint")
+
+    def _link(self, person: Participant) -> str:
+        return f"{self._under}/{person.token}"
+
+    async def _invite(self) -> None:
+        count = self._more.value
+        if not isinstance(count, int | float) or count != int(count):
+            raise InputError.of_range("the number of people", count, "a whole number from 1 to 1000")
+        await self._surveys.invite(self._name, int(count))
+        ui.notify("The links are made. Give each to one person.")
+
+    def _copy_all(self) -> None:
+        waiting = [person for person in self._people or () if not person.finished]
+        _copy("\n".join(map(self._link, waiting)), f"Copied, a line each: {len(waiting)}.")
+
+    async def _download(self) -> None:
+        ui.download.content(await self._surveys.csv(self._name), f"{self._name}.csv", "text/csv")
+
+    def _throw_away(self) -> None:
+        grave = self._surveys.throw_away(self._name)
+        offer_undo(
+            self._root.client, f"{self._name} and its answers are thrown away.", lambda: self._surveys.take_back(grave)
+        )
+
+
+def _copy(text: str, done: str) -> None:
+    ui.clipboard.write(text)
+    ui.notify(done)
+
+
+def _tables(told: Told) -> None:
+    found = told.results
+    if not found.begun:
+        ui.label("Nobody has answered yet. The tables fill in as people do.").classes("hint")
+        return
+    if found.matching is not None and told.right is not None:
+        taken_table(found.matching)
+        right_table(told.right)
+    if told.opinions is not None:
+        opinions_table(told.opinions)
+    html.p(
+        "With 95 % certainty the true share lies in the interval; the more people answer, the narrower it is. p is how "
+        "likely mere chance would have looked like this, or more so."
+    ).classes("hint")

@@ -1,0 +1,107 @@
+"""The server: one page, its pictures, the survey, and a gate before all of them."""
+
+import asyncio
+import logging
+import secrets
+import socket
+import webbrowser
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from ipaddress import ip_address
+from pathlib import Path
+
+import nicegui
+import uvicorn
+from fastapi import FastAPI
+from nicegui import ui
+
+from maulstick.errors import InputError, MaulstickError
+from maulstick.studio.panels.frame import page
+from maulstick.studio.server.gate import Gate
+from maulstick.studio.server.routes import routes
+from maulstick.studio.server.survey_pages import survey_pages
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.studio import Studio
+from maulstick.survey.serve import listening
+
+_FIRST_PAGE = 3.0  # seconds
+_GRACE = 3  # seconds for pages to close
+_FAVICON = Path(__file__).with_name("favicon.svg")
+
+
+def serve(root: Path, host: str, port: int, browse: bool) -> None:
+    """Let people work in the studio of this folder until Ctrl-C.
+
+    host: an address of this machine; unless it is the loopback, the link has a token.  browse: open a browser, too.
+    Raises InputError where the port cannot be had, and InputError and OutputError where the folder cannot.
+    """
+    token = None if _is_loopback(host) else secrets.token_urlsafe(16)
+    with Folder.opened(root) as folder, listening(host, port) as at:
+        link = _link(host, at.getsockname()[1], token)
+        app = Gate(_app(folder, link, browse), token)
+        server = uvicorn.Server(
+            uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=_GRACE, server_header=False)
+        )
+        server.run(sockets=[at])
+
+
+def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
+    @asynccontextmanager
+    async def open_studio(app: FastAPI) -> AsyncIterator[None]:
+        app.state.studio = studio = Studio(folder)
+        print(f"The studio of {folder.root} is open; Ctrl-C closes it.\n{link}", flush=True)
+        if browse:
+            await asyncio.to_thread(webbrowser.open, link)
+        warming = asyncio.create_task(_warm(studio))
+        try:
+            yield
+        finally:
+            warming.cancel()
+            if studio.run.doing or studio.plans.doing:
+                print("The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True)
+            await studio.close()
+
+    app = FastAPI(lifespan=open_studio, openapi_url=None)
+    app.include_router(routes)
+    app.mount("/survey", survey_pages())
+    nicegui.run.process_pool_start_method = "spawn"
+    logging.getLogger("nicegui").addFilter(_is_broken)
+    ui.run_with(
+        app,
+        root=lambda: page(app.state.studio),
+        title="Maulstick",
+        favicon=_FAVICON,
+        dark=None,
+        language="en-GB",
+        tailwind=False,
+        show_welcome_message=False,
+        reconnect_timeout=30,
+    )
+    return app
+
+
+async def _warm(studio: Studio) -> None:
+    """Let the desk load what the first work would wait for, once the first page has come."""
+    await asyncio.sleep(_FIRST_PAGE)
+    with suppress(MaulstickError):
+        await studio.desk.warm_up()
+
+
+def _is_broken(record: logging.LogRecord) -> bool:
+    """Whether the terminal should be told: a person's mistake is for their page alone, and slowness for nobody."""
+    is_mistake = record.exc_info and isinstance(record.exc_info[1], MaulstickError)
+    return record.levelno >= logging.ERROR and not is_mistake
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return host == "localhost" or ip_address(host).is_loopback
+    except ValueError:
+        raise InputError(
+            f"--host is {host!r}; it must be an address of this machine, as in 192.168.1.20, or 0.0.0.0"
+        ) from None
+
+
+def _link(host: str, port: int, token: str | None) -> str:
+    shown = socket.gethostname() if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
+    return f"http://{shown}:{port}/" + ("" if token is None else f"?token={token}")

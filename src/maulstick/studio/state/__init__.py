@@ -1,0 +1,1 @@
+"""What all pages of the studio show, and keep on disk."""

@@ -1,0 +1,230 @@
+"""The drawing that lies on the sheet, the same one for all who look, and on disk within half a second."""
+
+import asyncio
+from collections import deque
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import final
+
+from nicegui import Event
+
+from maulstick.errors import InputError, OutputError
+from maulstick.storage.files import atomic_write
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.hands import Hands
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.drawn_sheet import MOST_POINTS, MOST_STROKES, Sheet, Stroke, read_sheet, sheet_json
+from maulstick.studio.workers.hand_work import DRAWING
+
+USUAL_SHEET = 0.21, 0.148  # metres; A5, as most screens lie
+
+_STEPS = 100
+_PAUSE = 0.5  # seconds between two writings
+_LARGEST_ID = 2**53  # of what JavaScript counts exactly
+
+
+@dataclass(frozen=True)
+class _Step:
+    """What was done to the sheet: the stroke came to, or went from, this place in the order of drawing."""
+
+    came: bool
+    id: int
+    stroke: Stroke
+    place: int
+
+
+@final
+class Drawing:
+    """Made in the server's event loop.
+
+    changed: there are other strokes, or it has another name.  added: a stroke, by its id.  removed: the stroke of
+    that id.  renewed: another sheet lies there.
+    hands: all that were drawn or uploaded.  name: of the hand that is drawn now.  size: (width, height), metres.
+    strokes: by id, in the order of drawing.  trouble: why it is not on disk, or "".
+    """
+
+    def __init__(self, folder: Folder, desk: Desk) -> None:
+        self.changed, self.renewed = Event[[]](), Event[[]]()
+        self.added, self.removed = Event[[int, Stroke]](), Event[[int]]()
+        self.hands = Hands(folder, desk)
+        self.trouble = ""
+        self._folder, self._desk = folder, desk
+        self.name: str
+        self._had_folder: bool
+        self._unsaved = False
+        self._keeper: asyncio.Task[None] | None = None
+        self._ids = count()
+        self._writing, self._turning = asyncio.Lock(), asyncio.Lock()
+        self._lay(*self._last())
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether something was done that can be undone."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something was undone."""
+        return bool(self._undone)
+
+    def add(self, id: object, numbers: object) -> None:
+        """Put a stroke onto the sheet. numbers: see `Stroke.of`. Raises InputError where it cannot be there."""
+        if type(id) is not int or not 0 <= id < _LARGEST_ID or id in self.strokes:
+            raise InputError("that stroke is on the sheet already, or has no number of its own; draw it again")
+        if len(self.strokes) >= MOST_STROKES or self._points >= MOST_POINTS:
+            raise InputError("the sheet is full; begin a new one")
+        self._do(_Step(True, id, Stroke.of(numbers, self.size), len(self.strokes)))
+
+    def rub_out(self, id: object) -> None:
+        """Take a stroke from the sheet; it may be gone already, by somebody else's hand."""
+        if type(id) is int and id in self.strokes:
+            self._do(_Step(False, id, self.strokes[id], list(self.strokes).index(id)))
+
+    def undo(self) -> None:
+        """Take back what was done last, if anything was."""
+        if self._done:
+            self._undone.append(step := self._done.pop())
+            self._apply(step, not step.came)
+
+    def redo(self) -> None:
+        """Do again what was undone last, if anything was."""
+        if self._undone:
+            self._done.append(step := self._undone.pop())
+            self._apply(step, step.came)
+
+    async def begin(self, size: tuple[float, float]) -> None:
+        """Put this sheet to the others and take a new one. size: (width, height), metres."""
+        await self._turn_to(Sheet(size, ()), None)
+
+    async def open(self, name: str) -> None:
+        """Put this sheet to the others and go on with that one. Raises InputError where it cannot be drawn on."""
+        if name != self.name:
+            await self._turn_to(await self._desk.do(read_sheet, self._folder.of("hands", name) / DRAWING), name)
+
+    async def rename(self, wish: str) -> None:
+        """Call the hand like the wish, as near to it as a name can be that no other hand has."""
+        async with self._turning, self._writing:
+            if wish == self.name:
+                return
+            name = self._folder.free_name("hands", wish)
+            if has_folder := self._has_folder:
+                self._path.rename(self._folder.of("hands", name))
+            self.name, self._had_folder = name, has_folder
+        self.changed.emit()
+
+    async def throw_away(self, name: str) -> Path:
+        """Put a hand into the trash, this one too; where it lies then, for `hands.take_back`."""
+        if name == self.name:
+            await self.begin(self.size)
+        return await self.hands.throw_away(name)
+
+    async def keep(self) -> None:
+        """Have all of it on disk when this returns, as ink and as a picture too."""
+        await self._write()
+        if self._has_folder:
+            await self.hands.keep_ink(self.name)
+
+    async def close(self) -> None:
+        """Have all of it on disk when this returns, if that can be; whoever looks has been told if not."""
+        with suppress(OutputError):
+            await self._write()
+
+    @property
+    def _path(self) -> Path:
+        return self._folder.of("hands", self.name)
+
+    @property
+    def _has_folder(self) -> bool:
+        return self._had_folder and self._path.is_dir()  # another page may have thrown it away
+
+    def _last(self) -> tuple[Sheet, str | None]:
+        drawn = [path / DRAWING for path in map(self.hands.path, self.hands.names()) if (path / DRAWING).is_file()]
+        if not drawn:
+            return Sheet(USUAL_SHEET, ()), None
+        last = max(drawn, key=lambda path: path.stat().st_mtime)
+        try:
+            return read_sheet(last), last.parent.name
+        except InputError as error:
+            self.trouble = str(error)
+            return Sheet(USUAL_SHEET, ()), None
+
+    def _lay(self, sheet: Sheet, name: str | None) -> None:
+        self.name, self.size = name or self._folder.free_name("hands", "my-hand"), sheet.size
+        self._had_folder = name is not None
+        self.strokes = {next(self._ids): stroke for stroke in sheet.strokes}
+        self._points = sum(len(stroke.points) for stroke in sheet.strokes)
+        self._done: deque[_Step] = deque(maxlen=_STEPS)
+        self._undone: deque[_Step] = deque(maxlen=_STEPS)
+
+    async def _turn_to(self, sheet: Sheet, name: str | None) -> None:
+        async with self._turning:
+            await self._write()  # after which nothing is awaited until the other sheet lies there
+            before = self.name if self._has_folder else None
+            self._lay(sheet, name)
+        self.renewed.emit()
+        self.changed.emit()
+        self.hands.changed.emit()
+        if before is not None:
+            await self.hands.keep_ink(before)
+
+    def _do(self, step: _Step) -> None:
+        self._undone.clear()
+        self._done.append(step)
+        self._apply(step, step.came)
+
+    def _apply(self, step: _Step, comes: bool) -> None:
+        if comes:
+            order = list(self.strokes.items())
+            order.insert(step.place, (step.id, step.stroke))
+            self.strokes = dict(order)
+            self._points += len(step.stroke.points)
+            self.added.emit(step.id, step.stroke)
+        else:
+            del self.strokes[step.id]
+            self._points -= len(step.stroke.points)
+            self.removed.emit(step.id)
+        self.changed.emit()
+        self._unsaved = True
+        if self._keeper is None or self._keeper.done():
+            self._keeper = asyncio.create_task(self._keep_on())
+
+    async def _keep_on(self) -> None:
+        while self._unsaved:
+            with suppress(OutputError):  # `trouble` says so, and there may be room again soon
+                await self._write()
+            await asyncio.sleep(_PAUSE)
+
+    async def _write(self) -> None:
+        async with self._writing:
+            while self._unsaved:
+                self._unsaved = False
+                try:
+                    self._make_folder()
+                    await asyncio.to_thread(_write_sheet, self._path, self.size, list(self.strokes.values()))
+                except OutputError as error:
+                    self._unsaved = True
+                    self._say(str(error))
+                    raise
+                self._say("")
+
+    def _make_folder(self) -> None:
+        if self._has_folder:
+            return
+        if self._path.exists():  # another hand has that name meanwhile
+            self.name = self._folder.free_name("hands", self.name)
+        try:
+            self._path.mkdir()
+        except OSError as error:
+            raise OutputError(f"cannot write {self._path}: {error.strerror}; make room for it there") from error
+        self._had_folder = True
+
+    def _say(self, trouble: str) -> None:
+        if trouble != self.trouble:
+            self.trouble = trouble
+            self.changed.emit()
+
+
+def _write_sheet(path: Path, size: tuple[float, float], strokes: list[Stroke]) -> None:
+    atomic_write(path / DRAWING, sheet_json(size, strokes))

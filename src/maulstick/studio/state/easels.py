@@ -1,0 +1,46 @@
+"""Files of easels, which say where a sheet lies before a machine, kept in the studio's folder by name."""
+
+import re
+from pathlib import Path
+from typing import final
+
+from maulstick.errors import InputError, OutputError
+from maulstick.robot.easel import read_easel, write_easel
+from maulstick.storage.library import NAME
+from maulstick.studio.state.folder import Folder, plain_name
+from maulstick.studio.workers.uploads import read_brought
+
+
+@final
+class Easels:
+    """The easels there are; one that somebody puts into the folder ``easels`` is there, too."""
+
+    def __init__(self, folder: Folder) -> None:
+        self._folder, self._root = folder, folder.root / "easels"
+
+    def names(self) -> list[str]:
+        """In order."""
+        return sorted(path.stem for path in self._root.glob("*.json") if re.fullmatch(NAME, path.stem))
+
+    def path(self, name: str) -> Path:
+        """The file of an easel. Raises InputError where there is none of that name."""
+        if name not in (names := self.names()):
+            raise InputError.of_choice("easel", name, names)
+        return self._root / f"{name}.json"
+
+    def keep(self, file: str, content: bytes) -> str:
+        """Keep an easel, in the place of another that came from a file of that name, which is in the trash then.
+
+        Returns its name now. Waits for the disk, and may be called in any thread.
+
+        Raises InputError where that is no easel, OutputError where it cannot be kept.
+        """
+        easel = read_brought(content, read_easel, "that file")
+        name = plain_name(file) or "easel"
+        try:
+            self._root.mkdir(exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot make the folder {self._root}: {error.strerror}; make room for it") from error
+        self._folder.keep_former(path := self._root / f"{name}.json")
+        write_easel(easel, path)
+        return name

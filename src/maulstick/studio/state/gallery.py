@@ -1,0 +1,77 @@
+"""The pictures that people brought to be painted. A name is a folder with picture.png and small.jpg."""
+
+import asyncio
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import final
+
+from nicegui import Event
+from PIL import Image
+
+from maulstick.errors import InputError
+from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
+from maulstick.storage.files import atomic_write
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.workers.desk import Desk
+
+_SMALL_PX = 480
+_PORTRAIT = "portrait"
+
+
+@final
+class Gallery:
+    """All of them by name. changed: there are others."""
+
+    def __init__(self, folder: Folder, desk: Desk) -> None:
+        self.changed = Event[[]]()
+        self._folder, self._desk = folder, desk
+        self._keeping = asyncio.Lock()  # two that come at once get names of their own
+
+    def names(self) -> list[str]:
+        """The pictures that there are, newest first."""
+        return [name for name in reversed(self._folder.names("pictures")) if self.path(name).is_file()]
+
+    def path(self, name: str) -> Path:
+        """The picture itself."""
+        return picture_of(self._folder.of("pictures", name))
+
+    async def keep(self, brought: Path, called: str) -> str:
+        """Keep a picture; the name that it gets here. Raises InputError for what is no picture, or too large a one."""
+        async with self._keeping:
+            name = self._folder.free_name("pictures", called)
+            await self._desk.do(keep_picture, brought, self._folder.of("pictures", name))
+        self.changed.emit()
+        return name
+
+    async def keep_portrait(self) -> str:
+        """Keep the picture that comes along, once; its name."""
+        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(portrait(), _PORTRAIT)
+
+
+def portrait() -> Path:
+    """The picture that comes along."""
+    return Path(str(files("skimage.data").joinpath("astronaut.png")))
+
+
+def keep_picture(brought: Path, folder: Path) -> None:
+    """Keep the pixels of a picture, and nothing else of its file, in a new folder, which is there whole or not at all.
+
+    Raises InputError for what is no picture, or too large a one, and where another took the folder meanwhile.
+    """
+    picture = read_picture(brought, longest_px=LONGEST_KEPT_PX)
+    with TemporaryDirectory(prefix=".", dir=folder.parent) as beside:
+        made = Path(beside) / folder.name
+        made.mkdir()
+        atomic_write(made / "picture.png", encode_png(picture))
+        with Image.open(made / "picture.png") as small:
+            small.thumbnail((_SMALL_PX, _SMALL_PX))
+            small.save(made / "small.jpg", quality=85)
+        if folder.exists():  # and where it comes into being now, the rename fails
+            raise InputError(f"there is a picture {folder.name} meanwhile; use that one, or bring yours again")
+        made.rename(folder)
+
+
+def picture_of(folder: Path) -> Path:
+    """The picture in its folder."""
+    return folder / "picture.png"

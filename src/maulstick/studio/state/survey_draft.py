@@ -1,0 +1,99 @@
+"""A survey as it is put together, with whatever is still missing."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from maulstick.errors import InputError, validation_fault
+from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair
+
+_Part = TypeVar("_Part", bound=BaseModel)
+
+
+@dataclass
+class HandDraft:
+    """A hand, and what was drawn by it and in its style. Drawings are keys of `Surveys.drawings`."""
+
+    name: str = ""
+    by_hand: str | None = None
+    by_machine: list[str] = field(default_factory=list)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nobody said anything about it."""
+        return not (self.name.strip() or self.by_hand or self.by_machine)
+
+
+@dataclass
+class PairDraft:
+    """A picture and two looks of it. Drawings are keys of `Surveys.drawings`."""
+
+    reference: str | None = None
+    first: str | None = None
+    second: str | None = None
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nobody said anything about it."""
+        return not (self.reference or self.first or self.second)
+
+
+@dataclass
+class Draft:
+    """All of it. Rows that are empty do not count; a questionnaire without any is not asked."""
+
+    title: str = ""
+    hands: list[HandDraft] = field(default_factory=lambda: [HandDraft(), HandDraft()])
+    hands_asked: int = 1
+    first_look: str = ""
+    second_look: str = ""
+    pairs: list[PairDraft] = field(default_factory=lambda: [PairDraft()])
+    pairs_asked: int = 1
+
+    def match(self, path_of: Callable[[str], Path]) -> Match | None:
+        """The first questionnaire. path_of: the file of a drawing. Raises InputError where something is missing."""
+        rows = [hand for hand in self.hands if not hand.is_empty]
+        if not rows:
+            return None
+        hands = []
+        for number, row in enumerate(rows, start=1):
+            name = row.name.strip()
+            if not name:
+                raise InputError(f"hand {number} has no name; give it one, participants will not see it")
+            if row.by_hand is None:
+                raise InputError(f"{name} has no drawing by the person yet; choose one")
+            if not row.by_machine:
+                raise InputError(f"{name} has no drawing by the machine yet; choose at least one")
+            machines = tuple(map(path_of, row.by_machine))
+            hands.append(_made(Hand, name=name, by_hand=path_of(row.by_hand), by_machine=machines))
+        if len(hands) == 1:
+            raise InputError(
+                f"{hands[0].name} is the only hand; add another, so that there is something to choose from"
+            )
+        return _made(Match, hands=tuple(hands), asked=self.hands_asked)
+
+    def opinions(self, path_of: Callable[[str], Path]) -> Opinions | None:
+        """The second questionnaire. path_of: the file of a drawing. Raises InputError likewise."""
+        rows = [pair for pair in self.pairs if not pair.is_empty]
+        if not rows:
+            return None
+        looks = self.first_look.strip(), self.second_look.strip()
+        if not all(looks):
+            raise InputError("one of the two looks has no name yet; give it one, participants will not see it")
+        pairs = []
+        for number, row in enumerate(rows, start=1):
+            if row.reference is None or row.first is None or row.second is None:
+                raise InputError(f"comparison {number} is not whole; choose a picture and a drawing in each look")
+            drawn = path_of(row.first), path_of(row.second)
+            pairs.append(_made(Pair, reference=path_of(row.reference), looks=drawn))
+        return _made(Opinions, systems=looks, pairs=tuple(pairs), asked=self.pairs_asked)
+
+
+def _made(kind: type[_Part], **fields: object) -> _Part:
+    try:
+        return kind.model_validate(fields)
+    except ValidationError as error:
+        raise InputError(f"the survey cannot be made like this: {validation_fault(error)}") from error

@@ -1,0 +1,1 @@
+"""Elements of the page that several panels use."""

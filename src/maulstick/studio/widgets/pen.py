@@ -1,0 +1,87 @@
+"""The pen: a sheet on the page that a stylus, a finger or a mouse draws on."""
+
+import asyncio
+from collections.abc import Callable
+from typing import final
+
+from nicegui import events
+from nicegui.element import Element
+
+from maulstick.errors import InputError
+from maulstick.studio.state.drawing import Drawing
+from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, Stroke, in_mm
+
+_AT_ONCE = 50_000  # points in one message
+
+
+@final
+class Pen(Element, component="pen.js"):
+    """It draws what the hand does by itself and at once, tells each stroke when it is done, and shows the others'.
+
+    say: hears of each stroke why it is refused, or "" when it is kept.
+    """
+
+    def __init__(self, drawing: Drawing, say: Callable[[str], None]) -> None:
+        super().__init__()
+        self._drawing, self._say = drawing, say
+        self._is_ready = False
+        self._drawn_here: object = None
+        width, height = drawing.size
+        self._props.update(width=in_mm(width), height=in_mm(height), longest=MOST_OF_A_STROKE, rubs=False)
+        self.on("ready", self._show_all, [])
+        self.on("stroke", self._add)
+        self.on("rub", lambda event: drawing.rub_out(event.args))
+        self.on("undo", drawing.undo, [])
+        self.on("redo", drawing.redo, [])
+        drawing.added.subscribe(self._show, unsubscribe_on_delete=False)  # `_handle_delete` does
+        drawing.removed.subscribe(self._drop, unsubscribe_on_delete=False)
+
+    def rub_out(self, rubs: bool) -> None:
+        """From now on rub strokes out, or draw."""
+        self._props["rubs"] = rubs
+
+    async def _show_all(self) -> None:
+        """All strokes, a part of them a message; what comes and goes meanwhile is told beside."""
+        if self._is_ready:
+            return
+        self._is_ready = True
+        part: list[tuple[int, list[float]]] = []
+        for id, stroke in list(self._drawing.strokes.items()):
+            if id not in self._drawing.strokes:
+                continue
+            part.append((id, _seen(stroke)))
+            if sum(len(points) for _, points in part) > 3 * _AT_ONCE:
+                self.run_method("show", part)
+                part = []
+                await asyncio.sleep(0)
+        self.run_method("show", part)
+
+    def _add(self, event: events.GenericEventArguments) -> None:
+        told = event.args if isinstance(event.args, dict) else {}
+        self._drawn_here = told.get("id")
+        try:
+            self._drawing.add(told.get("id"), told.get("points"))
+        except InputError as error:
+            self.run_method("drop", told.get("id"))
+            self._say(str(error))
+        else:
+            self._say("")
+        finally:
+            self._drawn_here = None
+
+    def _show(self, id: int, stroke: Stroke) -> None:
+        if self._is_ready and id != self._drawn_here:
+            self.run_method("show", [(id, _seen(stroke))])
+
+    def _drop(self, id: int) -> None:
+        self.run_method("drop", id)
+
+    def _handle_delete(self) -> None:
+        self._drawing.added.unsubscribe(self._show)
+        self._drawing.removed.unsubscribe(self._drop)
+        super()._handle_delete()
+
+
+def _seen(stroke: Stroke) -> list[float]:
+    points: list[float] = stroke.points[:, 1:4].ravel().tolist()
+    return points

@@ -1,0 +1,1 @@
+"""Work that the studio does in other processes."""

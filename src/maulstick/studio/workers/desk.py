@@ -1,0 +1,116 @@
+"""A desk for short work: reading what was uploaded, fitting a style, drawing a plate; never in the server itself."""
+
+import asyncio
+import resource
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, ParamSpec, TypeVar, final
+
+from maulstick.errors import MaulstickError
+from maulstick.studio.workers.process import Failed, Line, Process
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
+
+_LONGEST = 60.0  # seconds
+_NICENESS = 5
+_MEMORY = 6 * 2**30  # bytes, thrice what the largest picture needs: a file that swells beyond is stopped here
+_USUAL = ("maulstick.style.store", "maulstick.plots.style", "maulstick.recording.files.ink_files")
+
+
+@dataclass(frozen=True)
+class _Task:
+    function: Callable[..., object]
+    arguments: tuple[object, ...]
+    named: dict[str, object]
+
+
+@dataclass(frozen=True)
+class _Done:
+    result: object
+
+
+@dataclass(frozen=True)
+class _Refused:
+    why: str
+
+
+@final
+class Desk:
+    """One piece of work at a time, each within its time, in a process that is kept for the next one."""
+
+    def __init__(self) -> None:
+        self._free = asyncio.Lock()
+        self._process: Process | None = None
+        self._answer: asyncio.Future[Any] | None = None
+
+    async def do(self, function: Callable[P, Result], *arguments: P.args, **named: P.kwargs) -> Result:
+        """What the function of a module returns. Raises MaulstickError as it does, and where it takes too long."""
+        async with self._free:
+            process = self._process or self._begin()
+            self._answer = answer = asyncio.get_running_loop().create_future()
+            process.tell(_Task(function, arguments, named))
+            try:
+                result: Result = await asyncio.wait_for(answer, _LONGEST)
+            except TimeoutError:
+                self.close()
+                raise MaulstickError(
+                    f"that took longer than {_LONGEST:.0f} s and was given up; try something smaller"
+                ) from None
+            except asyncio.CancelledError:  # its answer must not be taken for the next one's
+                self.close()
+                raise
+            return result
+
+    async def warm_up(self) -> None:
+        """Let the process load now what the first work would wait for."""
+        await self.do(_load_usual)
+
+    def close(self) -> None:
+        """End the process; the next work begins another."""
+        if self._process is not None:
+            self._process.kill()
+            self._process = None
+
+    def _begin(self) -> Process:
+        process: Process | None = None
+
+        def hear(word: _Done | _Refused | Failed) -> None:
+            if process is not self._process:
+                return
+            if isinstance(word, Failed):
+                self._process = None  # although it is not over yet: it does not listen any more
+            self._reply(word)
+
+        def ended() -> None:
+            if process is self._process:
+                self._process = None
+                self._reply(Failed("the work ended without a word; try it again"))
+
+        self._process = process = Process(_work, hear=hear, ended=ended, niceness=_NICENESS)
+        return process
+
+    def _reply(self, word: _Done | _Refused | Failed) -> None:
+        if self._answer is None or self._answer.done():
+            return
+        if isinstance(word, _Done):
+            self._answer.set_result(word.result)
+        else:
+            self._answer.set_exception(MaulstickError(word.why))
+
+
+def _work(line: Line) -> None:
+    """Do each task that is heard; a fault of Maulstick's own ends the process."""
+    resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, resource.getrlimit(resource.RLIMIT_DATA)[1]))
+    for task in line.hear():
+        assert isinstance(task, _Task)
+        try:
+            line.say(_Done(task.function(*task.arguments, **task.named)))
+        except MaulstickError as error:
+            line.say(_Refused(str(error)))
+
+
+def _load_usual() -> None:
+    for module in _USUAL:
+        import_module(module)

@@ -1,0 +1,102 @@
+"""The sheet that a hand draws on, in the form of docs/pointer-events.md; and what is let onto it."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self, final
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
+from maulstick.storage.files import read_whole
+
+MOST_STROKES = 2_000
+MOST_OF_A_STROKE = 10_000
+MOST_POINTS = 500_000
+"""On a sheet; its file stays below what ``maulstick record ink`` reads."""
+
+_MEMBERS = ("timeStamp", "x", "y", "pressure", "tiltX", "tiltY")
+_ROUNDED = np.array([10.0, 1e3, 1e3, 1e3, 1.0, 1.0])  # parts of a unit
+_LATEST = 1e13  # milliseconds; a browser counts them from 1970
+_SLACK = 1e-3  # millimetres
+_LARGEST = 64 * 2**20  # bytes
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """One stroke, from when the pen touches until it lifts.
+
+    points: (m, 6) of a browser's timeStamp (ms), x, y (mm), pressure in [0, 1], tiltX and tiltY (degrees).
+    text: the same as JSON.
+    """
+
+    points: Floats
+    text: bytes
+
+    @classmethod
+    def of(cls, numbers: object, size: tuple[float, float]) -> Self:
+        """The stroke whose points lie in one list of numbers. size: of the sheet, metres.
+
+        Raises InputError where it is no such list, is too long, or a point of it cannot be.
+        """
+        members = len(_MEMBERS)
+        if not isinstance(numbers, list) or not numbers or len(numbers) % members:
+            raise InputError(f"that is no stroke; it must be a list of {', '.join(_MEMBERS)} of each point")
+        if len(numbers) > members * MOST_OF_A_STROKE:
+            raise InputError.of_range("the points of a stroke", len(numbers) // members, f"at most {MOST_OF_A_STROKE}")
+        if not all(type(number) in (int, float) for number in numbers):
+            raise InputError("a stroke holds something that is no number; draw it again")
+        try:
+            points = np.array(numbers, dtype=np.float64).reshape(-1, members)
+        except OverflowError:
+            raise InputError("a stroke holds a number beyond all measure; draw it again") from None
+        _check(points, size)
+        points = np.round(points * _ROUNDED) / _ROUNDED
+        named = [dict(zip(_MEMBERS, point, strict=True)) for point in points.tolist()]
+        return cls(points, json.dumps(named, separators=(",", ":")).encode())
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What was drawn on a sheet. size: (width, height), metres."""
+
+    size: tuple[float, float]
+    strokes: tuple[Stroke, ...]
+
+
+def sheet_json(size: tuple[float, float], strokes: Iterable[Stroke]) -> bytes:
+    """The sheet as a file, which `read_sheet` and ``maulstick record ink`` read."""
+    head = f'{{"schema_version":1,"size_mm":[{in_mm(size[0])},{in_mm(size[1])}],"strokes":[\n'
+    return head.encode() + b",\n".join(stroke.text for stroke in strokes) + b"\n]}\n"
+
+
+def read_sheet(path: Path) -> Sheet:
+    """The sheet in the file at `path`. Raises InputError where there is none that the studio could have written."""
+    content = read_whole(path, "drawing", _LARGEST)
+    try:
+        record = json.loads(content)
+        width, height = (float(side) * 1e-3 for side in record["size_mm"])
+        listed = [[point[member] for point in points for member in _MEMBERS] for points in record["strokes"]]
+        strokes = tuple(Stroke.of(numbers, (width, height)) for numbers in listed)
+    except (InputError, ValueError, TypeError, KeyError, RecursionError) as error:
+        raise InputError(f"{path} is not a drawing of the studio: {error!s:.200}; move it elsewhere") from error
+    return Sheet((width, height), strokes)
+
+
+def in_mm(metres: float) -> float:
+    """A side of a sheet in millimetres, to a thousandth."""
+    return round(1e3 * metres, 3)
+
+
+def _check(points: Floats, size: tuple[float, float]) -> None:
+    low = np.array([0, -_SLACK, -_SLACK, 0, -90, -90])
+    high = np.array([_LATEST, in_mm(size[0]) + _SLACK, in_mm(size[1]) + _SLACK, 1, 90, 90])
+    for member, values, least, most in zip(_MEMBERS, points.T, low, high, strict=True):
+        out = values[~((values >= least) & (values <= most))]
+        if len(out):
+            raise InputError.of_range(f"{member} of a point of a stroke", f"{out[0]:g}", f"from {least:g} to {most:g}")
+    if (np.diff(points[:, 0]) < 0).any():
+        raise InputError("the times of a stroke run backwards; they must never fall from point to point")

@@ -1,0 +1,129 @@
+"""What the desk does with hands: ink of drawings and of uploaded recordings, and styles of ink."""
+
+import shutil
+from io import BytesIO
+from pathlib import Path
+from typing import Annotated, Literal
+from zipfile import ZipFile
+
+import numpy as np
+from PIL import Image, ImageDraw
+from pydantic import BaseModel, ConfigDict, Field
+
+from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.storage.arrays import kind_of
+from maulstick.storage.files import atomic_write
+from maulstick.storage.records import write_record
+from maulstick.strokes.ink import KIND, Ink, read_ink, write_ink
+from maulstick.studio.workers.drawn_sheet import read_sheet
+from maulstick.studio.workers.uploads import known_as
+
+DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
+
+_LONGER = 1024  # pixels of a picture's longer side
+_FINER = 3  # times, before it is scaled down
+_LINE = 0.5e-3  # metres
+_PAPER, _LINE_COLOUR = 255, 30
+_LARGEST_INK = 256 * 2**20  # bytes
+_LONGEST_PEN = 2e3  # millimetres
+
+
+class HandCard(BaseModel):
+    """What hand.json says of a hand's ink. pressed: whether it tells how the pen was pressed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    version: Literal[1] = 1
+    strokes: Annotated[int, Field(ge=0)]
+    pressed: bool
+
+
+def keep_drawing(hand: Path) -> None:
+    """Make ink, its picture and its card of the drawing in the folder of a hand."""
+    from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
+
+    sheet = read_sheet(hand / DRAWING)
+    ink = read_ink_file(hand / DRAWING)[0] if sheet.strokes else Ink.of([], sheet.size, DRAWING)
+    _keep(ink, hand)
+
+
+def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) -> None:
+    """Make the folder of a hand of an uploaded recording; see `Hands.take_in`."""
+    with known_as(file, called):
+        ink = _read(file, Path(called).suffix.lower(), pen_millimetres)
+    if not len(ink):
+        raise InputError(f"there are no strokes in {called}; choose another recording")
+    try:
+        hand.mkdir()
+    except OSError as error:
+        raise OutputError(f"cannot write {hand}: {error.strerror}; choose another folder") from error
+    try:
+        _keep(ink, hand)
+    except MaulstickError:
+        shutil.rmtree(hand)
+        raise
+
+
+def learn(hand: Path, style: str) -> None:
+    """Learn a style from a hand's ink and keep it among one's own."""
+    from maulstick.strokes.strokes import Strokes
+    from maulstick.style.cards import FEWEST, STYLES
+    from maulstick.style.exemplar import Exemplar  # these load torch
+    from maulstick.style.hand import Hand
+    from maulstick.style.store import load_hands, write_style
+
+    if not (hand / INK).exists():  # the studio was killed before it could be made
+        keep_drawing(hand)
+    ink = read_ink(hand / INK)
+    if len(ink) < FEWEST:
+        there = "there is 1" if len(ink) == 1 else f"there are {len(ink) or 'none'}"
+        raise InputError(f"draw at least {FEWEST} strokes; {there}")
+    seen = Hand.of(Strokes.of(ink))
+    write_style(Exemplar.fit(STYLES.check_name(style), seen, load_hands()), f"the hand {hand.name}", STYLES.own())
+
+
+def _read(file: Path, suffix: str, pen_millimetres: float | None) -> Ink:
+    if kind_of(file) == KIND:
+        with ZipFile(file) as arrays:
+            if sum(entry.file_size for entry in arrays.infolist()) > _LARGEST_INK:
+                raise InputError(f"{file} unpacks to more than {_LARGEST_INK >> 20} MiB; bring less of it")
+        return read_ink(file)
+    if suffix == ".csv":
+        return _tracked(file, pen_millimetres)
+    from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
+
+    return read_ink_file(file)[0]
+
+
+def _tracked(file: Path, pen_millimetres: float | None) -> Ink:
+    if pen_millimetres is None:
+        raise InputError("a motion-capture recording needs the pen's length, from its markers to its tip; write it in")
+    if not 0 <= pen_millimetres <= _LONGEST_PEN:
+        raise InputError.of_range("the pen's length", f"{pen_millimetres:g} mm", f"from 0 to {_LONGEST_PEN:g} mm")
+    from maulstick.recording.mocap.drawing import drawing_of  # these load pandas and scipy
+    from maulstick.recording.mocap.motive import read_motive
+
+    tip = np.array([0.0, -1e-3 * pen_millimetres, 0.0])  # y is up in Motive, and the pen stood upright
+    return drawing_of(read_motive(file), tip, source=file.name).ink
+
+
+def _keep(ink: Ink, hand: Path) -> None:
+    write_ink(ink, hand / INK)
+    atomic_write(hand / PICTURE, _picture(ink))
+    pressed = bool(np.isfinite(ink.samples[:, 3]).any())
+    write_record(HandCard(strokes=len(ink), pressed=pressed), hand / CARD)
+
+
+def _picture(ink: Ink) -> bytes:
+    scale = _LONGER / max(ink.size)
+    width, height = (max(1, round(scale * side)) for side in ink.size)
+    picture = Image.new("L", (_FINER * width, _FINER * height), _PAPER)
+    draw = ImageDraw.Draw(picture)
+    line = max(round(_FINER * scale * _LINE), _FINER)
+    for stroke in ink.strokes():
+        places = [(x, y) for x, y in (_FINER * scale * stroke[:, 1:3]).tolist()]
+        draw.line(places, _LINE_COLOUR, line, joint="curve")
+        draw.circle(places[0], line / 2, _LINE_COLOUR)  # a dot has no length
+    png = BytesIO()
+    picture.resize((width, height), Image.Resampling.BOX).save(png, "PNG")
+    return png.getvalue()

@@ -1,0 +1,156 @@
+"""Whoever sits before the studio's page, as the machine sees them, in the process that drives it."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, final
+
+from maulstick.colour.srgb import Image
+from maulstick.jobs.paint.operator import Person
+from maulstick.jobs.paint.setup import Scene
+from maulstick.painting.picture import encode_jpeg, read_picture
+from maulstick.robot.execute import Progress
+from maulstick.robot.robot import StoppedError
+from maulstick.robot.routine import Ask, Care, Draw
+from maulstick.studio.workers.messages import PAINTING, PLANNING, Asking, Going, Note, Photograph
+from maulstick.studio.workers.planned_paints import called
+from maulstick.studio.workers.process import Line
+
+if TYPE_CHECKING:
+    from maulstick.jobs.paint.estimate import Outlook
+
+_GLANCE = 0.05  # seconds between two looks at what they want
+_SHOW = 0.25  # seconds between two words about where painting is
+_PHOTOGRAPH = 1.0  # seconds between two pictures of a simulated sheet
+_LONGEST_PX = 1280
+_CARE = {"rinse": "rinsing the brush", "wipe": "wiping the brush", "dip": "taking up paint"}
+_MOVING = {PAINTING, *_CARE.values()}
+
+
+@dataclass(frozen=True)
+class _Moment:
+    going: Going
+    since: float
+
+
+@final
+class Beside(Person):
+    """Says over the line what they are to see, and hears what they want.
+
+    painted: strokes that are there already.
+    """
+
+    def __init__(self, line: Line, scene: Scene, painted: int) -> None:
+        super().__init__(scene.robot)
+        self._line, self._scene = line, scene
+        self._question, self._done = 0, threading.Event()
+        self._stroke = painted
+        self._strokes: int | None = len(scene.plan.strokes)
+        self._wants_a_look = False
+        self._drawn = 0.0  # metres, before the last look
+        self._moment: _Moment | None = None
+        self._sheet: Image | None = None  # that is not shown yet
+        self._photograph_due = 0.0
+
+    def expect(self, outlook: "Outlook") -> None:
+        """As in `Person`."""
+        self._line.say(outlook)
+
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """As in `Person`."""
+        if self.stopped:  # while the machine was connected, which forgets that
+            raise StoppedError
+        over = threading.Event()
+        showing = threading.Thread(target=self._keep_showing, args=(over,), daemon=True)
+        showing.start()
+        try:
+            yield
+        finally:
+            over.set()
+            showing.join()
+
+    def watch(self, progress: Progress) -> None:
+        """As in `Person`."""
+        paint = None if progress.action is None else progress.action.paint
+        match progress.action:
+            case Draw():
+                self._stroke += 1
+                doing = PAINTING
+            case Care(what=what):
+                doing = _CARE[what]
+            case Ask():
+                doing = "waiting for you"
+            case None:
+                doing = "finishing" if self._scene.watching is None else "looking at the sheet"
+        drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
+        if progress.action is None:
+            self._drawn = drawn
+        going = Going(doing, self._stroke, self._strokes, drawn, metres, progress.left, paint, progress.next_paint)
+        self._moment = _Moment(going, time.monotonic())
+        if self._scene.simulation is not None and time.monotonic() > self._photograph_due:
+            self._sheet = self._scene.simulation.robot.sheet.image()
+            self._photograph_due = time.monotonic() + _PHOTOGRAPH
+
+    def ask(self, action: Ask) -> None:
+        """As in `Person`."""
+        self._question += 1
+        self._done.clear()  # after that, so that an answer to an earlier one is none to this
+        paint = self._scene.plan.paints[action.paint]
+        message = action.message.replace(f"the paint {paint.label}", called(paint, action.paint))
+        self._line.say(Asking(self._question, message))
+        while not (self._done.wait(_GLANCE) or self.stopped):
+            pass
+        self._line.say(Asking(self._question, None))
+
+    def note(self, sentence: str) -> None:
+        """As in `Person`."""
+        self._line.say(Note(sentence))
+
+    def show(self, photograph: Path) -> None:
+        """As in `Person`; what comes next is the plan."""
+        self.leave(photograph)
+        self._strokes = None  # it may leave some out
+        if (moment := self._moment) is not None:
+            going = replace(moment.going, doing=PLANNING, strokes=None)
+            self._moment = _Moment(going, time.monotonic())
+
+    def expect_strokes(self, number: int) -> None:
+        """As in `Person`."""
+        self._strokes = number
+
+    def leave(self, photograph: Path) -> None:
+        """As in `Person`."""
+        self._line.say(Photograph(encode_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
+
+    def wants_a_look(self) -> bool:
+        """As in `Person`."""
+        wanted, self._wants_a_look = self._wants_a_look, False
+        return wanted
+
+    def confirm(self, question: int) -> None:
+        """They have done what they were asked for in that question; it may be an earlier one than this."""
+        if question == self._question:
+            self._done.set()
+
+    def look_after_this_stroke(self) -> None:
+        """They want the camera to look now."""
+        self._wants_a_look = True
+
+    def _keep_showing(self, over: threading.Event) -> None:
+        while not over.wait(_SHOW):
+            self._say_where_it_is()
+            if (sheet := self._sheet) is not None:
+                self._sheet = None
+                self._line.say(Photograph(encode_jpeg(sheet, _LONGEST_PX)))
+        self._say_where_it_is()
+
+    def _say_where_it_is(self) -> None:
+        if (moment := self._moment) is None:
+            return
+        moves = moment.going.doing in _MOVING and not self.pause.held
+        passed = time.monotonic() - moment.since if moves else 0.0
+        self._line.say(replace(moment.going, left=max(moment.going.left - passed, 0.0)))

@@ -1,0 +1,71 @@
+"""The paints of a plan, as they are read at the desk: a painting may be large."""
+
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from maulstick.colour.names import colour_word
+from maulstick.painting.painting import Paint, hex_colour, read_painting
+from maulstick.robot.tray import read_tray
+
+
+@dataclass(frozen=True)
+class PlannedPaint:
+    """A paint as a plan uses it.
+
+    number: from 1, as in the plan's palette.  called: as people know it.
+    metres: that it draws, in so many strokes.
+    place: among the paints in the order in which they first come, from 1; 0 where none of its strokes is left.
+    times: that it is taken up.  well: where it is in the tray, if there is a tray with a well for it.
+    """
+
+    number: int
+    label: str
+    called: str
+    colour: tuple[float, float, float]
+    is_named: bool
+    metres: float
+    strokes: int
+    place: int
+    times: int
+    well: tuple[float, float] | None
+
+    @property
+    def hex(self) -> str:
+        """The colour as ``#rrggbb``."""
+        return hex_colour(self.colour)
+
+
+def called(paint: Paint, index: int) -> str:
+    """What people know a paint by: its name, or its number in the palette, from 1, and what its colour looks like."""
+    return paint.name if paint.name is not None else f"paint {index + 1} ({colour_word(paint.colour)})"
+
+
+def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ...]:
+    """The paints of the painting at `path`, in the wells of the tray.
+
+    tray_path: of the tray's file, if there is a tray. Raises InputError where one of the files cannot be read.
+    """
+    painting = read_painting(path)
+    wells = {} if tray_path is None else read_tray(tray_path).paints
+    taken = [paint for paint, _ in groupby(stroke.paint for stroke in painting.strokes)]
+    places = {paint: place for place, paint in enumerate(dict.fromkeys(taken), start=1)}
+    used = [stroke.paint for stroke in painting.strokes]
+    found = []
+    for index, (paint, metres) in enumerate(zip(painting.paints, painting.metres_of_paints(), strict=True)):
+        well = wells.get(paint.hex) or wells.get(paint.name or "")
+        found.append(
+            PlannedPaint(
+                number=index + 1,
+                label=paint.label,
+                called=called(paint, index),
+                colour=paint.colour,
+                is_named=paint.name is not None,
+                metres=float(metres),
+                strokes=used.count(index),
+                place=places.get(index, 0),
+                times=taken.count(index),
+                well=None if well is None else (well.x, well.y),
+            )
+        )
+    return tuple(found)

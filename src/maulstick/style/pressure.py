@@ -1,0 +1,32 @@
+"""Press along a stroke, as a few knots; the paper optimises its heights as parameters of their own."""
+
+from functools import cache
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from maulstick.strokes.strokes import POINTS
+
+Floats = NDArray[np.float64]
+
+KNOTS = 4
+"""Press knots of a stroke, equally spaced along it."""
+
+
+def press_along(knots: Tensor) -> Tensor:
+    """Press (N, 32) at each point of strokes with press knots (N, 4): straight from knot to knot."""
+    return knots @ torch.from_numpy(_hats()).to(knots)
+
+
+def fit_knots(press: Floats) -> Floats:
+    """Press knots (N, 4) in [0, 1] nearest to the press (N, 32); NaN where a stroke's was not recorded."""
+    return np.clip(press @ np.linalg.pinv(_hats()), 0, 1)
+
+
+@cache
+def _hats() -> Floats:
+    at = np.linspace(0, KNOTS - 1, POINTS)
+    hats: Floats = (1 - np.abs(at[None] - np.arange(KNOTS)[:, None])).clip(min=0)
+    return hats

@@ -1,0 +1,202 @@
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from maulstick.brush_fit.fit import Fit, fit_brush
+from maulstick.brush_fit.trials import Trial, Trials
+from maulstick.errors import InputError
+from maulstick.painting.brush import CURVE_PRESSES, Brush
+from tests.support.brush_fit.simulated_trials import INK, PAPER, SCALE, Faults, draw_darkness, draw_trials
+from tests.support.tolerances import (
+    CLEAN_WIDTH,
+    INK_COLOUR,
+    KEPT_NUMBER,
+    KEPT_WIDTH,
+    MOVED_PX,
+    OPACITY,
+    SIGMAS,
+)
+
+MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, c=0.9, opacity=0.9, b_x=3e-4, b_y=-2e-4)
+PRESSES = np.array([0.2, 0.5, 0.9])
+
+
+def fitted(trials: Sequence[Trial] | Trials, *additions: str, seed: int = 0) -> Fit:
+    return fit_brush(trials, SCALE, "found", source="a test", additions=additions, seed=seed)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Fit:
+    """Noisy photographs of the paper's brush, strokes crossing, that may pale by chance."""
+    return fitted(draw_trials(MARKER, 20, 1, Faults(specks=1)), "faint")
+
+
+NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "c": 0.7, "nib": (0.25, -0.1)})
+
+
+@pytest.fixture(scope="module")
+def of_nib() -> Fit:
+    return fitted(draw_darkness(NIB_PEN, 20, 1, Faults()), "plateau", "nib")
+
+
+ROUND = MARKER.model_copy(
+    update={
+        "alpha": 1.6e-3,
+        "curve": tuple(press**2 for press in CURVE_PRESSES),
+        "lag": 1.2e-3,
+        "touch": (5e-4, -3e-4),
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def of_round() -> Fit:
+    return fitted(draw_darkness(ROUND, 20, 1, Faults()), "curve", "lag")
+
+
+@pytest.fixture(scope="module")
+def spoilt(tmp_path_factory: pytest.TempPathFactory) -> Fit:
+    """A folder of eleven trials, of which six can be used."""
+    folder = tmp_path_factory.mktemp("spoilt") / "trials"
+    trials = Trials.make(folder, medium="a marker", pixels_per_metre=SCALE)
+    for i, trial in enumerate(draw_trials(MARKER, 11, 1, Faults())):
+        path, before, after = trial.path, trial.before, trial.after
+        if i == 2:
+            after = before
+        if i == 4:
+            after = np.ones_like(after)
+        if i == 6:
+            path = path + np.array([1, 0, 0])
+        if i == 9:
+            after = ndimage.shift(after, (4, -3, 0), order=1, mode="nearest")
+        trials.begin(before)
+        trials.append(path, after)
+    last = sorted(folder.glob("*.png"))[-1]
+    last.write_bytes(last.read_bytes()[:400])
+    return fitted(Trials.open(folder))
+
+
+@pytest.fixture(scope="module")
+def dark() -> Fit:
+    return fitted(draw_darkness(MARKER, 6, 1, Faults()))
+
+
+@pytest.fixture(scope="module")
+def flat() -> Fit:
+    """Strokes of one press, each on a sheet of its own."""
+    return fitted(draw_trials(MARKER, 5, 2, sheet_of=1, press=lambda press: np.full_like(press, 0.5)))
+
+
+def test_the_numbers_of_a_brush_are_found_within_their_standard_errors(plain: Fit) -> None:
+    for name in ("m_x", "m_y", "b_x", "b_y", "alpha", "beta", "c"):
+        off = getattr(plain.brush, name) - getattr(MARKER, name)
+        assert abs(off) < SIGMAS * plain.errors[name], name
+    assert plain.errors["alpha"] < 0.05 * MARKER.alpha
+    assert plain.errors["beta"] < 0.05 * MARKER.beta
+    assert plain.errors["c"] < 0.1
+
+
+def test_strokes_that_lie_beside_their_places_do_not_widen_the_brush(plain: Fit) -> None:
+    found = plain.brush.half_width(PRESSES)
+    assert found == pytest.approx(MARKER.half_width(PRESSES), rel=CLEAN_WIDTH)
+    assert plain.place_scatter == pytest.approx(Faults().place, rel=0.4)
+    assert plain.ink_scatter == pytest.approx(Faults().ink, rel=0.6)
+
+
+def test_ink_that_shines_through_is_found_with_its_colour(plain: Fit) -> None:
+    assert plain.ink == pytest.approx(INK, abs=INK_COLOUR)
+    assert plain.brush.opacity == pytest.approx(MARKER.opacity, abs=OPACITY)
+    assert 0 < plain.errors["opacity"] < OPACITY
+
+
+def test_a_brush_that_is_the_papers_gets_no_additions(plain: Fit) -> None:
+    assert plain.kept == ()
+    assert plain.l1 == plain.l1_paper
+    assert plain.brush.faint == 1
+    assert (plain.warnings, plain.left_out, plain.strokes) == ((), (), 20)
+
+
+def test_held_out_strokes_are_shown_with_what_was_predicted(plain: Fit) -> None:
+    assert len(plain.views) == 6
+    for view in plain.views:
+        assert view.after.shape == view.predicted.shape
+        assert 0.2 * plain.l1 < np.abs(view.after - view.predicted).mean() < 3 * plain.l1
+
+
+def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
+    assert sorted(of_nib.kept) == ["nib", "plateau"]
+    assert of_nib.l1 < 0.5 * of_nib.l1_paper
+    found = of_nib.brush
+    assert (*found.nib, found.plateau, found.c) == pytest.approx((*NIB_PEN.nib, NIB_PEN.plateau, NIB_PEN.c), abs=0.02)
+    assert found.half_width(PRESSES) == pytest.approx(NIB_PEN.half_width(PRESSES), rel=KEPT_WIDTH)
+
+
+def test_a_curve_and_a_lag_are_found(of_round: Fit) -> None:
+    assert sorted(of_round.kept) == ["curve", "lag"]
+    found = of_round.brush
+    assert found.half_width(PRESSES) == pytest.approx(ROUND.half_width(PRESSES), rel=KEPT_WIDTH)
+    assert (found.lag, *found.touch) == pytest.approx((ROUND.lag, *ROUND.touch), abs=KEPT_NUMBER)
+    assert {"curve[0]", "curve[6]", "lag", "touch[0]"} <= set(of_round.errors)
+
+
+def test_trials_that_cannot_be_used_are_named_and_the_others_still_fit(spoilt: Fit) -> None:
+    assert spoilt.strokes == 6
+    assert [reason.split(":")[0].split(" ")[1] for reason in spoilt.left_out] == ["3", "5", "7", "10", "11"]
+    no_mark, blank, beside, moved, broken = spoilt.left_out
+    assert no_mark.startswith("stroke 3 left no mark that can be seen near its path; ")
+    assert blank == "stroke 5 cannot be seen: its photograph after it is all white; was it overexposed?"
+    assert beside.startswith("stroke 7 lies beside its photographs; ")
+    assert float(moved.split(" moved by ")[1].split()[0]) == pytest.approx(5, abs=MOVED_PX)
+    assert broken.startswith("stroke 11: ")
+    assert spoilt.brush.widest == pytest.approx(MARKER.widest, rel=KEPT_WIDTH)
+
+
+def test_with_few_strokes_nothing_is_tried_and_that_is_said(spoilt: Fit) -> None:
+    assert spoilt.warnings[0].startswith("only 6 strokes could be used: nothing was held out and nothing tried beyond")
+    assert spoilt.kept == ()
+
+
+def test_photographs_and_darkness_images_of_the_same_strokes_give_the_same_brush(dark: Fit, spoilt: Fit) -> None:
+    assert dark.ink == (1,)
+    assert dark.brush.half_width(PRESSES) == pytest.approx(spoilt.brush.half_width(PRESSES), rel=2 * KEPT_WIDTH)
+
+
+def test_a_fit_is_the_same_to_the_bit_when_it_is_run_again(dark: Fit) -> None:
+    again = fitted(draw_darkness(MARKER, 6, 1, Faults()))
+    assert (again.brush, again.errors, again.l1, again.ink_scatter) == (
+        *(dark.brush, dark.errors),
+        *(dark.l1, dark.ink_scatter),
+    )
+
+
+def test_what_strokes_of_one_press_that_never_cross_leave_open_is_said(flat: Fit) -> None:
+    for start in (
+        "all strokes were drawn at press 0.50: how width depends on press is not known, alpha is 0",
+        "no stroke crosses an older one, so a translucent ink cannot be told from a paler one: opacity is 1",
+    ):
+        assert any(warning.startswith(start) for warning in flat.warnings), start
+
+
+def test_strokes_of_one_press_tell_one_width(flat: Fit) -> None:
+    assert flat.brush.alpha == 0
+    assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)
+
+
+def test_ink_that_never_crosses_itself_is_taken_for_opaque(flat: Fit) -> None:
+    assert flat.brush.opacity == 1
+    assert "opacity" not in flat.errors
+    seen = 0.1 * np.array(PAPER) + 0.9 * np.array(INK)
+    assert flat.ink == pytest.approx(seen.tolist(), abs=INK_COLOUR)
+
+
+def test_fewer_than_five_strokes_are_refused_with_what_is_wrong_with_the_others() -> None:
+    trials = draw_trials(MARKER, 5, 2, Faults())
+    trials[3] = replace(trials[3], after=np.zeros_like(trials[3].after))
+    text = "4 of 5 trials can be used, and 5 are needed: stroke 4 cannot be seen: its photograph after it is all black"
+    with pytest.raises(InputError, match=f"^{text}"):
+        fitted(trials)
+    with pytest.raises(InputError, match=r"^0 of 0 trials can be used, and 5 are needed: draw more$"):
+        fitted([])

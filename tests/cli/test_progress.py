@@ -1,0 +1,104 @@
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image, ImageSequence
+
+from maulstick.cli.progress import Camera
+from maulstick.jobs.plan import prepare
+from maulstick.painting.painting import read_painting
+from maulstick.painting.video import Film
+from maulstick.planning.planner import Progress
+from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint
+
+
+def test_ctrl_c_finishes_the_plan_so_far(tmp_path: Path) -> None:
+    running = Running("paint", PORTRAIT, *QUICK, "--steps", "100000", "--out", tmp_path / "out")
+    running.interrupt_after(r"loss 0\.\d")
+    assert running.leave() == 130
+    assert "stopping: finishing the plan so far (Ctrl-C again leaves without it)" in running.said
+    assert "Traceback" not in running.said
+    assert f"maulstick paint --resume {tmp_path / 'out'} goes on from where it was stopped" in running.said
+    assert sorted(os.listdir(tmp_path / "out")) == sorted([*RESULTS, "plan-0.npz"])
+    painting = read_painting(tmp_path / "out" / "painting.json")
+    assert painting.strokes
+    assert painting.paint_changes() <= len(painting.paints) - 1
+
+
+def test_a_second_ctrl_c_leaves_at_once_and_behind_at_most_what_to_go_on_from(tmp_path: Path) -> None:
+    words = ("--steps", "100000", "--strokes", "2000", "--px", "200", "--out", tmp_path / "new" / "out")
+    running = Running("paint", PORTRAIT, *QUICK, *words)
+    running.interrupt_after(r"loss 0\.\d")
+    running.interrupt_after("stopping")
+    assert running.leave() == 130
+    assert "Traceback" not in running.said
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] in ([], ["plan-0.npz"])
+
+
+def test_ctrl_c_before_the_planning_is_no_traceback_and_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(prepare, "lay_out_for", interrupt)
+    assert paint(tmp_path / "out") == (130, "", "")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
+    ran = paint(tmp_path, "--frames", "gif")
+    assert ran.code == 0
+    assert "progress.gif" in ran.stdout
+    with Image.open(tmp_path / "progress.gif") as film:
+        frames = [(frame.convert("RGB"), frame.info["duration"]) for frame in ImageSequence.Iterator(film)]
+    assert 2 <= len(frames) <= 31
+    assert frames[-1][1] >= 2000
+    last = np.asarray(frames[-1][0], dtype=float)
+    with Image.open(tmp_path / "preview.png") as preview:
+        wanted = np.asarray(preview.resize(frames[-1][0].size, Image.Resampling.BOX), dtype=float)
+    first = np.asarray(frames[0][0], dtype=float)
+    assert np.abs(last - wanted).mean() < np.abs(first - wanted).mean() / 2
+
+
+def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
+    av = pytest.importorskip("av")
+    assert paint(tmp_path, "--frames", "mp4").code == 0
+    with av.open(tmp_path / "progress.mp4") as film:
+        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    assert len(frames) == 30 + 1 + 40
+    assert frames[0].shape == (48, 60, 3)
+
+
+def test_an_mp4_without_the_package_that_makes_it_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("maulstick.painting.video.find_spec", lambda name: None)
+    ran = paint(tmp_path / "out", "--frames", "mp4")
+    assert ran.code == 2
+    assert ran.mistake == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
+
+
+def filmed(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
+    """The film of a canvas that grows lighter with each of so many steps."""
+    camera = Camera(Film("gif"), steps)
+    for step in range(steps):
+        camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps), dict))
+    return Image.open(io.BytesIO(camera.film.encode()))
+
+
+@pytest.mark.parametrize(("steps", "frames"), [(1, 1), (160, 160), (161, 81), (319, 160), (1500, 150), (4000, 160)])
+def test_a_film_has_at_most_160_frames(steps: int, frames: int) -> None:
+    with filmed(steps) as film:
+        assert getattr(film, "n_frames", 1) == frames
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"), [((1440, 1800), (900, 720)), ((100, 2560), (1280, 50)), ((48, 60), (60, 48))]
+)
+def test_a_film_of_a_large_canvas_is_scaled_down_and_of_a_small_one_not_up(
+    shape: tuple[int, int], size: tuple[int, int]
+) -> None:
+    with filmed(2, shape) as film:
+        assert film.size == size

@@ -1,0 +1,186 @@
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from maulstick.errors import InputError
+from maulstick.jobs.paint import camera_loop
+from maulstick.jobs.paint.camera_loop import check_replannable, practice, replanned, room_of
+from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting, write_painting
+from maulstick.painting.raster import Canvas
+from maulstick.planning.layout import Layout
+from maulstick.style import load_style
+from tests.support.nominal import nominal
+from tests.support.planned import PIXELS, SIDE, STROKES, picture, planned
+from tests.support.tolerances import FILE_METRES
+
+Image = NDArray[np.float32]
+
+WHITE = np.ones((PIXELS, PIXELS, 3), dtype=np.float32)
+PAINTED = {stroke.id for stroke in planned().strokes[:6]}
+QUICK = 12  # steps
+
+
+def left_of(painting: Painting) -> list[Stroke]:
+    return [stroke for stroke in painting.strokes if stroke.id not in PAINTED]
+
+
+@pytest.fixture(scope="module")
+def again() -> Painting:
+    """Planned again after six strokes, of which nothing is seen."""
+    return replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK)
+
+
+# Planning again.
+
+
+def test_strokes_that_are_painted_stay_as_they_are_and_come_first(again: Painting) -> None:
+    assert again.strokes[:6] == planned().strokes[:6]
+
+
+def test_strokes_that_are_planned_again_have_ids_that_were_never_used(again: Painting) -> None:
+    ids = [stroke.id for stroke in left_of(again)]
+    assert ids == list(range(STROKES, STROKES + len(ids)))
+    twice = replanned(again, PAINTED | {ids[0]}, WHITE, picture(), steps=QUICK)
+    assert min(stroke.id for stroke in left_of(twice) if stroke.id != ids[0]) == 1 + ids[-1]
+
+
+def test_what_is_planned_again_is_of_the_same_style_paints_and_brush_and_no_longer(again: Painting) -> None:
+    before, after = planned(), left_of(again)
+    assert 0 < len(after) <= STROKES - len(PAINTED)
+    assert {stroke.style.hash for stroke in after if stroke.style} == {before.strokes[0].style.hash}  # type: ignore[union-attr]
+    assert all(stroke.style is not None for stroke in after)
+    assert (again.paints, again.brushes, again.canvas, again.area) == (
+        before.paints, before.brushes, before.canvas, before.area,
+    )  # fmt: skip
+    assert {stroke.trajectory for stroke in after}.isdisjoint(stroke.trajectory for stroke in before.strokes)
+
+
+def test_planning_again_is_the_same_each_time(again: Painting) -> None:
+    assert replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK) == again
+
+
+def test_what_was_planned_again_can_be_written_read_and_planned_again(again: Painting, tmp_path: Path) -> None:
+    write_painting(again, tmp_path / "again.json")
+    assert [stroke.id for stroke in read_painting(tmp_path / "again.json").strokes] == [s.id for s in again.strokes]
+    check_replannable(read_painting(tmp_path / "again.json"))
+
+
+def in_the_disc(strokes: list[Stroke]) -> int:
+    """How many have their middle on the picture's dark disc."""
+    middles = np.array([np.mean(stroke.trajectory, axis=0)[:2] for stroke in strokes]) / SIDE
+    return int((np.hypot(middles[:, 0] - 0.35, middles[:, 1] - 0.4) < 0.28).sum())
+
+
+def test_where_a_person_has_painted_meanwhile_fewer_strokes_are_left_to_paint(again: Painting) -> None:
+    down, across = np.mgrid[:PIXELS, :PIXELS] / PIXELS
+    blackened = np.where((np.hypot(down - 0.4, across - 0.35) < 0.28)[..., None], np.float32(0.05), WHITE)
+    beside = replanned(planned(), PAINTED, blackened, picture(), steps=QUICK)
+    assert in_the_disc(left_of(beside)) < in_the_disc(left_of(again))
+
+
+def test_with_nothing_left_nothing_is_planned() -> None:
+    ids = {stroke.id for stroke in planned().strokes}
+    assert replanned(planned(), ids, WHITE, picture()) is planned()
+
+
+def test_paints_of_other_brushes_are_not_used_by_this_one() -> None:
+    before = planned()
+    other = nominal("fineliner")
+    theirs = before.paints[0].model_copy(update={"brush": other.name})
+    both = before.model_copy(
+        update={
+            "paints": (theirs, *before.paints),
+            "brushes": {**before.brushes, other.name: other},
+            "strokes": tuple(stroke.model_copy(update={"paint": stroke.paint + 1}) for stroke in before.strokes),
+        }
+    )
+    after = replanned(both, PAINTED, WHITE, picture(), steps=QUICK)
+    assert {stroke.paint for stroke in after.strokes} == {1, 2}
+
+
+def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
+    canvases: list[Canvas] = []
+
+    def stop(layout: Layout, *_: object) -> NoReturn:
+        canvases.append(layout.canvas)
+        raise InterruptedError
+
+    monkeypatch.setattr(camera_loop, "commission_of", stop)
+    wide = {"canvas": Sheet(width=4 * SIDE, height=SIDE), "made": made_with(px=4000).made}
+    for painting in (planned(), made_with(px=None), planned().model_copy(update=wide)):
+        with pytest.raises(InterruptedError):
+            replanned(painting, PAINTED, WHITE, picture())
+    assert [(canvas.width_px, canvas.height_px) for canvas in canvases] == [(PIXELS, PIXELS), (256, 256), (2048, 512)]
+
+
+def made_with(**options: object) -> Painting:
+    made = planned().made
+    return planned().model_copy(update={"made": made.model_copy(update={"options": {**made.options, **options}})})
+
+
+def without_style() -> Painting:
+    strokes = (planned().strokes[0].model_copy(update={"style": None}), *planned().strokes[1:])
+    return planned().model_copy(update={"strokes": strokes})
+
+
+def of_another_style() -> Painting:
+    changed = [
+        stroke.model_copy(update={"style": stroke.style.model_copy(update={"hash": "0" * 64})})  # type: ignore[union-attr]
+        for stroke in planned().strokes
+    ]
+    return planned().model_copy(update={"strokes": tuple(changed)})
+
+
+def of_two_brushes() -> Painting:
+    paints = (planned().paints[0], planned().paints[1].model_copy(update={"brush": "fineliner"}))
+    brushes = {**planned().brushes, "fineliner": nominal("fineliner")}
+    return planned().model_copy(update={"paints": paints, "brushes": brushes})
+
+
+@pytest.mark.parametrize(
+    ("painting", "text"),
+    [
+        (made_with(weights={"tone": 1.0, "words": 1.0}), "words was weighed when it was planned"),
+        (made_with(weights={"look": 1.0}), "look was weighed when it was planned"),
+        (without_style(), "the strokes that are left are not all of one style"),
+        (of_another_style(), "the style loops is not what it was when the painting was planned; plan it anew"),
+        (made_with(style="nobody"), "there is no style 'nobody'"),
+        (of_two_brushes(), "the strokes that are left need 2 brushes; only those of one are planned again"),
+    ],
+)
+def test_what_cannot_be_planned_again_is_refused_before_and_on_the_way(painting: Painting, text: str) -> None:
+    with pytest.raises(InputError, match=text) as before:
+        check_replannable(painting)
+    with pytest.raises(InputError, match=text) as after:
+        replanned(painting, (), WHITE, picture())
+    assert str(before.value) == str(after.value)
+    assert "\n" not in str(before.value)
+
+
+# Strokes to learn a brush from.
+
+
+def test_practice_is_apart_in_the_style_and_presses_from_lightly_to_hard() -> None:
+    brush, sheet = nominal("marker"), Sheet(width=0.2, height=0.15)
+    painting = practice(load_style("loops", Canvas(sheet.width, sheet.height, 1.0)), brush, sheet, 12, seed=3)
+    paths = painting.trajectories()
+    assert [stroke.id for stroke in painting.strokes] == list(range(12))
+    assert (paths[..., 2].min() < 0.2, paths[..., 2].max()) == (True, 1.0)
+    assert np.ptp(paths[..., 2], axis=1).max() > 0.1
+    low, high = paths[..., :2].min(axis=1) - room_of(brush), paths[..., :2].max(axis=1) + room_of(brush)
+    assert (low > -FILE_METRES).all()
+    assert (high < np.array([sheet.width, sheet.height]) + FILE_METRES).all()
+    apart = (low[:, None] > high[None] - FILE_METRES).any(axis=2)
+    assert (apart | apart.T | np.eye(12, dtype=bool)).all()
+
+
+def test_a_pen_that_only_lifts_practises_at_one_press_and_the_seed_decides() -> None:
+    sheet = Sheet(width=0.2, height=0.15)
+    style = load_style("loops", Canvas(sheet.width, sheet.height, 1.0))
+    first, same, other = (practice(style, nominal("fineliner"), sheet, 5, seed=seed) for seed in (1, 1, 2))
+    assert set(first.trajectories()[..., 2].ravel()) == {0.5}
+    assert first == same
+    assert first != other

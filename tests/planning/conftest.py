@@ -1,0 +1,49 @@
+"""A picture that is small enough to plan in a test, and what planning it takes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+from skimage.data import astronaut
+from torch import Tensor
+
+from maulstick.painting.brush import Brush
+from maulstick.painting.raster import Canvas
+from maulstick.planning.from_picture import Image as Picture
+from maulstick.planning.objectives import Tone
+from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.style import load_style
+from tests.support.nominal import nominal
+
+QUICK = PlanOptions(strokes=30, paints=4, steps=80)
+
+
+def options(**changes: object) -> PlanOptions:
+    return replace(QUICK, **changes)  # type: ignore[arg-type]
+
+
+def commission(picture: Picture, brush: Brush, *, halftone: bool = False) -> Commission:
+    """To paint a picture (H, W, 3) on all of a sheet that is 6 cm high."""
+    target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
+    weights = torch.ones_like(target[0])
+    canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
+    tone = Weighted(Tone(target, weights, halftone=halftone), 1.0)
+    return Commission(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
+
+
+def mse(canvas: Tensor, target: Tensor) -> float:
+    return (canvas - target).square().mean().item()
+
+
+@pytest.fixture(scope="session")
+def portrait() -> Picture:
+    """(48, 60, 3) of a face on a bright ground, sRGB in [0, 1]."""
+    face = Image.fromarray(astronaut()[0:240, 80:380]).resize((60, 48), Image.Resampling.LANCZOS)
+    return np.asarray(face, dtype=np.float32) / 255
+
+
+@pytest.fixture(scope="session")
+def round_brush() -> Brush:
+    return nominal("round")

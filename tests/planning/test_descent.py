@@ -1,0 +1,53 @@
+import torch
+
+from maulstick.planning.descent import Descent
+from maulstick.planning.parameters import StrokeParameters
+
+
+def strokes(count: int) -> StrokeParameters:
+    chance = torch.Generator().manual_seed(count)
+    shapes = {"codes": (13,), "centres": (2,), "angles": (), "press_knots": (4,), "colours": (3,)}
+    tensors = {k: torch.rand(count, *shape, generator=chance) * 0.5 + 0.25 for k, shape in shapes.items()}
+    return StrokeParameters(**{k: x.requires_grad_() for k, x in tensors.items()})
+
+
+def pull(parameters: StrokeParameters, way: float) -> torch.Tensor:
+    return torch.stack([way * x.sum() for x in parameters.each().values()]).sum()
+
+
+def test_a_step_goes_down_the_loss_by_the_rate_of_each_parameter() -> None:
+    descent = Descent(strokes(5), spacing=0.01)
+    before = {k: x.detach().clone() for k, x in descent.strokes.each().items()}
+    for _ in range(30):
+        descent.step(pull(descent.strokes, 1.0), progress=0.0)
+    for name, tensor in descent.strokes.each().items():
+        assert (tensor <= before[name]).all(), name
+        assert (tensor < before[name]).any(), name
+
+
+def test_press_and_colours_stay_between_0_and_1() -> None:
+    descent = Descent(strokes(5), spacing=0.01)
+    for way in (1.0, -1.0):
+        for _ in range(120):
+            descent.step(pull(descent.strokes, way), progress=0.0)
+        for tensor in (descent.strokes.press_knots, descent.strokes.colours):
+            assert (tensor == (way < 0)).all()
+
+
+def test_a_stroke_that_begins_anew_has_no_momentum_of_the_one_before() -> None:
+    descent = Descent(strokes(5), spacing=0.01)
+    for _ in range(30):
+        descent.step(pull(descent.strokes, 1.0), progress=0.0)
+    descent.replace(torch.tensor([2]), strokes(5)[torch.tensor([2])])
+    before = descent.strokes.codes.detach().clone()
+    descent.step(0.0 * pull(descent.strokes, 1.0), progress=0.0)
+    moved = (descent.strokes.codes.detach() - before).abs().amax(dim=1)
+    assert moved[2] == 0
+    assert (moved[[0, 1, 3, 4]] > 0).all()
+
+
+def test_paints_adapt_once_they_are_added() -> None:
+    descent, paints = Descent(strokes(3), spacing=0.01), torch.full((2, 3), 0.5, requires_grad=True)
+    descent.add_paints(paints)
+    descent.step(paints.sum() + pull(descent.strokes, 1.0), progress=0.0)
+    assert (paints < 0.5).all()

@@ -1,0 +1,150 @@
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from torch import Tensor
+
+from maulstick.planning.objectives import Objective, Tone, halved
+
+ROUNDING = 1e-5  # relative, of float32
+
+progresses = pytest.mark.parametrize("progress", [0.0, 0.3, 0.5, 1.0])
+kinds = pytest.mark.parametrize("halftone", [False, True], ids=["tone", "halftone"])
+
+
+def noise(seed: int, *shape: int) -> Tensor:
+    return torch.rand(*shape, generator=torch.Generator().manual_seed(seed))
+
+
+def tone(target: Tensor, weights: Tensor | None = None, *, halftone: bool = False) -> Objective:
+    return Tone(target, torch.ones_like(target[0]) if weights is None else weights, halftone=halftone)
+
+
+@kinds
+@progresses
+def test_tone_is_0_for_the_target_alone(halftone: bool, progress: float) -> None:
+    target = noise(0, 3, 40, 52)
+    objective = tone(target, halftone=halftone)
+    assert objective.loss(target.clone(), progress).item() == 0
+    assert objective.loss(noise(1, 3, 40, 52), progress).item() > 0.005
+    one_off = target.clone()
+    one_off[1, 20, 30] += 0.1
+    assert objective.loss(one_off, progress).item() > 1e-8
+
+
+@kinds
+@progresses
+def test_the_gradient_points_to_the_target(halftone: bool, progress: float) -> None:
+    target, canvas = noise(0, 3, 40, 52), noise(1, 3, 40, 52).requires_grad_()
+    loss = tone(target, halftone=halftone).loss(canvas, progress)
+    (gradient,) = torch.autograd.grad(loss, canvas)
+    towards = target - canvas.detach()
+    # The loss is quadratic in the difference, so that its slope towards the target is -2 times the loss (Euler).
+    assert (gradient * towards).sum().item() == pytest.approx(-2 * loss.item(), rel=1e-4)
+
+
+@kinds
+@progresses
+def test_an_even_difference_is_the_same_loss_for_every_kind(halftone: bool, progress: float) -> None:
+    target = noise(0, 3, 64, 64)
+    assert tone(target, halftone=halftone).loss(target + 0.2, progress).item() == pytest.approx(0.04, rel=ROUNDING)
+
+
+@kinds
+@pytest.mark.parametrize("shape", [(1, 1, 1), (3, 3, 5), (3, 33, 37)])
+def test_gradients_are_those_of_finite_differences(halftone: bool, shape: tuple[int, int, int]) -> None:
+    target, canvas = noise(0, *shape).double(), noise(1, *shape).double().requires_grad_()
+    weights = 0.5 + noise(2, *shape[1:]).double()
+    objective = tone(target, weights, halftone=halftone)
+    (gradient,) = torch.autograd.grad(objective.loss(canvas, 0.2), canvas)
+    step = 1e-4
+    for at in torch.randint(0, canvas.numel(), (5,), generator=torch.Generator().manual_seed(3)).tolist():
+        moved = [canvas.detach().clone() for _ in range(2)]
+        moved[0].view(-1)[at] += step
+        moved[1].view(-1)[at] -= step
+        slope = (objective.loss(moved[0], 0.2) - objective.loss(moved[1], 0.2)) / (2 * step)
+        assert gradient.view(-1)[at].item() == pytest.approx(slope.item(), rel=1e-6, abs=1e-12)
+
+
+@kinds
+@progresses
+@pytest.mark.parametrize("shape", [(1, 1, 1), (3, 1, 1), (3, 3, 5), (3, 1, 200), (3, 200, 1)])
+def test_tiny_and_thin_canvases_have_a_loss(halftone: bool, progress: float, shape: tuple[int, int, int]) -> None:
+    target = noise(0, *shape)
+    loss = tone(target, halftone=halftone).loss(1 - target, progress)
+    assert loss.shape == ()
+    assert loss.item() == pytest.approx((1 - 2 * target).square().mean().item(), rel=ROUNDING)
+
+
+def test_coarse_levels_fade_by_the_middle_of_planning() -> None:
+    target = torch.full((1, 64, 64), 0.5)
+    stripes = (torch.arange(64) // 2 % 2).float().expand(1, 64, 64)
+    losses = [tone(target).loss(stripes, progress).item() for progress in (0, 0.2, 0.4, 0.5, 1)]
+    assert losses == sorted(losses)
+    assert losses[0] < 0.3 * losses[-1], "from far off, stripes are grey"
+    assert losses[-2] == losses[-1] == 0.25, "plain mean squared error"
+
+
+def test_one_ink_makes_grey_of_a_half_black_pattern() -> None:
+    grey = torch.full((3, 64, 64), 0.5)
+    pattern = (torch.arange(64) // 2 % 2).float().expand(3, 64, 64)
+    for progress in (0.0, 0.5, 1.0):
+        halftone = tone(grey, halftone=True)
+        seen, black, white = (
+            halftone.loss(x, progress).item() for x in (pattern, torch.zeros(3, 64, 64), torch.ones(3, 64, 64))
+        )
+        assert seen < 0.2 * black
+        assert black == pytest.approx(white, rel=ROUNDING)
+    plain = tone(grey)
+    assert plain.loss(pattern, 1.0).item() == pytest.approx(plain.loss(torch.zeros(3, 64, 64), 1.0).item())
+
+
+def test_halftone_does_not_change_as_planning_goes_on() -> None:
+    objective = tone(noise(0, 3, 64, 64), halftone=True)
+    canvas = noise(1, 3, 64, 64)
+    assert objective.loss(canvas, 0.0).item() == objective.loss(canvas, 1.0).item()
+
+
+def test_a_pixel_counts_by_its_weight() -> None:
+    target = torch.zeros(3, 5, 5)
+    canvas = torch.zeros(3, 5, 5)
+    canvas[:, 2, 3] = 0.5
+    weights = torch.ones(5, 5)
+    once = tone(target, weights).loss(canvas, 1.0).item()
+    weights[2, 3] = 4.0
+    assert tone(target, weights).loss(canvas, 1.0).item() == pytest.approx(4 * once, rel=ROUNDING)
+    weights[:] = 0.0
+    assert tone(target, weights).loss(canvas, 1.0).item() == 0
+
+
+def test_losing_changes_neither_canvas_nor_target() -> None:
+    target, canvas = noise(0, 3, 40, 40), noise(1, 3, 40, 40)
+    before = target.clone(), canvas.clone()
+    tone(target, halftone=True).loss(canvas, 0.1)
+    assert torch.equal(target, before[0])
+    assert torch.equal(canvas, before[1])
+
+
+@settings(max_examples=40)
+@given(st.integers(1, 4), st.integers(1, 20), st.integers(1, 20), st.integers(0, 99))
+def test_a_halved_image_is_half_as_large_and_within_its_range(
+    channels: int, height: int, width: int, seed: int
+) -> None:
+    image = noise(seed, channels, height, width)
+    half = halved(image)
+    assert half.shape == (channels, (height + 1) // 2, (width + 1) // 2)
+    assert half.min() >= image.min() - 1e-6
+    assert half.max() <= image.max() + 1e-6
+    assert torch.allclose(halved(torch.full_like(image, 0.3)), torch.tensor(0.3))
+    turned = halved(image.transpose(1, 2)).transpose(1, 2)
+    assert torch.allclose(turned, half, atol=1e-6), "rows are treated as columns are"
+
+
+def test_a_line_costs_alike_in_every_direction() -> None:
+    y, x = torch.meshgrid(torch.arange(96.0), torch.arange(96.0), indexing="ij")
+    losses = []
+    for angle in torch.linspace(0, torch.pi, 9).tolist():
+        across = x * torch.cos(torch.tensor(angle)) + y * torch.sin(torch.tensor(angle))
+        waves = 0.5 + 0.5 * torch.sin(across * 2 * torch.pi / 5)  # lines five pixels apart
+        losses.append(tone(torch.full((1, 96, 96), 0.5), halftone=True).loss(waves[None], 0.0).item())
+    assert max(losses) < 1.15 * min(losses)

@@ -1,0 +1,119 @@
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.planning.from_picture import Image as Picture
+from maulstick.planning.planner import Plan, Progress, plan
+from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.planning.state import KIND, State, read_state, write_state
+from maulstick.storage.arrays import write_arrays
+from tests.planning.conftest import commission, options
+from tests.support.planning.network_losses import Shifted
+
+
+class PowerCutError(Exception):
+    """In the middle of planning."""
+
+
+def same(one: Plan, two: Plan) -> bool:
+    """To the bit."""
+    pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
+    pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
+    return all(torch.equal(a, b) for a, b in pairs)
+
+
+def killed_after(steps: int, file: Path) -> Callable[[Progress], bool]:
+    taken = [0]
+
+    def watch(progress: Progress) -> bool:
+        taken[0] += 1
+        if taken[0] == steps:
+            write_state(file, progress.state(), {"strokes": 3})
+        if taken[0] > steps + 2:  # what was done after the file was written is lost
+            raise PowerCutError
+        return True
+
+    return watch
+
+
+def resumed(asked: Commission, wanted: PlanOptions, steps: int, file: Path) -> Plan:
+    with pytest.raises(PowerCutError):
+        plan(asked, wanted, killed_after(steps, file))
+    state, task = read_state(file)
+    assert task == {"strokes": 3}
+    return plan(asked, wanted, resume=state)
+
+
+@pytest.fixture(scope="module")
+def asked(portrait: Picture, round_brush: Brush) -> Commission:
+    return commission(portrait, round_brush)
+
+
+@pytest.mark.parametrize("steps", [1, 20, 35, 37])
+@pytest.mark.parametrize("paints", [4, None])
+def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
+    asked: Commission, steps: int, paints: int | None, tmp_path: Path
+) -> None:
+    wanted = options(steps=40, paints=paints)
+    assert same(resumed(asked, wanted, steps, tmp_path / "plan.npz"), plan(asked, wanted))
+
+
+@pytest.mark.parametrize("steps", [3, 30])
+def test_what_judges_said_last_is_remembered(asked: Commission, steps: int, tmp_path: Path) -> None:
+    assert asked.target is not None
+    judged = replace(asked, judges=(Weighted(Shifted(asked.target), 0.5),))
+    wanted = options(steps=40, ask_every=6)
+    whole = plan(judged, wanted)
+    assert same(resumed(judged, wanted, steps, tmp_path / "plan.npz"), whole)
+    assert not same(plan(asked, wanted), whole)
+
+
+def test_a_plan_that_was_told_to_hurry_still_hurries(asked: Commission) -> None:
+    states: list[State] = []
+
+    def hurry(progress: Progress) -> bool:
+        states.append(progress.state())
+        return len(states) < 10
+
+    wanted = options(steps=400)
+    whole = plan(asked, wanted, hurry)
+    assert len(states) < 100
+    assert same(plan(asked, wanted, resume=states[20]), whole)
+
+
+def test_a_file_that_is_no_plan_in_the_making_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "plan.npz"
+    file.write_bytes(b"PK\x03\x04 cut")
+    with pytest.raises(InputError, match="is not a file of plan in the making, or it is damaged"):
+        read_state(file)
+    write_arrays(file, KIND, {"codes": np.zeros((3, 2))})
+    with pytest.raises(InputError, match="plan in the making, or it is damaged; plan anew"):
+        read_state(file)
+    write_arrays(file, "ink", {})
+    with pytest.raises(InputError, match="holds ink"):
+        read_state(file)
+
+
+def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: Commission) -> None:
+    states: list[State] = []
+
+    def note(progress: Progress) -> bool:
+        states.append(progress.state())
+        return True
+
+    wanted = options(steps=20)
+    whole = plan(asked, wanted, note)
+    before = {name: array.copy() for name, array in states[15].items()}
+    assert same(plan(asked, wanted, resume=states[15]), whole)
+    for name, array in before.items():
+        assert np.array_equal(array, states[15][name]), name
+    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+        plan(asked, options(steps=20, strokes=29), resume=states[15])
+    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+        plan(asked, wanted, resume={"numbers": states[15]["numbers"]})

@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+
+from maulstick.errors import InputError
+from maulstick.painting.painting import Sheet
+from maulstick.painting.picture import encode_png, lay_out
+from maulstick.painting.raster import Canvas
+from maulstick.planning.from_picture import Image as Picture
+from maulstick.planning.mural.windows import Mural, Windows, enlarged
+from tests.support.tolerances import FLOAT32_VALUE
+
+
+@pytest.fixture(scope="module")
+def sheet() -> Sheet:
+    """With something painted on it already."""
+    y, x = np.mgrid[:30, :40] / 30
+    picture = np.stack([0.5 + 0.3 * np.sin(4 * x), 0.5 + 0.3 * np.cos(5 * y), x * y / 2], axis=2).astype(np.float32)
+    return Sheet(width=0.2, height=0.15, picture=encode_png(picture))
+
+
+@pytest.mark.parametrize("fit", ["contain", "cover"])
+@pytest.mark.parametrize("finer", [1, 8])
+def test_parts_of_a_mural_are_those_of_the_picture_laid_out_whole(
+    portrait: Picture, sheet: Sheet, finer: int, fit: str
+) -> None:
+    picture = np.repeat(np.repeat(portrait[:, :50], finer, axis=0), finer, axis=1)
+    mural = Mural(picture, sheet, Canvas(0.2, 0.15, 1000), fit)
+    under = sheet.image(mural.canvas)
+    target, _ = lay_out(mural.picture, mural.canvas, fit, under)
+    for box in ((0, 0, 200, 150), (0, 0, 60, 150), (30, 40, 130, 120), (150, 90, 200, 150)):
+        rows, columns = slice(box[1], box[3]), slice(box[0], box[2])
+        assert mural.under(box) == pytest.approx(under[rows, columns], abs=FLOAT32_VALUE)
+        assert mural.target(box) == pytest.approx(target[rows, columns], abs=FLOAT32_VALUE)
+
+
+def test_a_part_beside_the_picture_shows_the_sheet(portrait: Picture) -> None:
+    mural = Mural(portrait, Sheet(width=0.4, height=0.1, paper=(0.2, 0.4, 0.6)), Canvas(0.4, 0.1, 500))
+    beside = mural.target((0, 0, 40, 50))
+    assert beside.reshape(-1, 3) == pytest.approx(np.tile((0.2, 0.4, 0.6), (2000, 1)))
+    assert np.ptp(mural.target((80, 0, 120, 50))) > 0.5
+
+
+@pytest.mark.parametrize("size", [(0.2, 0.15), (0.1004, 0.1006)])
+def test_a_part_has_its_pixels_and_ends_where_the_sheet_does(portrait: Picture, size: tuple[float, float]) -> None:
+    mural = Mural(portrait, Sheet(width=size[0], height=size[1]), Canvas(*size, 1000))
+    right, bottom = mural.canvas.width_px, mural.canvas.height_px
+    found = mural.part((60, 70, right, bottom))
+    assert (found.width_px, found.height_px) == (right - 60, bottom - 70)
+    assert found.width + 0.06 <= size[0] + 1e-12
+    assert found.height + 0.07 <= size[1] + 1e-12
+
+
+def test_an_overview_is_the_whole_sheet_and_never_finer_than_the_mural(portrait: Picture) -> None:
+    mural = Mural(portrait, Sheet(width=0.2, height=0.15), Canvas(0.2, 0.15, 1000))
+    small = mural.overview(40)
+    assert small.under.shape == (30, 40, 3)
+    assert small.canvas.width == 0.2
+    assert mural.overview(500).under.shape == (150, 200, 3)
+
+
+def test_cores_tile_the_canvas_and_windows_stay_on_it() -> None:
+    canvas = Canvas(0.205, 0.1, 1000)
+    windows = Windows.of(canvas, 60, 7)
+    assert len(windows) == 4 * 2
+    y, x = np.mgrid[:100, :205] + 0.5
+    owner = windows.owner(x, y)
+    for index in range(len(windows)):
+        left, top, right, bottom = windows.box(index)
+        rows, columns = np.nonzero(owner == index)
+        assert left == max(columns.min() - 7, 0)
+        assert top == max(rows.min() - 7, 0)
+        assert right == min(columns.max() + 8, 205)
+        assert bottom == min(rows.max() + 8, 100)
+        assert np.ptp(columns) < 60
+        assert np.ptp(rows) < 60
+        assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
+
+
+def test_a_place_beside_the_canvas_belongs_to_the_nearest_core() -> None:
+    windows = Windows.of(Canvas(0.2, 0.1, 1000), 100, 5)
+    assert windows.owner(np.array([-3.0, 203.0]), np.array([50.0, 120.0])).tolist() == [0, 1]
+
+
+def test_a_field_keeps_its_places_when_it_is_enlarged() -> None:
+    canvas = Canvas(0.2, 0.1, 1000)
+    x = (np.arange(20) + 0.5) / 20
+    field = np.tile(x, (10, 1))
+    found = enlarged(field, canvas, (50, 20, 150, 80))
+    assert found.shape == (60, 100)
+    inner = (np.arange(50, 150) + 0.5)[10:-10] / 200
+    assert found[30, 10:-10] == pytest.approx(inner, abs=1e-6)
+
+
+def test_a_fit_that_is_none_is_refused(portrait: Picture) -> None:
+    with pytest.raises(InputError, match="there is no fit 'stretch'; there are: contain, cover"):
+        Mural(portrait, Sheet(width=0.2, height=0.1), Canvas(0.2, 0.1, 100), "stretch")

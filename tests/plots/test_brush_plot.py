@@ -1,0 +1,108 @@
+"""The plate of a brush: that what its charts say is what is drawn."""
+
+import io
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from PIL import Image
+
+from maulstick.painting.brush import Brush, load_brush
+from maulstick.plots import brush as module
+from maulstick.plots.brush import brush_plate, profile
+from maulstick.plots.sheet import Plate
+from maulstick.rendering.kernels.reference import darkness
+from maulstick.rendering.traj2stroke import Traj2Stroke
+from tests.support.nominal import nominal
+from tests.support.tolerances import FLOAT32_VALUE_FAR
+
+PX = 480
+FULL = {
+    "nib": (0.1, -0.05),
+    "lag": 2e-3,
+    "touch": (1e-3, -2e-3),
+    "faint": 0.6,
+    "solid": 0.8,
+}
+
+
+def pixels(brush: Brush, px: int = PX) -> NDArray[np.int64]:
+    with Image.open(io.BytesIO(brush_plate(brush, "", px))) as image:
+        assert image.height == px
+        return np.array(image.convert("RGB"), dtype=np.int64)
+
+
+def mark(plate: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The sheet with the mark on it."""
+    return plate[round(0.15 * PX) : round(0.38 * PX), 20:-20]
+
+
+@given(
+    press=st.floats(0, 1),
+    c=st.floats(1, 3),
+    plateau=st.floats(0, 0.9),
+    opacity=st.floats(0.1, 1),
+    faint=st.floats(0.1, 1),
+    solid=st.floats(0.1, 2),
+)
+def test_the_profile_is_what_the_renderer_draws(
+    press: float, c: float, plateau: float, opacity: float, faint: float, solid: float
+) -> None:
+    brush = Brush(
+        name="twig",
+        source="a test",
+        alpha=0.01,
+        beta=0.01,
+        c=c,
+        plateau=plateau,
+        opacity=opacity,
+        faint=faint,
+        solid=solid,
+    )
+    path = torch.tensor([[[-0.1, 0.0205, press], [0.1, 0.0205, press]]])
+    marks = Traj2Stroke.of([brush]).bare(path, 1000.0)
+    column = darkness(marks.points, marks.thickness, marks.c, marks.q, marks.o, height=41, width=1)[0, :, 0].numpy()
+    distances = (np.arange(41) + 0.5) / 1000 - 0.0205
+    assert profile(brush, press, distances) == pytest.approx(column, abs=FLOAT32_VALUE_FAR)
+
+
+@pytest.mark.parametrize("px", [240, 480])
+@pytest.mark.parametrize("name", ["round", "marker", "fineliner"])
+def test_a_brush_has_a_plate_at_any_size(name: str, px: int) -> None:
+    assert (pixels(load_brush(name), px).max(axis=2) < 128).any()
+
+
+def test_a_mark_lies_on_its_sheet_however_far_the_machine_is_off() -> None:
+    brush = nominal("round")
+    off = brush.model_copy(update={"m_x": 1.3, "m_y": 0.8, "b_x": 0.5, "b_y": -0.5})
+    assert np.array_equal(mark(pixels(off)), mark(pixels(brush)))
+
+
+def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+
+    class Listening(Plate):
+        def text(self, x: float, y: float, text: str, *options: object, **more: object) -> None:
+            told.append(text)
+
+    monkeypatch.setattr(module, "Plate", Listening)
+    brush_plate(nominal("round"), "", PX)
+    assert not {*FULL} & {*told}
+    brush_plate(nominal("round").model_copy(update=FULL), "", PX)
+    assert {
+        *FULL,
+        "0.1, -0.05",
+        "2 mm",
+        "1, -2 mm",
+        "0.6",
+        "0.8",
+    } <= {*told}
+
+
+def test_a_lighter_touch_that_leaves_no_mark_has_a_plate() -> None:
+    dry = nominal("round").model_copy(update={"beta": -0.005})
+    assert profile(dry, 0.0, np.array([0.0, 1e-3])).tolist() == [1.0, 0.0]
+    assert (pixels(dry).max(axis=2) < 128).any()

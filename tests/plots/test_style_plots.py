@@ -1,0 +1,140 @@
+"""Plates of styles: that both the hand and the style are on them, at one scale, and that a map keeps likes together."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+from PIL import Image
+
+from maulstick.errors import InputError
+from maulstick.plots import latent_map as module
+from maulstick.plots.latent_map import COLOURS, latent_map, places_of
+from maulstick.plots.sheet import PAPER
+from maulstick.plots.style import style_plate
+from maulstick.style.exemplar import Exemplar
+from maulstick.style.hand import Hand
+from tests.support.style.synthetic_hands import circle, exemplar_of, line, zigzag
+
+PX = 480
+
+
+@pytest.fixture(scope="module")
+def circles() -> Exemplar:
+    return exemplar_of(circle)
+
+
+@pytest.fixture(scope="module")
+def zigzags() -> Exemplar:
+    return exemplar_of(zigzag)
+
+
+def pixels(png: bytes) -> NDArray[np.int64]:
+    with Image.open(io.BytesIO(png)) as image:
+        assert image.height == PX
+        return np.array(image.convert("RGB"), dtype=np.int64)
+
+
+def parts(plate: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The white sheets on a plate, from the top."""
+    white = (plate == to_rgb_255(PAPER)).all(axis=2).mean(axis=1) > 0.05
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], white, [False]]).astype(int)))
+    return [plate[top:bottom] for top, bottom in edges.reshape(-1, 2) if bottom - top > PX / 10]
+
+
+def to_rgb_255(colour: str) -> NDArray[np.int64]:
+    return np.round(np.array(to_rgb(colour)) * 255).astype(np.int64)
+
+
+def dark(plate: NDArray[np.int64]) -> NDArray[np.bool_]:
+    return plate.max(axis=2) < 128
+
+
+def near(plate: NDArray[np.int64], colour: str) -> NDArray[np.bool_]:
+    """Where there is that colour on white, as thin lines have it."""
+    ink = 255 - to_rgb_255(colour)
+    share = ((255 - plate) @ ink / (ink @ ink)).clip(max=1)
+    return (share > 0.3) & (np.abs(255 - plate - share[..., None] * ink).max(axis=2) < 12)
+
+
+def pressed(style: Exemplar, press: float) -> Exemplar:
+    return replace(style, hand=Hand(style.hand.paths, np.full_like(style.hand.press, press), style.hand.speeds))
+
+
+def test_a_style_draws_as_much_as_is_shown_of_its_hand(circles: Exemplar) -> None:
+    by_hand, by_style = (dark(part).sum() for part in parts(pixels(style_plate(circles, "", PX))))
+    assert by_style == pytest.approx(by_hand, rel=0.3)
+
+
+def test_only_the_lower_part_depends_on_what_the_style_draws(circles: Exemplar) -> None:
+    # A bound style and a free one sample other strokes; the scale may differ, the number of strokes does not.
+    bound, free = (pixels(style_plate(replace(circles, freedom=freedom), "", PX)) for freedom in (0.0, 1.0))
+    assert (dark(bound) != dark(free))[PX // 2 :].any()
+
+
+def test_strokes_are_as_wide_as_they_were_pressed(circles: Exemplar) -> None:
+    even, light, deep = (
+        [dark(part).sum() for part in parts(pixels(style_plate(style, "", PX)))]
+        for style in (circles, pressed(circles, 0.0), pressed(circles, 1.0))
+    )
+    for whose in (0, 1):
+        assert light[whose] < even[whose] < deep[whose]
+
+
+@pytest.mark.parametrize("strokes", [5, 6, 300])
+def test_any_number_of_strokes_has_a_sheet_and_a_map(strokes: int) -> None:
+    style = exemplar_of(line, strokes)
+    for png in (style_plate(style, "x" * 300, PX), latent_map([style], "$x_1$", PX)):
+        for part in parts(pixels(png)):
+            assert near(part, COLOURS[0]).any()
+
+
+def test_strokes_that_are_all_the_same_have_a_sheet_and_a_map(circles: Exemplar) -> None:
+    hand = circles.hand
+    same = Hand(np.repeat(hand.paths[:1], 6, axis=0), hand.press[:6], hand.speeds[:6])
+    style = replace(circles, hand=same)
+    for png in (style_plate(style, "", PX), latent_map([style], "", PX)):
+        assert near(parts(pixels(png))[0], COLOURS[0]).any()
+
+
+def test_a_map_keeps_the_strokes_of_a_hand_together(circles: Exemplar, zigzags: Exemplar) -> None:
+    (sheet,) = parts(pixels(latent_map([circles, zigzags], "", PX)))
+    first, second = (np.argwhere(near(sheet, colour)) for colour in COLOURS[:2])
+    apart = np.linalg.norm(first.mean(axis=0) - second.mean(axis=0))
+    assert apart > first.std(axis=0).max() + second.std(axis=0).max()
+
+
+def test_every_style_of_a_map_has_a_colour_and_there_are_six(circles: Exemplar, zigzags: Exemplar) -> None:
+    styles = [circles, zigzags, *(exemplar_of(circle, seed=seed) for seed in range(4))]
+    plate = pixels(latent_map(styles, "", PX))
+    for colour in COLOURS:
+        assert near(plate[: PX * 3 // 4], colour).any(), "a stroke"
+        assert near(plate[PX * 3 // 4 :], colour).any(), "a name"
+    with pytest.raises(InputError, match="the number of styles on a map is 7; it must be from 1 to 6"):
+        latent_map([*styles, circles], "", PX)
+
+
+def test_the_places_of_a_map_say_whose_stroke_lies_where(circles: Exemplar, zigzags: Exemplar) -> None:
+    at = places_of([circles, zigzags])
+    assert at.rows.tolist() == [*range(len(circles.hand)), *range(len(zigzags.hand))]
+    assert np.bincount(at.whose).tolist() == [len(circles.hand), len(zigzags.hand)]
+    assert np.ptp(at.places, axis=0) == pytest.approx([1, 1])
+    assert np.ptp(at.glyphs, axis=1).max() == pytest.approx(1)
+    first, second = (at.places[at.whose == number] for number in (0, 1))
+    assert np.linalg.norm(first.mean(axis=0) - second.mean(axis=0)) > first.std(axis=0).max()
+
+
+def test_of_many_strokes_a_map_shows_some_of_each_style(
+    circles: Exemplar, zigzags: Exemplar, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_MOST", 10)
+    (sheet,) = parts(pixels(latent_map([circles, zigzags], "", PX)))
+    assert near(sheet, COLOURS[0]).any()
+    assert near(sheet, COLOURS[1]).any()
+
+
+def test_the_same_style_is_the_same_picture(circles: Exemplar) -> None:
+    assert style_plate(circles, "twice", PX) == style_plate(circles, "twice", PX)
+    assert latent_map([circles], "twice", PX) == latent_map([circles], "twice", PX)

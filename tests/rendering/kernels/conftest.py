@@ -1,0 +1,133 @@
+"""Pictures to render, and what a renderer makes of them."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import pytest
+import torch
+from torch import Tensor
+
+from maulstick.rendering.kernels import cpu, reference
+
+
+class Renderer(NamedTuple):
+    """The two operations of one implementation."""
+
+    darkness: Callable[..., Tensor]
+    composite: Callable[..., Tensor]
+
+
+REFERENCE = Renderer(reference.darkness, reference.composite)
+FAST = {
+    name: Renderer(partial(cpu.darkness, instructions=name), partial(cpu.composite, instructions=name))
+    for name in cpu.INSTRUCTION_SETS
+}
+
+each_fast_renderer = pytest.mark.parametrize("fast", FAST.values(), ids=FAST)
+each_renderer = pytest.mark.parametrize("renderer", [REFERENCE, *FAST.values()], ids=["reference", *FAST])
+
+
+class Scene(NamedTuple):
+    """Everything that `composite` takes, in its order."""
+
+    canvas: Tensor
+    points: Tensor
+    thickness: Tensor
+    colours: Tensor
+    c: Tensor
+    q: Tensor
+    o: Tensor
+
+    def to(self, dtype: torch.dtype) -> "Scene":
+        return Scene(*(x.to(dtype) for x in self))
+
+
+def random_scene(
+    seed: int,
+    *,
+    strokes: int = 5,
+    points: int = 6,
+    channels: int = 3,
+    height: int = 37,
+    width: int = 70,
+    shared: bool = False,
+    thinnest: float = 0.5,
+) -> Scene:
+    """Strokes that wander over the canvas and beyond its edges; `shared`: one c, q, o for all of them."""
+    generator = torch.Generator().manual_seed(seed)
+
+    def uniform(low: float, high: float, *shape: int) -> Tensor:
+        return low + (high - low) * torch.rand(*shape, generator=generator)
+
+    size = torch.tensor([width, height])
+    numbers = 1 if shared else strokes
+    return Scene(
+        canvas=uniform(0, 1, channels, height, width),
+        points=uniform(-0.3, 1.3, strokes, 1, 2) * size + uniform(-6, 6, strokes, points, 2).cumsum(1),
+        thickness=uniform(thinnest, 4, strokes, points),
+        colours=uniform(0, 1, strokes, channels),
+        c=uniform(1, 3, numbers),
+        q=uniform(0.05, 0.6, numbers),
+        o=uniform(0.3, 1, numbers),
+    )
+
+
+def one_stroke(
+    points: list[list[float]], thickness: list[float], *, height: int = 20, width: int = 24, q: float = 0.0
+) -> Scene:
+    """A single black stroke with c = 1 and o = 1 on white paper."""
+    return Scene(
+        canvas=torch.ones(1, height, width),
+        points=torch.tensor([points]),
+        thickness=torch.tensor([thickness]),
+        colours=torch.zeros(1, 1),
+        c=torch.ones(1),
+        q=torch.tensor([q]),
+        o=torch.ones(1),
+    )
+
+
+def weights_like(image: Tensor) -> Tensor:
+    """The gradient that tests send back: of no symmetry, and the same for the same shape."""
+    generator = torch.Generator().manual_seed(image.numel())
+    return torch.randn(image.shape, generator=generator).to(image.dtype)
+
+
+def composite_with_gradients(
+    renderer: Renderer, scene: Scene, trainable: Tensor | None = None, weights: Tensor | None = None
+) -> dict[str, Tensor]:
+    """The painted canvas, as `value`, and the gradient of each argument under its name."""
+    leaves = Scene(*(x.detach().clone().requires_grad_() for x in scene))
+    return _with_gradients(renderer.composite(*leaves, trainable=trainable), leaves._asdict(), weights)
+
+
+def darkness_with_gradients(renderer: Renderer, scene: Scene) -> dict[str, Tensor]:
+    """The images, as `value`, and the gradient of each argument under its name."""
+    _, height, width = scene.canvas.shape
+    stroke = {name: x for name, x in scene._asdict().items() if name not in ("canvas", "colours")}
+    leaves = {name: x.detach().clone().requires_grad_() for name, x in stroke.items()}
+    return _with_gradients(renderer.darkness(**leaves, height=height, width=width), leaves, None)
+
+
+def _with_gradients(value: Tensor, leaves: dict[str, Tensor], weights: Tensor | None) -> dict[str, Tensor]:
+    weights = weights_like(value) if weights is None else weights
+    gradients: list[Tensor | None] = [None] * len(leaves)
+    if value.requires_grad:  # without strokes the reference has nothing to derive
+        gradients = list(torch.autograd.grad(value, list(leaves.values()), weights, allow_unused=True))
+    filled = [torch.zeros_like(x) if g is None else g for x, g in zip(leaves.values(), gradients, strict=True)]
+    return {"value": value.detach(), **dict(zip(leaves, filled, strict=True))}
+
+
+def assert_same(result: dict[str, Tensor], truth: dict[str, Tensor], *, value: float, gradient: float) -> None:
+    """Compare every entry: values by their difference, gradients as a fraction of the largest true one."""
+    assert result.keys() == truth.keys()
+    for name, expected in truth.items():
+        assert result[name].shape == expected.shape, name
+        allowed = value if name == "value" else gradient * float(expected.abs().max() if expected.numel() else 0)
+        error = (
+            float((result[name].double() - expected.double()).abs().nan_to_num(torch.inf).max())
+            if expected.numel()
+            else 0
+        )
+        assert error <= allowed, f"{name}: {error:.3g} from the truth, {allowed:.3g} allowed"

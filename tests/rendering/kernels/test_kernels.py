@@ -1,0 +1,226 @@
+"""The fast kernels against the reference, and the reference against finite differences and numbers done by hand."""
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from maulstick.rendering.kernels import cpu, reference
+from tests.rendering.kernels.conftest import (
+    FAST,
+    REFERENCE,
+    Renderer,
+    Scene,
+    assert_same,
+    composite_with_gradients,
+    darkness_with_gradients,
+    each_fast_renderer,
+    each_renderer,
+    one_stroke,
+    random_scene,
+    weights_like,
+)
+from tests.support import tolerances
+
+FLOAT32 = {"value": tolerances.FLOAT32_VALUE, "gradient": tolerances.FLOAT32_GRADIENT}
+
+scenes = st.builds(
+    random_scene,
+    seed=st.integers(0, 2**32),
+    strokes=st.integers(0, 6),
+    points=st.integers(1, 7),
+    channels=st.integers(1, 5),
+    height=st.integers(1, 40),
+    width=st.integers(1, 140),
+    shared=st.booleans(),
+    thinnest=st.sampled_from([-3.0, 0.0, 0.5]),
+)
+
+
+@each_fast_renderer
+@pytest.mark.parametrize("channels", [1, 3, 5])
+@pytest.mark.parametrize("shared", [False, True])
+def test_the_fast_composite_has_the_reference_values_and_every_gradient(
+    fast: Renderer, channels: int, shared: bool
+) -> None:
+    scene = random_scene(channels, channels=channels, strokes=8, shared=shared)
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
+    assert all(gradient.abs().max() > 0 for gradient in truth.values())
+    assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@each_fast_renderer
+@pytest.mark.parametrize("shared", [False, True])
+def test_the_fast_darkness_has_the_reference_values_and_every_gradient(fast: Renderer, shared: bool) -> None:
+    scene = random_scene(5, strokes=8, shared=shared)
+    truth = darkness_with_gradients(REFERENCE, scene.to(torch.float64))
+    assert all(gradient.abs().max() > 0 for gradient in truth.values())
+    assert_same(darkness_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@given(scene=scenes)
+@settings(derandomize=True, deadline=None, max_examples=40)
+def test_any_scene_composites_as_the_reference_does(scene: Scene) -> None:
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
+    for fast in FAST.values():
+        assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@given(scene=scenes)
+@settings(derandomize=True, deadline=None, max_examples=40)
+def test_any_stroke_alone_is_as_dark_as_the_reference_says(scene: Scene) -> None:
+    truth = darkness_with_gradients(REFERENCE, scene.to(torch.float64))
+    for fast in FAST.values():
+        assert_same(darkness_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@each_fast_renderer
+def test_a_falloff_below_one_has_the_reference_values_and_gradients(fast: Renderer) -> None:
+    scene = random_scene(11)._replace(c=torch.tensor([0.7]))
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
+    assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@each_fast_renderer
+def test_neutral_plateau_and_opacity_have_the_reference_values_and_gradients(fast: Renderer) -> None:
+    scene = random_scene(13)._replace(q=torch.zeros(1), o=torch.ones(1))  # no pixel centre is near an apex of a cone
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
+    assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
+
+
+@each_renderer
+def test_only_trainable_strokes_get_gradients_and_the_canvas_keeps_its_own(renderer: Renderer) -> None:
+    scene = random_scene(3, strokes=8)
+    trainable = torch.tensor([True, False, True, True, False, False, True, False])
+    everything = composite_with_gradients(renderer, scene)
+    some = composite_with_gradients(renderer, scene, trainable)
+    for name in ("value", "canvas"):
+        assert torch.equal(some[name], everything[name])
+    for name in ("points", "thickness", "colours", "c", "q", "o"):
+        assert not some[name][~trainable].any(), name
+        assert torch.equal(some[name][trainable], everything[name][trainable]), name
+        assert everything[name][~trainable].any(), name
+
+
+@each_fast_renderer
+def test_no_trainable_stroke_still_leaves_the_gradient_of_the_canvas(fast: Renderer) -> None:
+    scene = random_scene(4)
+    nobody = torch.zeros(5, dtype=torch.bool)
+    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64), nobody)
+    assert_same(composite_with_gradients(fast, scene, nobody), truth, **FLOAT32)
+
+
+def test_the_gradients_of_the_reference_composite_are_its_finite_differences() -> None:
+    scene = random_scene(1, strokes=3, points=4, channels=2, height=6, width=7)
+    leaves = [x.double().requires_grad_() for x in scene]
+    assert torch.autograd.gradcheck(reference.composite, leaves, atol=tolerances.FINITE_DIFFERENCE)
+
+
+def test_the_gradients_of_the_reference_darkness_are_its_finite_differences() -> None:
+    scene = random_scene(2, strokes=3, points=4, height=6, width=7)
+    leaves = [x.double().requires_grad_() for name, x in scene._asdict().items() if name not in ("canvas", "colours")]
+
+    def darkness(*stroke: torch.Tensor) -> torch.Tensor:
+        return reference.darkness(*stroke, height=6, width=7)
+
+    assert darkness(*leaves).sum() > 0
+    assert torch.autograd.gradcheck(darkness, leaves, atol=tolerances.FINITE_DIFFERENCE)
+
+
+@each_renderer
+def test_the_projection_is_signed_and_clamped(renderer: Renderer) -> None:
+    scene = one_stroke([[2.5, 2.5], [6.5, 2.5]], [2.0, 2.0])
+    image = renderer.darkness(*scene[1:3], *scene[4:], height=6, width=10)[0]
+    # (1.5, 2.5): T = -1/4, clamped to 0, so 1 pixel from the mark's end. The infinite line would say 0 pixels and
+    # darkness 1; the unsigned projection 1/4 would say 2 pixels and darkness 0.
+    assert image[2, 1] == 0.5
+    # (7.5, 2.5): T = 5/4, clamped to 1.
+    assert image[2, 7] == 0.5
+    assert image[2, 4] == 1  # on the line
+    assert image[3, 4] == 0.5
+    assert image[2, 0] == image[2, 8] == image[0, 4] == 0  # exactly a half-width away
+
+
+@each_renderer
+def test_falloff_plateau_opacity_and_thickness_combine_as_computed_by_hand(renderer: Renderer) -> None:
+    scene = one_stroke([[2.5, 2.5], [6.5, 2.5]], [1.0, 3.0])
+    c, q, o = torch.tensor([2.0]), torch.tensor([0.25]), torch.tensor([0.8])
+    image = renderer.darkness(*scene[1:3], c, q, o, height=6, width=12)[0]
+    expected = {
+        (4, 3): 0.8 * ((1 - 1 / 2) / 0.75) ** 2,  # T = 1/2: half-width 2, 1 pixel away
+        (8, 2): 0.8 * ((1 - 2 / 3) / 0.75) ** 2,  # beyond the end: half-width 3, 2 pixels away
+        (6, 2): 0.8,  # on the plateau
+        (7, 2): 0.8 * ((1 - 1 / 3) / 0.75) ** 2,
+        (1, 2): 0.0,
+    }
+    for (x, y), value in expected.items():
+        assert float(image[y, x]) == pytest.approx(value, abs=tolerances.FLOAT32_VALUE)
+
+
+@each_renderer
+def test_strokes_cover_one_another_in_order(renderer: Renderer) -> None:
+    dot = one_stroke([[1.5, 1.5]], [2.0], height=3, width=3, q=0.5)
+    scene = dot._replace(
+        points=dot.points.expand(2, 1, 2),
+        thickness=dot.thickness.expand(2, 1),
+        colours=torch.tensor([[0.2], [0.6]]),
+        o=torch.tensor([1.0, 0.5]),
+    )
+    assert float(renderer.composite(*scene)[0, 1, 1]) == pytest.approx(0.2 * 0.5 + 0.6 * 0.5)
+
+
+@each_renderer
+def test_a_composite_is_its_darkness_laid_over_the_canvas(renderer: Renderer) -> None:
+    scene = random_scene(6, strokes=1)
+    d = renderer.darkness(*scene[1:3], *scene[4:], height=37, width=70)
+    expected = scene.canvas * (1 - d) + scene.colours[0, :, None, None] * d
+    torch.testing.assert_close(renderer.composite(*scene), expected, atol=tolerances.FLOAT32_VALUE, rtol=0)
+
+
+def test_other_number_types_get_the_float32_result_and_gradients_of_their_own_type() -> None:
+    scene = random_scene(7)
+    single = composite_with_gradients(FAST[cpu.INSTRUCTION_SETS[0]], scene)
+    double = composite_with_gradients(FAST[cpu.INSTRUCTION_SETS[0]], scene.to(torch.float64))
+    assert double["value"].dtype == torch.float32
+    assert torch.equal(single["value"], double["value"])
+    for name in scene._fields:
+        assert double[name].dtype == torch.float64
+        assert torch.equal(single[name], double[name].float()), name
+
+
+@each_fast_renderer
+def test_a_canvas_that_needs_no_gradient_changes_no_other_gradient(fast: Renderer) -> None:
+    scene = random_scene(14)
+    everything = composite_with_gradients(fast, scene)
+    leaves = [x.clone().requires_grad_() for x in scene[1:]]
+    out = fast.composite(scene.canvas, *leaves)
+    for name, gradient in zip(Scene._fields[1:], torch.autograd.grad(out, leaves, weights_like(out)), strict=True):
+        assert torch.equal(gradient, everything[name]), name
+
+
+@each_fast_renderer
+def test_memory_layout_does_not_matter(fast: Renderer) -> None:
+    scene = random_scene(8)
+    strided = Scene(*(torch.stack([x, -x], dim=-1)[..., 0] for x in scene))
+    assert not any(x.is_contiguous() for x in strided)
+    weights = torch.randn(1, 1, 70, generator=torch.Generator().manual_seed(0)).expand(3, 37, 70)
+    plain = composite_with_gradients(fast, scene, weights=weights.contiguous())
+    assert_same(composite_with_gradients(fast, strided, weights=weights), plain, value=0, gradient=0)
+
+
+@each_fast_renderer
+def test_arguments_are_left_as_they_were(fast: Renderer) -> None:
+    scene = random_scene(9)
+    before = Scene(*(x.clone() for x in scene))
+    composite_with_gradients(fast, scene)
+    for name, x, y in zip(scene._fields, scene, before, strict=True):
+        assert torch.equal(x, y), name
+
+
+def test_a_second_derivative_is_refused() -> None:
+    scene = random_scene(10)
+    points = scene.points.clone().requires_grad_()
+    out = cpu.composite(scene.canvas, points, *scene[2:])
+    (gradient,) = torch.autograd.grad(out.square().sum(), points, create_graph=True)
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        gradient.sum().backward()

@@ -1,0 +1,28 @@
+"""A judge without a network, for tests of how judges are asked."""
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor
+
+from maulstick.planning.objectives import Judge
+
+
+class Shifted(Judge):
+    """Wants the target, which each of its views sees moved a little further to the right. It counts its calls."""
+
+    def __init__(self, target: Tensor, views: int = 6) -> None:
+        self._target, self._views = target, views
+        self.asked: list[tuple[int, ...]] = []
+
+    @property
+    def name(self) -> str:
+        return "shifted"
+
+    @property
+    def views(self) -> int:
+        return self._views
+
+    def losses(self, canvas: Tensor, which: Sequence[int]) -> Tensor:
+        self.asked.append(tuple(which))
+        return torch.stack([(canvas - self._target.roll(view, dims=2)).square().mean() for view in which])

@@ -1,0 +1,285 @@
+"""A Grbl 1.1 on a pseudo-terminal, of no code of the robot's.
+
+Its time runs `pace` times as fast as the wall's. As no wire is that fast, its time stands still while it could take
+another line and none has come yet, unless the machine that sends is known to wait.
+"""
+
+import os
+import pty
+import re
+import select
+import threading
+import time
+import tty
+from collections import deque
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Self
+
+from tests.support.robot.grbl_motion import TICK, GrblMotion, Vector
+
+BUFFER = 128
+SENDER_WAITS = 5e-3  # seconds of the wall without a byte
+
+SETTINGS: dict[int, float] = {
+    10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 30: 1000, 31: 0, 32: 0,
+    100: 80, 101: 80, 102: 400, 110: 6000, 111: 6000, 112: 1200,
+    120: 400, 121: 400, 122: 400, 130: 300, 131: 220, 132: 60,
+}  # fmt: skip
+
+
+@dataclass
+class FakeGrbl:
+    """Answers as Grbl does, until a fault: faults[n] happens instead of the answer to the n-th line of G-code from 0.
+
+    A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
+    delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
+    """
+
+    settings: dict[int, float] = field(default_factory=lambda: dict(SETTINGS))
+    origin: Vector = (0.0, 0.0, 0.0)
+    start: Vector = (0.0, 0.0, 0.0)
+    pace: float = 50.0
+    delay: float = 0.0
+    faults: dict[int, str] = field(default_factory=dict)
+    lost_reports: int = 0
+    banner: str = "Grbl 1.1h ['$' for help]"
+    locked: bool = False
+
+    lines: list[str] = field(default_factory=list)
+    seconds: float = 0.0  # of motion and dwelling, since it was switched on
+    servo: float = 0.0
+    reached: list[tuple[float, float, float, float]] = field(default_factory=list)  # x, y, z, servo at ends of blocks
+    most_unread: int = 0
+    holds: int = 0
+
+    def __enter__(self) -> Self:
+        self._master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        self.port = os.ttyname(self._slave)
+        self._motion = GrblMotion(self.settings, self.start)
+        self._unread = b""
+        self._state = "Alarm" if self.locked else "Idle"
+        self._answers: deque[tuple[float, bytes]] = deque()
+        self._silent = self._ending = False
+        self._g_lines = 0
+        self._forget()
+        self._thread = threading.Thread(target=self._live, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._ending = True
+        self._thread.join()
+        self._hang_up()
+
+    @property
+    def place(self) -> Vector:
+        """Where the tip is, millimetres from the machine's origin."""
+        return self._motion.place
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed it had, millimetres a second."""
+        return self._motion.fastest
+
+    @property
+    def state(self) -> str:
+        return self._state
+
+    def _live(self) -> None:
+        heard = ran_to = time.monotonic()
+        owed = 0.0
+        while not self._ending:
+            now = time.monotonic()
+            if self._master < 0:
+                time.sleep(0.005)
+                continue
+            idle = not self._motion.busy and self._dwell <= 0 and not self._answers
+            try:
+                if select.select([self._master], [], [], 0.002 if idle else 0.0005)[0]:
+                    self._take(os.read(self._master, 4096))
+                    heard = time.monotonic()
+                self._say()
+            except OSError:
+                continue
+            self._read_lines()
+            now = time.monotonic()
+            if self._may_run(now - heard):
+                owed += min(now - ran_to, 0.02) * self.pace
+                self._run(int(owed / TICK))
+                owed %= TICK
+            ran_to = now
+
+    def _may_run(self, quiet: float) -> bool:
+        full = self._motion.full or self._pending is not None or self._state.startswith("Hold")
+        return full or quiet > SENDER_WAITS
+
+    def _take(self, came: bytes) -> None:
+        for byte in came:
+            letter = bytes([byte])
+            if letter == b"?":
+                self._report()
+            elif letter == b"!":
+                self.holds += 1
+                if self._state in ("Run", "Idle"):
+                    self._state = "Hold:1" if self._motion.speed > 0 else "Hold:0"
+            elif letter == b"\x18":
+                self._reset()
+            elif len(self._unread) >= BUFFER:
+                self.most_unread = BUFFER + 1  # an overflow; the byte is lost
+            else:
+                self._unread += letter
+                self.most_unread = max(self.most_unread, len(self._unread))
+
+    def _tell(self, text: str) -> None:
+        self._answers.append((time.monotonic() + self.delay, text.encode("latin-1") + b"\r\n"))
+
+    def _say(self) -> None:
+        while self._answers and self._answers[0][0] <= time.monotonic():
+            _, content = self._answers.popleft()
+            if not self._silent:
+                os.write(self._master, content)
+
+    def _hang_up(self) -> None:
+        if self._master >= 0:
+            os.close(self._master)
+            os.close(self._slave)
+            self._master = -1
+
+    def _report(self) -> None:
+        place = ",".join(f"{value:.3f}" for value in self._motion.place)
+        report = f"<{self._state}|MPos:{place}|FS:0,{self.servo:.0f}|WCO:0.000,0.000,0.000>"
+        if self.lost_reports > 0:
+            self.lost_reports -= 1
+            report = "\xc3" + report[1:]
+        self._tell(report)
+
+    def _forget(self) -> None:
+        self._motion.forget()
+        self._dwell = 0.0
+        self._pending: str | None = None  # a line that waits for room or for all motion to end
+        self._rate = 0.0
+
+    def _reset(self) -> None:
+        moving = self._state in ("Run", "Hold:1")
+        self._forget()
+        self._unread = b""
+        self.servo = 0.0
+        self._answers.clear()
+        if moving:
+            self._state = "Alarm"
+            self._tell("ALARM:3")
+        elif self._state != "Alarm":
+            self._state = "Idle"
+        self._tell(self.banner)
+        if self._state == "Alarm":
+            self._tell("[MSG:'$H'|'$X' to unlock]")
+
+    def _read_lines(self) -> None:
+        while self._state != "Hold:0" and self._dwell <= 0:
+            if self._pending is None:
+                if b"\n" not in self._unread:
+                    return
+                line, self._unread = self._unread.split(b"\n", 1)
+                self._pending = line.decode("latin-1").strip()
+                self.lines.append(self._pending)
+            if not self._done(self._pending):
+                return
+            self._pending = None
+
+    def _done(self, line: str) -> bool:
+        """Whether the line could be dealt with now."""
+        if line.startswith("$"):
+            self._system(line)
+            return True
+        if self._state == "Alarm":
+            self._tell("error:9")
+            return True
+        words = dict(re.findall(r"([A-Z])(-?[\d.]+)", line))
+        motion = "X" in words or "Y" in words or "Z" in words
+        if motion and self._motion.full:
+            return False
+        if ("M" in words or words.get("G") == "4") and (self._motion.busy or self._dwell > 0):
+            return False
+        fault = self.faults.get(self._g_lines)
+        self._g_lines += 1
+        if fault is not None:
+            self._fail(fault)
+            return True
+        if "S" in words:
+            self.servo = float(words["S"])
+        if words.get("G") == "4":
+            self._dwell = float(words["P"])
+            if self._dwell > 0:
+                return True
+        if motion:
+            self._plan(words)
+        self._tell("ok")
+        return True
+
+    def _fail(self, fault: str) -> None:
+        if fault == "silent":
+            self._silent = True
+        elif fault == "closed":
+            self._hang_up()
+        elif fault == "noise":
+            self._tell("\xff\x03o\xf8k")
+        elif fault == "door":
+            self._state = "Door:0"
+        elif fault.startswith("ALARM"):
+            self._forget()
+            self._state = "Alarm"
+            self._tell(fault)
+        elif fault != "lost":
+            self._tell(fault)
+
+    def _system(self, line: str) -> None:
+        if line == "$$":
+            for number, value in self.settings.items():
+                self._tell(f"${number}={value:.3f}" if value != int(value) or number > 99 else f"${number}={value:.0f}")
+        elif line == "$#":
+            x, y, z = self.origin
+            for name in ("G54", "G55", "G28", "G92"):
+                self._tell(f"[{name}:{x:.3f},{y:.3f},{z:.3f}]" if name == "G54" else f"[{name}:0.000,0.000,0.000]")
+            self._tell("[TLO:0.000]")
+        elif line == "$X":
+            self._state = "Idle" if self._state == "Alarm" else self._state
+        self._tell("ok")
+
+    def _plan(self, words: dict[str, str]) -> None:
+        self._rate = float(words.get("F", 60 * self._rate)) / 60
+        x, y, z = (
+            float(words[letter]) + offset if letter in words else here
+            for letter, offset, here in zip("XYZ", self.origin, self._motion.goal, strict=True)
+        )
+        self._motion.add((x, y, z), self._rate)
+        if self._state == "Idle" and self._motion.busy:
+            self._state = "Run"
+
+    def _run(self, ticks: int) -> None:
+        for _ in range(ticks):
+            if self._dwell > 0:
+                self.seconds += TICK
+                self._dwell -= TICK
+                if self._dwell <= 1e-9:
+                    self._dwell = 0.0
+                    self._tell("ok")
+                    self._read_lines()
+            elif self._motion.busy and self._state in ("Run", "Hold:1"):
+                self.seconds += TICK
+                self._step()
+                if self._pending is not None:
+                    self._read_lines()
+                if not self._may_run(0.0):
+                    return
+            else:
+                return
+
+    def _step(self) -> None:
+        braking = self._state == "Hold:1"
+        self.reached += [(*place, self.servo) for place in self._motion.step(braking)]
+        if braking and self._motion.speed == 0:
+            self._state = "Hold:0"
+        elif not self._motion.busy:
+            self._state = "Idle"

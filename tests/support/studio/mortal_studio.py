@@ -1,0 +1,28 @@
+"""A studio without a page, that is killed: python -m tests.support.studio.mortal_studio ROOT PLAN MACHINE EASEL."""
+
+import asyncio
+import sys
+from pathlib import Path
+
+from maulstick.jobs.paint.options import Asked
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.run import Run
+from maulstick.studio.workers.desk import Desk
+
+
+async def paint(root: Path, plan: str, machine: str, easel: Path) -> None:
+    """Say the process that paints once it has painted two strokes, and wait for the end."""
+    with Folder.opened(root) as folder:
+        desk = Desk()
+        run = Run(folder, desk, Mixing(folder, desk))
+        await run.begin(plan, Asked(robot=machine, easel=easel))
+        while run.state.going is None or run.state.going.stroke < 3:
+            await asyncio.sleep(0.02)
+        assert run._process is not None
+        print(run._process._process.pid, flush=True)
+        await asyncio.sleep(60)
+
+
+if __name__ == "__main__":
+    asyncio.run(paint(Path(sys.argv[1]), sys.argv[2], sys.argv[3], Path(sys.argv[4])))

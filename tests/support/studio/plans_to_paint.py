@@ -1,0 +1,72 @@
+"""Plans as the studio keeps them, without the time that planning takes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from maulstick.jobs.plan.options import Job
+from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.picture import encode_png
+from maulstick.storage.files import file_sum
+from maulstick.storage.records import write_record
+from maulstick.studio.state.mixing import Mixed
+from tests.support.planned import picture, planned
+from tests.support.robot.small_paintings import line, painting_of
+
+STROKES = 30
+LINES = painting_of([line(i, (0.005, 0.001 * i), (0.035, 0.001 * i)) for i in range(STROKES)])
+"""Strokes of 30 mm, 0.4 s each at an arm's pace."""
+
+
+def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = True) -> Path:
+    """Put a finished plan into the studio's folder; returns its painting.json. mixed: whether its paints are."""
+    folder = root / "plans" / name
+    folder.mkdir(parents=True)
+    photo = None if painting.made.image is None else root / "pictures" / name / "picture.png"
+    write_painting(painting, folder / "painting.json")
+    (folder / "job.json").write_text(json.dumps(_job(photo).as_json()))
+    (folder / "preview.png").write_bytes(encode_png(np.ones((40, 60, 3), dtype=np.float32)))
+    if mixed:
+        write_record(Mixed(paints=tuple(sorted({paint.label for paint in painting.paints}))), folder / "mixed.json")
+    return folder / "painting.json"
+
+
+def put_plan_of_a_picture(root: Path, name: str) -> Path:
+    """The same, with a picture that it can be planned by again."""
+    folder = root / "pictures" / name
+    folder.mkdir(parents=True)
+    (folder / "picture.png").write_bytes(encode_png(picture()))
+    known = {"image": "picture.png", "image_sha256": file_sum(folder / "picture.png")}
+    made = planned().made.model_copy(update=known)
+    return put_plan(root, name, planned().model_copy(update={"made": made}))
+
+
+def _job(photo: Path | None) -> Job:
+    return Job(
+        photo=photo,
+        text=None if photo is not None else "lines",
+        look=None,
+        weigh={},
+        clip=None,
+        clip_weights=None,
+        clip_layers=None,
+        size="60x40mm",
+        paper="white",
+        canvas=None,
+        fit="contain",
+        strokes=STROKES,
+        exact=False,
+        paints=2,
+        ink=None,
+        paints_from=None,
+        brush="marker",
+        press=None,
+        style="loops",
+        steps=10,
+        ask_every=1,
+        px=None,
+        seed=0,
+        tries=1,
+        frames=None,
+    )
