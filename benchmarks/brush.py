@@ -86,23 +86,23 @@ def photographs() -> None:
 
 def draw(folder: Path) -> None:
     """Write trials of strokes on one sheet, a little beside their places, photographed with noise."""
-    chance = np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     scale = SIZE[1] / SHEET
     canvas = torch.full((3, *SIZE), PAPER)
 
     def photograph() -> np.ndarray:
-        return np.clip(canvas.permute(1, 2, 0).numpy() + chance.normal(0, 0.01, (*SIZE, 3)), 0, 1)
+        return np.clip(canvas.permute(1, 2, 0).numpy() + rng.normal(0, 0.01, (*SIZE, 3)), 0, 1)
 
     trials = Trials.make(folder, medium="simulated", pixels_per_metre=scale)
     trials.begin(photograph())
     t = np.linspace(0, 1, 32)
     for _ in range(DIFFERENT):
-        angle, length = chance.uniform(0, 2 * np.pi), chance.uniform(0.015, 0.05)
-        along, across = t * length, 0.01 * chance.normal() * np.sin(np.pi * t)
-        x = chance.uniform(0.06, 0.24) + along * np.cos(angle) - across * np.sin(angle)
-        y = chance.uniform(0.06, 0.18) + along * np.sin(angle) + across * np.cos(angle)
-        path = np.stack([x, y, np.clip(chance.uniform(0.1, 0.9) + 0.1 * np.sin(3 * t), 0, 1)], axis=1)
-        drawn = torch.from_numpy(path + np.append(chance.normal(0, 3e-4, 2), 0)).float()[None]
+        angle, length = rng.uniform(0, 2 * np.pi), rng.uniform(0.015, 0.05)
+        along, across = t * length, 0.01 * rng.normal() * np.sin(np.pi * t)
+        x = rng.uniform(0.06, 0.24) + along * np.cos(angle) - across * np.sin(angle)
+        y = rng.uniform(0.06, 0.18) + along * np.sin(angle) + across * np.cos(angle)
+        path = np.stack([x, y, np.clip(rng.uniform(0.1, 0.9) + 0.1 * np.sin(3 * t), 0, 1)], axis=1)
+        drawn = torch.from_numpy(path + np.append(rng.normal(0, 3e-4, 2), 0)).float()[None]
         with torch.no_grad():
             canvas = paint(canvas, drawn, torch.tensor([INK]), Traj2Stroke.of([PEN]), scale)
         trials.append(path, photograph())

@@ -26,20 +26,20 @@ from maulstick.planning.features.clip import Clip
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.features.views import random_views
-from maulstick.planning.from_picture import commission_of
-from maulstick.planning.initialise import Beginnings
-from maulstick.planning.losses import Wishes
-from maulstick.planning.objectives import Judge, Likeness
+from maulstick.planning.from_picture import problem_of
+from maulstick.planning.initialise import Initialiser
+from maulstick.planning.losses import LossOptions
+from maulstick.planning.objectives import Likeness, NetworkLoss
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import Plan, Progress, plan
-from maulstick.planning.problem import Commission, PlanOptions, Weighted
-from maulstick.planning.stroke_canvas import Work
+from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.rendering.threads import usual_torch_threads
 from maulstick.style import load_style
 
 PX, STEPS, EVERY = 256, 2000, 10
 AT_ONCE, EXAM, EXAMINED_EVERY = 2, 16, 100
-LIKENESS = Wishes(weights={"likeness": 1.0})
+LIKENESS = LossOptions(weights={"likeness": 1.0})
 Row = dict[str, object]
 Curve = list[tuple[int, float]]
 Seen = Callable[[Tensor], None]
@@ -58,33 +58,33 @@ class Stopwatch:
         self.seconds += time.perf_counter() - self._started
 
 
-class Counted(Judge):
+class Counted(NetworkLoss):
     """Another judge, and how often it was asked."""
 
-    def __init__(self, judge: Judge) -> None:
-        self._judge, self.calls = judge, 0
+    def __init__(self, network_loss: NetworkLoss) -> None:
+        self._network_loss, self.calls = network_loss, 0
 
     @property
     def name(self) -> str:
         """What the judge is called."""
-        return self._judge.name
+        return self._network_loss.name
 
     @property
     def views(self) -> int:
         """As many as the judge has."""
-        return self._judge.views
+        return self._network_loss.views
 
     @usual_torch_threads()
     def losses(self, canvas: Tensor, which: list[int]) -> Tensor:
         """What the judge says."""
         self.calls += 1
-        return self._judge.losses(canvas, which)
+        return self._network_loss.losses(canvas, which)
 
 
 def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
     """A row, and of each way the loss after so many calls."""
-    options = PlanOptions(exact=True, steps=STEPS, ask_every=EVERY)
-    asked = _commission(image, options, EfficientNetLite0())
+    options = PlannerSettings(exact=True, steps=STEPS, ask_every=EVERY)
+    asked = _problem(image, options, EfficientNetLite0())
     assert asked.target is not None
     unseen = random_views(EXAM, *asked.weights.shape, Generator().manual_seed(1))
     exam = Likeness(EfficientNetLite0(), asked.target, unseen, torch.ones(3))
@@ -92,17 +92,19 @@ def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
     curves: dict[str, Curve] = {}
     for name, way in {"few_calls": _few, "plain": _plain, "warm": _warm}.items():
         prefix = "" if name == "few_calls" else f"{name}_"
-        judge, curve, examining = Counted(asked.judges[0].term), [], Stopwatch()
+        network_loss, curve, examining = Counted(asked.network_losses[0].term), [], Stopwatch()
 
-        def seen(canvas: Tensor, judge: Counted = judge, curve: Curve = curve, watch: Stopwatch = examining) -> None:
+        def seen(
+            canvas: Tensor, network_loss: Counted = network_loss, curve: Curve = curve, watch: Stopwatch = examining
+        ) -> None:
             with watch:
-                curve.append((judge.calls, _examined(canvas, exam)))
+                curve.append((network_loss.calls, _examined(canvas, exam)))
 
         planning = Stopwatch()
         with planning:
-            judges = (Weighted(judge, asked.judges[0].weight),)
-            planned = way(Commission(**{**vars(asked), "judges": judges}), options, seen)
-        row[f"{prefix}calls"] = judge.calls
+            network_losses = (Weighted(network_loss, asked.network_losses[0].weight),)
+            planned = way(PlanningProblem(**{**vars(asked), "judges": network_losses}), options, seen)
+        row[f"{prefix}calls"] = network_loss.calls
         row[f"{prefix}seconds"] = round(planning.seconds - examining.seconds, 1)
         seen(_rendered(asked, planned))
         row[f"{prefix}loss"] = round(curve[-1][1], 4)
@@ -114,33 +116,33 @@ def few_calls_time(image: str) -> Row:
     """What a plan takes with a random ViT-B/32."""
     import open_clip
 
-    options = PlanOptions()
+    options = PlannerSettings()
     model = open_clip.create_model("ViT-B-32", pretrained=None)
     shown = open_clip.get_model_preprocess_cfg(model)
     network = Clip("random ViT-B-32", model, open_clip.get_tokenizer("ViT-B-32"), shown, None)
-    asked = _commission(image, options, network)
-    judge = Counted(asked.judges[0].term)
+    asked = _problem(image, options, network)
+    network_loss = Counted(asked.network_losses[0].term)
     started = time.perf_counter()
-    plan(Commission(**{**vars(asked), "judges": (Weighted(judge, 1.0),)}), options)
-    seconds, calls = time.perf_counter() - started, judge.calls
+    plan(PlanningProblem(**{**vars(asked), "judges": (Weighted(network_loss, 1.0),)}), options)
+    seconds, calls = time.perf_counter() - started, network_loss.calls
     canvas = asked.paper.clone().requires_grad_()
     started = time.perf_counter()
-    judge.losses(canvas, list(range(AT_ONCE))).sum().backward()
+    network_loss.losses(canvas, list(range(AT_ONCE))).sum().backward()
     plain = STEPS * (time.perf_counter() - started)
     row: Row = {"name": "few_calls_time", "image": image, "network": network.name, "strokes": options.strokes}
     return row | {"calls": calls, "seconds": round(seconds), "plain_calls": STEPS, "plain_seconds": round(plain)}
 
 
-def _commission(image: str, options: PlanOptions, network: Network) -> Commission:
+def _problem(image: str, options: PlannerSettings, network: Network) -> PlanningProblem:
     layout = laid_out(image, PX)
     style = load_style("free", layout.canvas)
-    return commission_of(layout, BRUSH, style, options, LIKENESS, lambda: network)
+    return problem_of(layout, BRUSH, style, options, LIKENESS, lambda: network)
 
 
-def _few(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
+def _few(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
     steps = count()
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         if next(steps) % EXAMINED_EVERY == 0:
             seen(progress.canvas)
         return True
@@ -148,23 +150,25 @@ def _few(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
     return plan(asked, options, watch)
 
 
-def _plain(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
-    chance = Generator().manual_seed(options.seed)
-    start = anywhere(asked, options.strokes, chance)
-    return _plainly(asked, start, lambda canvas: _said(asked, canvas, chance), seen)
+def _plain(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
+    torch_rng = Generator().manual_seed(options.seed)
+    start = anywhere(asked, options.strokes, torch_rng)
+    return _plainly(asked, start, lambda canvas: _said(asked, canvas, torch_rng), seen)
 
 
-def _warm(asked: Commission, options: PlanOptions, seen: Seen) -> Plan:
-    chance, tone, judge = Generator().manual_seed(options.seed), asked.objectives[0], asked.judges[0]
-    start, _ = Beginnings(asked, options, np.random.default_rng(options.seed), chance).first()
+def _warm(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
+    torch_rng, tone, network_loss = Generator().manual_seed(options.seed), asked.objectives[0], asked.network_losses[0]
+    start, _ = Initialiser(asked, options, np.random.default_rng(options.seed), torch_rng).first()
 
     def loss(canvas: Tensor) -> Tensor:
-        return tone.weight * tone.term.loss(canvas, 1.0) + judge.weight * _said(asked, canvas, chance)
+        return tone.weight * tone.term.loss(canvas, 1.0) + network_loss.weight * _said(asked, canvas, torch_rng)
 
     return _plainly(asked, start, loss, seen)
 
 
-def _plainly(asked: Commission, start: StrokeParameters, loss: Callable[[Tensor], Tensor], seen: Seen) -> Plan:
+def _plainly(
+    asked: PlanningProblem, start: StrokeParameters, loss: Callable[[Tensor], Tensor], seen: Seen
+) -> PlanResult:
     def watch(step: int, _: float, canvas: Tensor) -> None:
         if step % EXAMINED_EVERY == 0:
             seen(canvas)
@@ -172,18 +176,20 @@ def _plainly(asked: Commission, start: StrokeParameters, loss: Callable[[Tensor]
     return plan_plainly(asked, start, loss, steps=STEPS, even_press=False, watch=watch)
 
 
-def _said(asked: Commission, canvas: Tensor, chance: Generator) -> Tensor:
+def _said(asked: PlanningProblem, canvas: Tensor, torch_rng: Generator) -> Tensor:
     """What the judge says through a few of its views."""
-    judge = asked.judges[0].term
-    return judge.losses(canvas, torch.randperm(judge.views, generator=chance)[:AT_ONCE].tolist()).mean()
+    network_loss = asked.network_losses[0].term
+    return network_loss.losses(
+        canvas, torch.randperm(network_loss.views, generator=torch_rng)[:AT_ONCE].tolist()
+    ).mean()
 
 
 @torch.no_grad()
-def _examined(canvas: Tensor, exam: Judge) -> float:
+def _examined(canvas: Tensor, exam: NetworkLoss) -> float:
     return float(exam.losses(canvas, range(exam.views)).mean())
 
 
-def _rendered(asked: Commission, planned: Plan) -> Tensor:
-    work = Work(planned.strokes, asked.paper, asked.canvas, asked.brush, asked.style)
-    work.paints, work.paint_of = planned.paints, planned.paint_of
-    return work.render().detach()
+def _rendered(asked: PlanningProblem, planned: PlanResult) -> Tensor:
+    stroke_canvas = StrokeCanvas(planned.strokes, asked.paper, asked.canvas, asked.brush, asked.style)
+    stroke_canvas.paints, stroke_canvas.paint_of = planned.paints, planned.paint_of
+    return stroke_canvas.render().detach()

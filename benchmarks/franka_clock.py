@@ -42,17 +42,17 @@ def both_clocks(strokes: Drawn) -> dict[str, float]:
     }
 
 
-def random_strokes(count: int, chance: np.random.Generator) -> Drawn:
+def random_strokes(count: int, rng: np.random.Generator) -> Drawn:
     """Curves of 32 points and 10 to 60 mm on an A5, at 10 to 60 mm/s, down to 2 mm deep."""
     strokes = []
     for _ in range(count):
-        turning = np.cumsum(chance.normal(0, 0.25, 31)) + chance.uniform(0, 2 * np.pi)
-        steps = np.stack([np.cos(turning), np.sin(turning)], axis=1) * chance.uniform(0.01, 0.06) / 31
+        turning = np.cumsum(rng.normal(0, 0.25, 31)) + rng.uniform(0, 2 * np.pi)
+        steps = np.stack([np.cos(turning), np.sin(turning)], axis=1) * rng.uniform(0.01, 0.06) / 31
         path = np.zeros((32, 3))
         path[1:, :2] = np.cumsum(steps, axis=0)
-        path[:, :2] += chance.uniform((-0.06, -0.09), (0.06, 0.09))
-        path[:, 2] = -2e-3 * np.sin(np.linspace(0, np.pi, 32)) * chance.uniform()
-        strokes.append((path, np.full(32, chance.uniform(0.01, 0.06))))
+        path[:, :2] += rng.uniform((-0.06, -0.09), (0.06, 0.09))
+        path[:, 2] = -2e-3 * np.sin(np.linspace(0, np.pi, 32)) * rng.uniform()
+        strokes.append((path, np.full(32, rng.uniform(0.01, 0.06))))
     return strokes
 
 

@@ -205,8 +205,8 @@ def main() -> None:
             capture_output=True,
             text=True,
         )
-        figures = time_of(row, device) | {"extra_mib": json.loads(memory.stdout)}
-        print(json.dumps(asdict(row) | {"device": asked.device} | figures), flush=True)
+        metrics = time_of(row, device) | {"extra_mib": json.loads(memory.stdout)}
+        print(json.dumps(asdict(row) | {"device": asked.device} | metrics), flush=True)
 
 
 if __name__ == "__main__":

@@ -32,13 +32,13 @@ from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
 
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
 from maulstick.planning.layout import Layout
-from maulstick.planning.losses import Wishes
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.objectives import Tone
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import Progress, plan
-from maulstick.planning.problem import PlanOptions, Weighted
+from maulstick.planning.planner import PlanProgress, plan
+from maulstick.planning.problem import PlannerSettings, Weighted
 from maulstick.planning.schedule import Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.style import load_style
@@ -47,26 +47,26 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 from few_calls import few_calls, few_calls_time
 from frida import anywhere
 
-PUBLISHED = Schedule(sorts=(), respends=(), snap=0.9, grouped=False)
-TONES, LIKENESS = Wishes(), Wishes(weights={"likeness": 1.0})
+PUBLISHED = Schedule(sorts=(), relocations=(), snap=0.9, grouped=False)
+TONES, LIKENESS = LossOptions(), LossOptions(weights={"likeness": 1.0})
 SEEN = 2 / 255
 SIZES = ((400, 256), (400, 512), (400, 1024), (1600, 512), (1600, 1024), (6400, 1024), (10_000, 1536))
 Row = dict[str, object]
 
 
-def paint(name: str, layout: Layout, options: PlanOptions) -> Painting:
+def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
     """As the rows are called."""
     style = load_style("free", layout.canvas)
-    commission = commission_of(layout, BRUSH, style, options, LIKENESS if name == "likeness" else TONES)
+    problem = problem_of(layout, BRUSH, style, options, LIKENESS if name == "likeness" else TONES)
     if name == "paper":
-        assert commission.target is not None
-        even = torch.ones_like(commission.weights)
-        tone = Weighted(Tone(commission.target, even, levels=1), 1.0)
-        commission = replace(commission, weights=even, objectives=(tone,))
-        start = anywhere(commission, options.strokes, torch.Generator().manual_seed(options.seed))
-        planned = plan(commission, options, schedule=PUBLISHED, start=start)
+        assert problem.target is not None
+        even = torch.ones_like(problem.weights)
+        tone = Weighted(Tone(problem.target, even, levels=1), 1.0)
+        problem = replace(problem, weights=even, objectives=(tone,))
+        start = anywhere(problem, options.strokes, torch.Generator().manual_seed(options.seed))
+        planned = plan(problem, options, schedule=PUBLISHED, start=start)
     else:
-        planned = plan(commission, options)
+        planned = plan(problem, options)
     return as_painting(planned, layout, BRUSH, style, making(options))
 
 
@@ -79,15 +79,15 @@ def stray(painting: Painting, layout: Layout) -> int:
     return int((bare[rows, columns].mean(axis=1) > 0.5).sum())
 
 
-def measure(name: str, image: str, options: PlanOptions, px: int) -> Row:
+def measure(name: str, image: str, options: PlannerSettings, px: int) -> Row:
     """A row of likeness, speed and memory."""
     layout = laid_out(image, px)
-    paint(name, layout, PlanOptions(strokes=20, paints=4, steps=20))
+    paint(name, layout, PlannerSettings(strokes=20, paints=4, steps=20))
     started = time.perf_counter()
     painting = paint(name, layout, options)
     seconds = time.perf_counter() - started
-    figures = figures_of(painting, layout)
-    assert figures is not None
+    metrics = metrics_of(painting, layout)
+    assert metrics is not None
     return {
         "name": name,
         "image": image,
@@ -98,25 +98,25 @@ def measure(name: str, image: str, options: PlanOptions, px: int) -> Row:
         "px": layout.canvas.height_px,
         "seconds": round(seconds, 1),
         "peak_mib": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
-        **{key: round(value, 6) for key, value in asdict(figures).items()},
+        **{key: round(value, 6) for key, value in asdict(metrics).items()},
     }
 
 
 def scaling(strokes: int, px: int) -> Row:
     """A row of what a step costs: the middle one of those from the 6th to the 16th."""
-    layout, options = laid_out("astronaut", px), PlanOptions(strokes=strokes, steps=1500)
+    layout, options = laid_out("astronaut", px), PlannerSettings(strokes=strokes, steps=1500)
     style = load_style("free", layout.canvas)
-    commission = commission_of(layout, BRUSH, style, options, TONES)
+    problem = problem_of(layout, BRUSH, style, options, TONES)
     times: list[float] = []
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         times.append(time.perf_counter())
         if len(times) > 16:
             raise StopIteration(progress)
         return True
 
     try:
-        plan(commission, options, watch, schedule=Schedule(sorts=(0.0,), respends=()))
+        plan(problem, options, watch, schedule=Schedule(sorts=(0.0,), relocations=()))
     except StopIteration as stopped:
         state = stopped.value.state()
     step = float(np.median(np.diff(times[5:])))
@@ -170,7 +170,7 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.large:
         for strokes, px, steps in ((4000, 768, 1500), (10_000, 1536, 300)):
-            in_its_own_process(measure, "plan", "astronaut", PlanOptions(strokes=strokes, steps=steps), px)
+            in_its_own_process(measure, "plan", "astronaut", PlannerSettings(strokes=strokes, steps=steps), px)
     elif asked.scaling:
         for strokes, px in SIZES:
             in_its_own_process(scaling, strokes, px)
@@ -179,7 +179,7 @@ def main() -> None:
     else:
         for image in asked.images:
             for name in ("plan", "likeness", "paper"):
-                in_its_own_process(measure, name, image, PlanOptions(), 256)
+                in_its_own_process(measure, name, image, PlannerSettings(), 256)
 
 
 if __name__ == "__main__":

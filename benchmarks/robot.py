@@ -30,9 +30,9 @@ from maulstick.ordering.sequence import sequenced
 from maulstick.ordering.tour import pen_up, tour
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.from_picture import as_painting, making, problem_of
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.style import load_style
 
 SIZES = (400, 2_000, 10_000)
@@ -47,10 +47,8 @@ def planned(strokes: int, style_name: str, brush_name: str, paints: int | None) 
     """The astronaut, 160 mm high, in one ink or in so many paints."""
     layout, brush = laid_out("astronaut", 512), load_brush(brush_name)
     style = load_style(style_name, layout.canvas)
-    options = PlanOptions(strokes=strokes, exact=True, paints=paints, steps=STEPS)
-    return as_painting(
-        plan(commission_of(layout, brush, style, options), options), layout, brush, style, making(options)
-    )
+    options = PlannerSettings(strokes=strokes, exact=True, paints=paints, steps=STEPS)
+    return as_painting(plan(problem_of(layout, brush, style, options), options), layout, brush, style, making(options))
 
 
 def ends_of(painting: Painting) -> np.ndarray:

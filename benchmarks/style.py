@@ -29,13 +29,13 @@ from photographs import BRUSH, laid_out
 from published import published_vae
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
-from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.strokes.strokes import Strokes
 from maulstick.style import shape
 from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
-from maulstick.style.exemplar import Exemplar, Hands, pool
+from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
 from maulstick.style.store import load_hands
 from maulstick.style.train import fine_tune, pretrained
@@ -113,7 +113,7 @@ def few_shot() -> None:
     _few_shot("mocap", mocap, lambda name: load_hands(), ("paper", "exemplar", "trajvae"))
     hands = {name: Hand.of(strokes) for name, strokes in wacom.items()}
 
-    def of_others(name: str) -> Hands:
+    def of_others(name: str) -> PooledHands:
         return pool([hand for key, hand in hands.items() if key != name])
 
     _few_shot("wacom", _large(wacom), of_others, ("exemplar",))
@@ -125,13 +125,13 @@ def _large(sessions: dict[str, Strokes]) -> dict[str, Strokes]:
 
 
 def _few_shot(
-    kind: str, sessions: dict[str, Strokes], hands_for: Callable[[str], Hands], models: tuple[str, ...]
+    kind: str, sessions: dict[str, Strokes], hands_for: Callable[[str], PooledHands], models: tuple[str, ...]
 ) -> None:
     described = {name: describe(paths_of(strokes)) for name, strokes in sessions.items()}
     together = np.concatenate(list(described.values()))
     mean, spread = together.mean(axis=0), together.std(axis=0)
     described = {name: (each - mean) / spread for name, each in described.items()}
-    figures: dict[str, list[tuple[float, float, float]]] = {}
+    metrics: dict[str, list[tuple[float, float, float]]] = {}
     for name, strokes in sessions.items():
         here: dict[str, list[tuple[float, float, float]]] = {}
         for seed in range(SEEDS):
@@ -139,7 +139,7 @@ def _few_shot(
             seen, unseen = ((describe(paths_of(part)) - mean) / spread for part in (few, rest))
             others = [each for key, each in described.items() if key != name]
             far = float(np.mean([distance_to_nearest(other, seen) for other in others]))
-            compare = partial(_figures, seen=seen, unseen=unseen, far=far, seed=seed)
+            compare = partial(_metrics, seen=seen, unseen=unseen, far=far, seed=seed)
             here.setdefault("floor", []).append(compare(seen, novel=unseen))
             here.setdefault("other_people", []).append(
                 tuple(np.mean([compare(other) for other in others], axis=0).tolist())
@@ -151,9 +151,9 @@ def _few_shot(
         for model, each in here.items():
             energy, one_nn, novelty = np.mean(each, axis=0).tolist()
             show("few_shot", model=model, session=name, energy=energy, one_nn=one_nn, novelty=novelty)
-            figures.setdefault(model, []).extend(each)
-    floor, far = (np.mean(figures[model], axis=0)[0] for model in ("floor", "other_people"))
-    for model, each in figures.items():
+            metrics.setdefault(model, []).extend(each)
+    floor, far = (np.mean(metrics[model], axis=0)[0] for model in ("floor", "other_people"))
+    for model, each in metrics.items():
         (energy, one_nn, novelty), spreads = np.mean(each, axis=0).tolist(), np.std(each, axis=0).tolist()
         show(
             "few_shot",
@@ -167,21 +167,21 @@ def _few_shot(
         )
 
 
-def _figures(
+def _metrics(
     drawn: Floats, seen: Floats, unseen: Floats, far: float, seed: int, novel: Floats | None = None
 ) -> tuple[float, float, float]:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     novelty = distance_to_nearest(drawn if novel is None else novel, seen) / far
-    return energy_distance(drawn, unseen), nearest_neighbour_accuracy(drawn, unseen, chance), novelty
+    return energy_distance(drawn, unseen), nearest_neighbour_accuracy(drawn, unseen, rng), novelty
 
 
-def _draw(model: str, few: Strokes, hands: Hands, others: list[Floats], seed: int) -> Floats:
+def _draw(model: str, few: Strokes, hands: PooledHands, others: list[Floats], seed: int) -> Floats:
     if model == "paper":
         return published_vae(others, paths_of(few), seed).sample(DRAWN, torch.Generator().manual_seed(seed))
     return _drawn_by(model, Hand.of(few), hands, seed)
 
 
-def _drawn_by(model: str, hand: Hand, hands: Hands, seed: int) -> Floats:
+def _drawn_by(model: str, hand: Hand, hands: PooledHands, seed: int) -> Floats:
     style = Exemplar.fit("hand", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
     with torch.no_grad():
         codes, _ = style.sample(DRAWN, torch.Generator().manual_seed(seed))
@@ -225,7 +225,7 @@ def _over_splits(
     """Rows: whose strokes; columns: whom they are taken for; shares of sheets."""
     confusion = np.zeros((len(sessions), len(sessions)))
     for seed in range(splits):
-        chance = np.random.default_rng(seed)
+        rng = np.random.default_rng(seed)
         halves = [split(strokes, seed, len(strokes) // 2) for strokes in sessions.values()]
         known = [describe(paths_of(half)) for half, _ in halves]
         together = np.concatenate(known)
@@ -234,7 +234,7 @@ def _over_splits(
         for row, (_, other) in enumerate(halves):
             described = (describe(strokes_of(other, seed)) - mean) / spread
             for _ in range(SHEETS):
-                sheet = described[chance.choice(len(described), SHEET, replace=len(described) < SHEET)]
+                sheet = described[rng.choice(len(described), SHEET, replace=len(described) < SHEET)]
                 named = int(np.argmin([energy_distance(sheet, half) for half in known]))
                 confusion[row, named] += 1 / SHEETS / splits
     return confusion
@@ -248,13 +248,13 @@ def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list
     style = Exemplar.fit("half", Hand.of(half), load_hands())
     if held is not None:
         style = replace(style, held=held)
-    layout, options = laid_out("astronaut", 256), PlanOptions(seed=seed)
-    planned = plan(commission_of(layout, BRUSH, style, options), options)
+    layout, options = laid_out("astronaut", 256), PlannerSettings(seed=seed)
+    planned = plan(problem_of(layout, BRUSH, style, options), options)
     painting = as_painting(planned, layout, BRUSH, style, making(options))
     if likeness is not None:
-        figures = figures_of(painting, layout)
-        assert figures is not None
-        likeness.append(figures.psnr)
+        metrics = metrics_of(painting, layout)
+        assert metrics is not None
+        likeness.append(metrics.psnr)
     return painting.trajectories()[..., :2]
 
 

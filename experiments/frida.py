@@ -15,8 +15,8 @@ from torch.nn.functional import logsigmoid
 
 from maulstick.colour.palette import mix_paints
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import Plan
-from maulstick.planning.problem import Commission
+from maulstick.planning.planner import PlanResult
+from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import Work, as_array
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.strokes.strokes import POINTS
@@ -99,10 +99,10 @@ class Bezier(Style):
         return None
 
 
-def anywhere(commission: Commission, count: int, generator: Generator) -> StrokeParameters:
+def anywhere(problem: PlanningProblem, count: int, generator: Generator) -> StrokeParameters:
     """Strokes of the style at random: places, directions, press and colours."""
-    codes, press_knots = commission.style.sample(count, generator)
-    size = torch.tensor([commission.canvas.width, commission.canvas.height])
+    codes, press_knots = problem.style.sample(count, generator)
+    size = torch.tensor([problem.canvas.width, problem.canvas.height])
     return StrokeParameters(
         codes=codes,
         centres=torch.rand(count, 2, generator=generator) * size,
@@ -127,7 +127,7 @@ def _even(press: Tensor) -> Tensor:
 
 @one_torch_thread()
 def plan_plainly(
-    commission: Commission,
+    problem: PlanningProblem,
     start: StrokeParameters,
     loss: Callable[[Tensor], Tensor],
     *,
@@ -136,7 +136,7 @@ def plan_plainly(
     seed: int = 0,
     even_press: bool = True,
     watch: Callable[[int, float, Tensor], None] = lambda step, loss, canvas: None,
-) -> Plan:
+) -> PlanResult:
     """Plan by RMSprop over all numbers of all strokes, whose rate rises and falls once.
 
     loss: of the canvas (C, H, W), asked at every step; the commission's objectives and judges are not.
@@ -146,12 +146,12 @@ def plan_plainly(
     """
     press = start.press_knots.mean(dim=1, keepdim=True) if even_press else start.press_knots
     leaves = {name: tensor.clone() for name, tensor in (start.each() | {"press_knots": press}).items()}
-    fixed = {"press_knots": not commission.brush.presses, "colours": paints is None}
+    fixed = {"press_knots": not problem.brush.presses, "colours": paints is None}
     for name, tensor in leaves.items():
         tensor.requires_grad_(not fixed.get(name, False))
     strokes = StrokeParameters(**(leaves | {"press_knots": _even(leaves["press_knots"])}))
-    work = Work(strokes, commission.paper, commission.canvas, commission.brush, commission.style)
-    peaks = RATES | {"centres": RATES["centres"] * commission.canvas.height}
+    work = Work(strokes, problem.paper, problem.canvas, problem.brush, problem.style)
+    peaks = RATES | {"centres": RATES["centres"] * problem.canvas.height}
     groups = [{"params": [tensor], "peak": peaks[name]} for name, tensor in leaves.items() if tensor.requires_grad]
     descent = torch.optim.RMSprop(groups, lr=0.0)
     for step in range(steps):
@@ -168,9 +168,9 @@ def plan_plainly(
         with torch.no_grad():
             leaves["press_knots"].clamp_(0, 1)
             leaves["colours"].clamp_(0, 1)
-        strokes.keep_inside(commission.style, commission.canvas.width, commission.canvas.height)
+        strokes.keep_inside(problem.style, problem.canvas.width, problem.canvas.height)
         watch(step, now.item(), canvas.detach())
     drawn = strokes[torch.arange(len(strokes))]
     if work.paints is not None:
-        return Plan(drawn, work.paints, work.paint_of)
-    return Plan(drawn, *torch.unique(drawn.colours, dim=0, return_inverse=True))
+        return PlanResult(drawn, work.paints, work.paint_of)
+    return PlanResult(drawn, *torch.unique(drawn.colours, dim=0, return_inverse=True))

@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Painting, Sheet
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making
+from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.preview import preview
 from maulstick.style.cards import style_path
 from maulstick.style.compare import describe, energy_distance, nearest_neighbour_accuracy
@@ -45,11 +45,11 @@ WAYS = ("frida", "bezier", *HANDS)
 BRUSH = "marker"
 SPLITS = 50
 HEIGHT, PX, SHOWN_PX = 0.16, 256, 512
-FULL = PlanOptions(strokes=400, exact=True, steps=2000)
-QUICK = PlanOptions(strokes=200, exact=True, steps=150)
+FULL = PlannerSettings(strokes=400, exact=True, steps=2000)
+QUICK = PlannerSettings(strokes=200, exact=True, steps=150)
 
 
-class Hands:
+class PooledHands:
     """The strokes of the hands, described, and how other strokes compare with them."""
 
     def __init__(self) -> None:
@@ -58,46 +58,46 @@ class Hands:
         self._mean, self._spread = together.mean(axis=0), together.std(axis=0)
         self._hands = {name: (described[name] - self._mean) / self._spread for name in HANDS}
 
-    def compare(self, paths: Floats, chance: np.random.Generator) -> dict[str, dict[str, float]]:
+    def compare(self, paths: Floats, rng: np.random.Generator) -> dict[str, dict[str, float]]:
         """Paths (N, n, 2), metres, with each hand."""
         drawn = (describe(paths) - self._mean) / self._spread
-        return _by_figure({name: _apart(drawn, hand, chance) for name, hand in self._hands.items()})
+        return _by_metric({name: _apart(drawn, hand, rng) for name, hand in self._hands.items()})
 
-    def halves(self, chance: np.random.Generator) -> dict[str, dict[str, float]]:
+    def halves(self, rng: np.random.Generator) -> dict[str, dict[str, float]]:
         """One half of each hand with the other, on average."""
         apart = {}
         for name, hand in self._hands.items():
-            mixed = [hand[chance.permutation(len(hand))] for _ in range(SPLITS)]
-            apart[name] = np.mean([_apart(each[::2], each[1::2], chance) for each in mixed], axis=0)
-        return _by_figure(apart)
+            mixed = [hand[rng.permutation(len(hand))] for _ in range(SPLITS)]
+            apart[name] = np.mean([_apart(each[::2], each[1::2], rng) for each in mixed], axis=0)
+        return _by_metric(apart)
 
 
-def _apart(drawn: Floats, hand: Floats, chance: np.random.Generator) -> tuple[float, float]:
-    return energy_distance(drawn, hand), nearest_neighbour_accuracy(drawn, hand, chance)
+def _apart(drawn: Floats, hand: Floats, rng: np.random.Generator) -> tuple[float, float]:
+    return energy_distance(drawn, hand), nearest_neighbour_accuracy(drawn, hand, rng)
 
 
-def _by_figure(apart: dict[str, tuple[float, float]]) -> dict[str, dict[str, float]]:
-    figures = zip(("energy", "told_apart"), zip(*apart.values(), strict=True), strict=True)
-    return {figure: dict(zip(apart, np.round(each, 3).tolist(), strict=True)) for figure, each in figures}
+def _by_metric(apart: dict[str, tuple[float, float]]) -> dict[str, dict[str, float]]:
+    metrics = zip(("energy", "told_apart"), zip(*apart.values(), strict=True), strict=True)
+    return {figure: dict(zip(apart, np.round(each, 3).tolist(), strict=True)) for figure, each in metrics}
 
 
-def paint(way: str, layout: Layout, options: PlanOptions) -> Painting:
+def paint(way: str, layout: Layout, options: PlannerSettings) -> Painting:
     """Plan a picture that is laid out."""
     brush = load_brush(BRUSH)
     style = read_style(style_path(way)) if way in HANDS else Bezier()
-    commission = commission_of(layout, brush, style, options)
+    problem = problem_of(layout, brush, style, options)
     if way == "frida":
-        start = anywhere(commission, options.strokes, torch.Generator().manual_seed(options.seed))
+        start = anywhere(problem, options.strokes, torch.Generator().manual_seed(options.seed))
         planned = plan_plainly(
-            commission,
+            problem,
             start,
-            lambda canvas: (canvas - commission.target).square().mean(),
+            lambda canvas: (canvas - problem.target).square().mean(),
             steps=options.steps,
             paints=options.paints,
             seed=options.seed,
         )
     else:
-        planned = plan(commission, options)
+        planned = plan(problem, options)
     if way == "bezier":
         planned = replace(planned, strokes=evenly_pressed(planned.strokes))
     return as_painting(planned, layout, brush, style, making(options))
@@ -110,8 +110,8 @@ def main() -> None:
     parser.add_argument("--picture", metavar="FILE.png", help="write all paintings side by side")
     asked = parser.parse_args()
     options, images = (QUICK, PICTURES[:1]) if asked.quick else (FULL, PICTURES)
-    hands, chance = Hands(), np.random.default_rng(options.seed)
-    print(json.dumps({"name": "hand", **hands.halves(chance)}), flush=True)
+    hands, rng = PooledHands(), np.random.default_rng(options.seed)
+    print(json.dumps({"name": "hand", **hands.halves(rng)}), flush=True)
     rows = []
     for image in images:
         picture = load(image)
@@ -130,9 +130,9 @@ def main() -> None:
                 "paint_changes": painting.paint_changes(),
                 "seconds": round(time.perf_counter() - started, 1),
             }
-            likeness = figures_of(painting, layout)
+            likeness = metrics_of(painting, layout)
             row |= {"psnr": round(likeness.psnr, 2), "ssim": round(likeness.ssim, 3)}
-            print(json.dumps(row | hands.compare(painting.trajectories()[..., :2], chance)), flush=True)
+            print(json.dumps(row | hands.compare(painting.trajectories()[..., :2], rng)), flush=True)
             rows[-1].append(preview(painting, Canvas.of_height(size, SHOWN_PX)))
     if asked.picture:
         side_by_side(["photograph", *WAYS], rows, SHOWN_PX).save(asked.picture)

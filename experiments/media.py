@@ -7,7 +7,7 @@ import torch
 
 from maulstick.brush_fit.trials import Trial
 from maulstick.painting.raster import Canvas
-from maulstick.robot.simulated.mypaint import Paper
+from maulstick.robot.simulated.mypaint import MyPaintPaper
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style.cards import STYLES
@@ -55,7 +55,7 @@ def mypaint_trials(
     trials = []
     for i, path in enumerate(_paths(styles, count, seed)):
         scaled = path * (side / SIDE, side / SIDE, 1)
-        paper = Paper(finer)
+        paper = MyPaintPaper(finer)
         paper.draw(scaled, medium, radius=radius or RADIUS[medium], speed=speed)
         fine = 1 - paper.photograph()[..., 0]
         darkness = fine.reshape(SIDE_PX, _FINER, SIDE_PX, _FINER).mean(axis=(1, 3))

@@ -41,14 +41,14 @@ from maulstick.painting.metrics import compare
 from maulstick.painting.painting import Painting, Sheet, write_painting
 from maulstick.painting.picture import encode_png, scaled
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.from_picture import as_painting, making, problem_of
 from maulstick.planning.layout import lay_out_for
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.preview import preview
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.routine import Ask
+from maulstick.robot.routine import Prompt
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import SimulatedEasel
 from maulstick.robot.simulated.sheets import MyPaintSheet
@@ -113,15 +113,15 @@ def main() -> None:
     for name in asked.medium:
         study = Study(name, QUICK if asked.quick else WHOLE, asked.out)
         for stage, shown, photograph in study.stages():
-            figures = compare(photograph, shown)
+            metrics = compare(photograph, shown)
             line = {
                 "medium": name,
                 "stage": stage,
                 "l1": float(np.abs(photograph - shown).mean()),
-                "ssim": figures.ssim,
+                "ssim": metrics.ssim,
             }
             print(json.dumps({**line, "picture_l1": float(np.abs(photograph - study.picture).mean())}), flush=True)
-        study.write_plate()
+        study.write_plot()
 
 
 class Study:
@@ -163,8 +163,8 @@ class Study:
         sheet = Sheet(width=self.trial.side, height=self.trial.side)
         layout = lay_out_for(self.picture, sheet, brush, "cover", self.trial.pixels)
         style = load_style("loops", layout.canvas)
-        options = PlanOptions(self.trial.strokes, paints=6, steps=self.trial.steps)
-        planned = plan(commission_of(layout, brush, style, options), options)
+        options = PlannerSettings(self.trial.strokes, paints=6, steps=self.trial.steps)
+        planned = plan(problem_of(layout, brush, style, options), options)
         made = making(options, "astronaut.png", None, {"style": "loops", "fit": "cover", "px": self.trial.pixels})
         return sequenced(as_painting(planned, layout, brush, style, made), (0.0, 0.0))
 
@@ -223,14 +223,14 @@ class Study:
         print(json.dumps({"medium": self.name, "fit": found.brush.model_dump(exclude_defaults=True)}), flush=True)
         return found.brush
 
-    def write_plate(self) -> None:
+    def write_plot(self) -> None:
         """All that was shown, side by side."""
         height = 2 * self.trial.pixels
-        plate = np.ones((height, sum(height for _ in self.shown), 3), dtype=np.float32)
+        plot = np.ones((height, sum(height for _ in self.shown), 3), dtype=np.float32)
         for place, (_, image) in enumerate(self.shown):
             large = Pillow.fromarray((255 * image).round().astype(np.uint8)).resize((height, height))
-            plate[:, place * height : (place + 1) * height] = np.asarray(large) / 255
-        Pillow.fromarray((255 * plate).astype(np.uint8)).save(self.out / f"{self.name}.png")
+            plot[:, place * height : (place + 1) * height] = np.asarray(large) / 255
+        Pillow.fromarray((255 * plot).astype(np.uint8)).save(self.out / f"{self.name}.png")
 
 
 class Easel:
@@ -239,11 +239,11 @@ class Easel:
     def __init__(self, study: Study, seed: int, side: float | None = None) -> None:
         tool, side = study.tool, side or study.trial.side
         canvas = Canvas(side, side, INK)
-        chance = np.random.default_rng(seed)
+        rng = np.random.default_rng(seed)
         self.sheet = MyPaintSheet(canvas, tool.medium, tool.radius, tool.depth)
-        self.robot = SimulatedEasel(self.sheet, offset=tool.offset, scatter=tool.scatter, chance=chance)
+        self.robot = SimulatedEasel(self.sheet, offset=tool.offset, scatter=tool.scatter, rng=rng)
         self.told = self.robot.easel(side, side)
-        self.camera = SimulatedCamera(self.sheet.image, canvas, chance)
+        self.camera = SimulatedCamera(self.sheet.image, canvas, rng)
         self.eye = Eye.opened(self.camera, Canvas(side, side, FLAT), TagFrame(side, side))
 
     def photograph(self) -> Image:
@@ -254,7 +254,7 @@ class Easel:
     def at_work(self, painting: Painting) -> Iterator[Workplace]:
         """The machine, painting that, with somebody who changes its pens."""
 
-        def ask(action: Ask) -> None:
+        def ask(action: Prompt) -> None:
             self.robot.hold(painting.paints[action.paint].colour)
 
         with TemporaryDirectory() as folder:

@@ -47,7 +47,7 @@ from maulstick.brush_fit.fit import ADDITIONS, fit_brush
 from maulstick.brush_fit.trials import Trial
 from maulstick.errors import MaulstickError
 from maulstick.painting.brush import Brush
-from maulstick.plots.sheet import INK, Plate
+from maulstick.plots.sheet import INK, Plot
 from maulstick.rendering.kernels.cpu import darkness
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.files import atomic_write
@@ -237,20 +237,20 @@ def figure(drawn: dict[tuple[str, str], Tensor]) -> bytes:
     rows = [(dataset, i) for dataset in datasets for i in range(len(drawn[dataset, "truth"]))]
     cell, left, head, gap, line = (300, 150), 90, 40, 8, 22
     height = head + len(rows) * (cell[1] + gap)
-    plate = Plate(left + len(columns) * (cell[0] + gap), height, lines=height / line)
+    plot = Plot(left + len(columns) * (cell[0] + gap), height, lines=height / line)
     for column, title in enumerate(columns):
-        plate.text(left + column * (cell[0] + gap), head - gap, title.replace("_", " + "), INK)
+        plot.text(left + column * (cell[0] + gap), head - gap, title.replace("_", " + "), INK)
     for row, (dataset, i) in enumerate(rows):
         top = head + row * (cell[1] + gap)
-        plate.text(gap, top + cell[1] / 2, dataset, INK)
+        plot.text(gap, top + cell[1] / 2, dataset, INK)
         for column, model in enumerate(columns):
             image = 1 - drawn[dataset, model][i].numpy()
             scale = min(cell[0] / image.shape[1], cell[1] / image.shape[0])
-            axes = plate.axes(left + column * (cell[0] + gap), top, *cell, scale)
+            axes = plot.axes(left + column * (cell[0] + gap), top, *cell, scale)
             across = np.add((-0.5, 0.5), cell[0] / image.shape[1] / scale / 2) * image.shape[1]
             axes.imshow(image, cmap="gray", vmin=0, vmax=1, extent=(*across, image.shape[0], 0))
             axes.set(xlim=(0, cell[0] / scale), ylim=(cell[1] / scale, 0), aspect="auto")
-    return plate.png()
+    return plot.png()
 
 
 def main() -> None:

@@ -135,14 +135,14 @@ def ask(studio: RunningStudio, page: Page, out: Path) -> None:
     pair = Pair(reference=pictures / "portrait" / "picture.png", looks=looks)
     folder = studio.folder / "surveys" / "two-hands"
     survey = build(folder, "Two hands", Match(hands=tuple(hands)), Opinions(systems=("loops", "anna"), pairs=(pair,)))
-    answers, chance = Answers(folder), Random(0)
+    answers, rng = Answers(folder), Random(0)
     for token in answers.mint(PARTICIPANTS):
         participant = answers.participant(token)
         assert participant is not None
         answers.begin(token)
         asked = questions(survey, participant.seed)
         for number, question in enumerate(asked):
-            chosen = chance.choice(question.choices).name
+            chosen = rng.choice(question.choices).name
             answers.answer(token, number, question, chosen, last=number + 1 == len(asked))
     page.goto(f"{studio.url}/survey")
     page.get_by_text("two-hands").first.click()

@@ -5,12 +5,16 @@ from collections.abc import Generator
 from typing import TypeVar
 
 import pytest
+import torch
 from hypothesis import settings
 
 # Data that is measured with and never shipped (../shared/data): the one thing that no machine can install.
 MAY_BE_ABSENT = "shared data absent"
 
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
+
+if not torch.cuda.is_available():  # read when Triton is imported, which any test may do first
+    os.environ["TRITON_INTERPRET"] = "1"
 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no fault
 settings.load_profile("untimed")

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.calibration.camera import View, locate, read_view, view_of_corners, write_view
+from maulstick.calibration.camera import CameraView, locate, read_view, view_of_corners, write_view
 from maulstick.calibration.tags import found_tags
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
@@ -20,7 +20,7 @@ from tests.support.tolerances import (
 )
 
 
-def _misses(studio: Studio, middles: np.ndarray) -> tuple[np.ndarray, View]:
+def _misses(studio: Studio, middles: np.ndarray) -> tuple[np.ndarray, CameraView]:
     _, view, flat = studio.look()
     return np.linalg.norm(seen_dots(flat, middles) - middles, axis=1), view
 

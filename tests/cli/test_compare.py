@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, StyleUse, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, StyleUse, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import preview
@@ -14,15 +14,15 @@ from tests.cli.conftest import run
 from tests.cli.test_show import BRUSH, STYLE
 from tests.support.nominal import nominal
 
-MADE = Making(
+MADE = Provenance(
     version="1",
     seed=7,
     options={"steps": 90, "weights": {"tone": 1.0, "edges": 0.25}},
-    figures={"psnr": 21.26, "ssim": 0.5},
+    metrics={"psnr": 21.26, "ssim": 0.5},
 )
 
 
-def a_plan(strokes: int, colour: tuple[float, float, float] = (1.0, 0.0, 0.0), made: Making = MADE) -> Painting:
+def a_plan(strokes: int, colour: tuple[float, float, float] = (1.0, 0.0, 0.0), made: Provenance = MADE) -> Painting:
     """Strokes from the left edge to the right one, on the upper half of the picture's area."""
     use = StyleUse(name="cursive", hash="ab", code=(), pose=(0, 0, 0))
     return Painting(
@@ -41,7 +41,7 @@ def a_plan(strokes: int, colour: tuple[float, float, float] = (1.0, 0.0, 0.0), m
 @pytest.fixture
 def plans(tmp_path: Path) -> list[Path]:
     paths = [tmp_path / name / "painting.json" for name in ("few", "many")]
-    for path, plan in zip(paths, (a_plan(2), a_plan(12, made=Making(version="1", image="a.jpg"))), strict=True):
+    for path, plan in zip(paths, (a_plan(2), a_plan(12, made=Provenance(version="1", image="a.jpg"))), strict=True):
         path.parent.mkdir()
         write_painting(plan, path)
     return paths

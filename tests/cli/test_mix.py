@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.colour.tubes import USUAL_PAINTS
-from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from tests.cli.conftest import run
 from tests.support.nominal import nominal
 
@@ -20,7 +20,7 @@ def painting(tmp_path: Path) -> Path:
     path = ((0.01, 0.01, 0.5), (0.04, 0.05, 0.5))
     plan = Painting(
         canvas=Sheet(width=0.1, height=0.08),
-        made=Making(version="1"),
+        made=Provenance(version="1"),
         brushes={"round": nominal("round")},
         paints=PAINTS,
         strokes=tuple(Stroke(id=i, paint=p, trajectory=path) for i, p in enumerate((0, 0, 1))),
@@ -62,7 +62,9 @@ def test_paints_that_are_at_hand_are_mixed_and_named_ones_too(painting: Path, tm
 
 
 def test_a_painting_without_paints_needs_none(tmp_path: Path) -> None:
-    plan = Painting(canvas=Sheet(width=0.1, height=0.08), made=Making(version="1"), brushes={}, paints=(), strokes=())
+    plan = Painting(
+        canvas=Sheet(width=0.1, height=0.08), made=Provenance(version="1"), brushes={}, paints=(), strokes=()
+    )
     write_painting(plan, tmp_path / "bare.json")
     ran = run("mix", tmp_path / "bare.json")
     assert (ran.code, rows(ran.stdout)) == (0, [])

@@ -16,7 +16,7 @@ from maulstick.painting.painting import Painting, read_painting
 from maulstick.painting.picture import decode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.planner import plan_mural
-from maulstick.planning.planner import Plan
+from maulstick.planning.planner import PlanResult
 from maulstick.rendering.preview import preview
 from tests.cli.conftest import PORTRAIT, RESULTS, Ran, paint, run
 from tests.planning.features.test_clip import TEXT, TRANSFORMER
@@ -62,17 +62,17 @@ def refused(folder: Path, *words: str | Path) -> str:
 def test_a_picture_is_usually_painted_in_its_tones_alone(tmp_path: Path) -> None:
     painting, ran = planned(tmp_path, PORTRAIT)
     assert painting.made.options["weights"] == {"tone": 1.0}
-    assert told_of_the_loss(ran) == f"tone {painting.made.figures['tone']:.5f} (100%)"
+    assert told_of_the_loss(ran) == f"tone {painting.made.metrics['tone']:.5f} (100%)"
 
 
 def test_the_table_tells_the_share_of_each_term(tmp_path: Path) -> None:
     painting, ran = planned(tmp_path, PORTRAIT, "--weigh", "likeness=1")
     assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0}
-    figures = painting.made.figures
-    assert figures["loss"] == pytest.approx(figures["tone"] + figures["likeness"])
-    share = figures["tone"] / figures["loss"]
+    metrics = painting.made.metrics
+    assert metrics["loss"] == pytest.approx(metrics["tone"] + metrics["likeness"])
+    share = metrics["tone"] / metrics["loss"]
     assert told_of_the_loss(ran) == (
-        f"tone {figures['tone']:.5f} ({share:.0%}), likeness {figures['likeness']:.5f} ({1 - share:.0%})"
+        f"tone {metrics['tone']:.5f} ({share:.0%}), likeness {metrics['likeness']:.5f} ({1 - share:.0%})"
     )
 
 
@@ -82,15 +82,15 @@ def test_a_text_is_painted_without_any_picture(tmp_path: Path, clip: tuple[str, 
     assert painting.made.image is None
     assert (painting.made.options["text"], painting.made.options["clip"]) == ("a sailing boat", READER)
     assert painting.area == (0, 0, 0.2, 0.16)
-    assert set(painting.made.figures) == {"words", "loss"}
-    assert told_of_the_loss(ran) == f"words {painting.made.figures['words']:.5f} (100%)"
+    assert set(painting.made.metrics) == {"words", "loss"}
+    assert told_of_the_loss(ran) == f"words {painting.made.metrics['words']:.5f} (100%)"
     assert "likeness" not in ran.stdout
 
 
 def test_a_text_beside_a_picture_counts_beside_it(tmp_path: Path, clip: tuple[str, ...]) -> None:
     painting, ran = planned(tmp_path, PORTRAIT, "--text", "a sailing boat", *clip)
     assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0, "words": 1.0}
-    assert {"psnr", "tone", "likeness", "words"} <= set(painting.made.figures)
+    assert {"psnr", "tone", "likeness", "words"} <= set(painting.made.metrics)
     assert ran.stdout.count("likeness") == 1
     other, _ = planned(tmp_path / "other", PORTRAIT, "--text", "a cat", *clip)
     assert other.strokes != painting.strokes
@@ -228,7 +228,7 @@ def test_on_a_sheet_that_shows_the_picture_already_there_is_little_left_to_paint
     found, exact = (read_painting(tmp_path / name / "painting.json") for name in ("out", "exact"))
     assert len(found.strokes) <= 3 < len(read_painting(painted[0] / "painting.json").strokes)
     assert len(exact.strokes) == 20
-    assert found.made.figures["psnr"] > 25
+    assert found.made.metrics["psnr"] > 25
 
 
 def test_a_photograph_of_another_sheet_is_refused(tmp_path: Path) -> None:
@@ -250,7 +250,7 @@ def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
     monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
     windows: list[int] = []
 
-    def small(*words: Any, **more: Any) -> Plan:
+    def small(*words: Any, **more: Any) -> PlanResult:
         windows.append(24)
         return plan_mural(*words, **more, window_px=24)
 

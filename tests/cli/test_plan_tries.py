@@ -8,7 +8,7 @@ import pytest
 
 from maulstick.cli.plan import tries
 from maulstick.jobs.plan.options import state_files
-from maulstick.painting.painting import Making, Painting, read_painting
+from maulstick.painting.painting import Painting, Provenance, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 
 TRIES = ("paint", PORTRAIT, *QUICK, "--tries", "2")
@@ -16,7 +16,7 @@ MORTAL = (sys.executable, "-m", "tests.support.cli.mortal", "0")
 
 
 def but_for_how_it_was_made(painting: Painting) -> Painting:
-    return painting.model_copy(update={"made": Making(version="any")})
+    return painting.model_copy(update={"made": Provenance(version="any")})
 
 
 def test_tries_that_were_killed_go_on_to_the_better_of_both_plans_and_no_process_stays(
@@ -33,11 +33,11 @@ def test_tries_that_were_killed_go_on_to_the_better_of_both_plans_and_no_process
     assert sorted(os.listdir(out)) == RESULTS
     assert paint(tmp_path / "alone", "--seed", "1").code == 0
     alone = [read_painting(folder / "painting.json") for folder in (painted[0], tmp_path / "alone")]
-    losses = [painting.made.figures["loss"] for painting in alone]
+    losses = [painting.made.metrics["loss"] for painting in alone]
     better, kept = alone[losses.index(min(losses))], read_painting(out / "painting.json")
     assert losses[0] != losses[1]
     assert but_for_how_it_was_made(kept) == but_for_how_it_was_made(better)
-    assert (kept.made.seed, kept.made.figures) == (better.made.seed, better.made.figures)
+    assert (kept.made.seed, kept.made.metrics) == (better.made.seed, better.made.metrics)
     assert kept.made.options == {**better.made.options, "tries": 2}
 
 

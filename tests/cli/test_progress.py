@@ -7,10 +7,10 @@ import pytest
 import torch
 from PIL import Image, ImageSequence
 
-from maulstick.cli.progress import Camera
+from maulstick.cli.progress import VideoRecorder
 from maulstick.jobs.plan import prepare
 from maulstick.painting.painting import read_painting
-from maulstick.painting.video import Film
+from maulstick.painting.video import Video
 from maulstick.planning.planner import Progress
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint
 
@@ -53,8 +53,8 @@ def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
     ran = paint(tmp_path, "--frames", "gif")
     assert ran.code == 0
     assert "progress.gif" in ran.stdout
-    with Image.open(tmp_path / "progress.gif") as film:
-        frames = [(frame.convert("RGB"), frame.info["duration"]) for frame in ImageSequence.Iterator(film)]
+    with Image.open(tmp_path / "progress.gif") as video:
+        frames = [(frame.convert("RGB"), frame.info["duration"]) for frame in ImageSequence.Iterator(video)]
     assert 2 <= len(frames) <= 31
     assert frames[-1][1] >= 2000
     last = np.asarray(frames[-1][0], dtype=float)
@@ -67,8 +67,8 @@ def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
 def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
     assert paint(tmp_path, "--frames", "mp4").code == 0
-    with av.open(tmp_path / "progress.mp4") as film:
-        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    with av.open(tmp_path / "progress.mp4") as video:
+        frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
     assert len(frames) == 30 + 1 + 40
     assert frames[0].shape == (48, 60, 3)
 
@@ -80,18 +80,18 @@ def test_an_mp4_without_the_package_that_makes_it_is_refused(tmp_path: Path, mon
     assert ran.mistake == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
 
 
-def filmed(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
+def recorded(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
     """The film of a canvas that grows lighter with each of so many steps."""
-    camera = Camera(Film("gif"), steps)
+    camera = VideoRecorder(Video("gif"), steps)
     for step in range(steps):
         camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps), dict))
-    return Image.open(io.BytesIO(camera.film.encode()))
+    return Image.open(io.BytesIO(camera.video.encode()))
 
 
 @pytest.mark.parametrize(("steps", "frames"), [(1, 1), (160, 160), (161, 81), (319, 160), (1500, 150), (4000, 160)])
 def test_a_film_has_at_most_160_frames(steps: int, frames: int) -> None:
-    with filmed(steps) as film:
-        assert getattr(film, "n_frames", 1) == frames
+    with recorded(steps) as video:
+        assert getattr(video, "n_frames", 1) == frames
 
 
 @pytest.mark.parametrize(
@@ -100,5 +100,5 @@ def test_a_film_has_at_most_160_frames(steps: int, frames: int) -> None:
 def test_a_film_of_a_large_canvas_is_scaled_down_and_of_a_small_one_not_up(
     shape: tuple[int, int], size: tuple[int, int]
 ) -> None:
-    with filmed(2, shape) as film:
-        assert film.size == size
+    with recorded(2, shape) as video:
+        assert video.size == size

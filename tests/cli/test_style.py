@@ -20,12 +20,12 @@ SIX = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
 
 def waves(number: int, length: float, bend: float, press: float = 0.5) -> Ink:
     """Strokes that differ a little; one more is a dot."""
-    chance = np.random.default_rng(number)
+    rng = np.random.default_rng(number)
     along = np.linspace(0, 1, 40)
     strokes = []
     for i in range(number):
-        long = length * chance.uniform(0.8, 1.2)
-        y = 0.05 + bend * long * np.sin(chance.uniform(5, 7) * along)
+        long = length * rng.uniform(0.8, 1.2)
+        y = 0.05 + bend * long * np.sin(rng.uniform(5, 7) * along)
         strokes.append(np.column_stack([i + along, 0.01 + long * along, y, np.full(40, press)]))
     return Ink.of([*strokes, strokes[0][:1]], (0.2, 0.2))
 
@@ -84,8 +84,8 @@ def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
 def test_a_network_is_trained_where_it_is_asked_for(
     here: Path, monkeypatch: pytest.MonkeyPatch, active: int, words: str
 ) -> None:
-    chance = torch.Generator().manual_seed(0)
-    network = {name: 0.1 * torch.randn(size, generator=chance) for name, size in shapes().items()}
+    rng = torch.Generator().manual_seed(0)
+    network = {name: 0.1 * torch.randn(size, generator=rng) for name, size in shapes().items()}
     network |= {"hands.covariance": torch.eye(GIST + 1), "hands.residual": torch.ones(RESIDUAL)}
 
     def fine_tune(weights: Weights, hand: Hand, seed: int, called: str) -> TrajVAE:

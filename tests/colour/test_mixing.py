@@ -107,9 +107,9 @@ def test_an_error_is_told_in_words(error: float, words: str) -> None:
 
 @pytest.mark.parametrize(("count", "most"), [(1, 1), (17, 3), (40, 2)])
 def test_many_tubes_are_mixed_fewer_at_a_time(count: int, most: int) -> None:
-    chance = np.random.default_rng(count)
-    base = [NamedPaint(f"tube {i}", tuple(colour)) for i, colour in enumerate(chance.random((count, 3)).tolist())]
-    recipes = mixing_advice(chance.random((4, 3)), base)
+    rng = np.random.default_rng(count)
+    base = [NamedPaint(f"tube {i}", tuple(colour)) for i, colour in enumerate(rng.random((count, 3)).tolist())]
+    recipes = mixing_advice(rng.random((4, 3)), base)
     assert max(len(recipe.parts) for recipe in recipes) <= most
     assert len({recipe.parts for recipe in recipes}) > (count > 1)
 

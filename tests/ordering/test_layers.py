@@ -30,9 +30,9 @@ def test_white_comes_first_and_black_last() -> None:
 
 
 @given(paint_of_each, st.randoms(use_true_random=False))
-def test_a_paint_stands_together_in_the_order_that_was_before(paint_of: NDArray[np.int64], chance: object) -> None:
+def test_a_paint_stands_together_in_the_order_that_was_before(paint_of: NDArray[np.int64], rng: object) -> None:
     before = np.arange(len(paint_of))
-    chance.shuffle(before)  # type: ignore[attr-defined]
+    rng.shuffle(before)  # type: ignore[attr-defined]
     order = by_paint(paint_of, before)
     assert (np.diff(paint_of[order]) >= 0).all()
     for paint in range(5):

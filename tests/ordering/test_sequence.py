@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Making, Paint, Painting, Point, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import preview
 from tests.support.tolerances import MARK_METRES, SAME_PICTURE
@@ -26,7 +26,7 @@ def _painting(strokes: list[tuple[int, tuple[Point, ...]]], brush: Brush = PEN) 
     """Strokes of (paint, trajectory), whose ids run backwards."""
     return Painting(
         canvas=Sheet(width=SIDE, height=SIDE),
-        made=Making(version="0"),
+        made=Provenance(version="0"),
         brushes={brush.name: brush},
         paints=tuple(Paint(colour=colour, brush=brush.name) for colour in COLOURS),
         strokes=tuple(

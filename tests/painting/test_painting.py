@@ -17,9 +17,9 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.painting import (
-    Making,
     Paint,
     Painting,
+    Provenance,
     Sheet,
     Stroke,
     StyleUse,
@@ -51,7 +51,7 @@ def a_painting(strokes: Iterable[Stroke] = STROKES, paints: int = 2) -> Painting
     options: dict[str, Any] = {"steps": 9, "ink": None}
     return Painting(
         canvas=Sheet(width=0.2, height=0.16),
-        made=Making(version="1", image="a.jpg", image_sha256="0" * 64, seed=3, options=options),
+        made=Provenance(version="1", image="a.jpg", image_sha256="0" * 64, seed=3, options=options),
         brushes={"round": nominal("round"), "pen": nominal("fineliner")},
         paints=tuple(Paint(colour=(i / 10, 0.5, 1.0), brush=("round", "pen")[i % 2]) for i in range(paints)),
         strokes=tuple(strokes),
@@ -116,11 +116,11 @@ def paintings(draw: st.DrawFn) -> Painting:
             picture=draw(st.none() | st.just(PNG)),
         ),
         area=(x, y, width - x, height - y),
-        made=Making(
+        made=Provenance(
             version="1",
             image=draw(st.none() | st.text()),
             options=options,
-            figures=draw(st.dictionaries(names, st.floats(allow_nan=False, allow_infinity=False), max_size=3)),
+            metrics=draw(st.dictionaries(names, st.floats(allow_nan=False, allow_infinity=False), max_size=3)),
         ),
         brushes=brushes,
         paints=tuple(paints),
@@ -266,7 +266,7 @@ def test_a_colour_is_told_as_painters_programs_tell_it() -> None:
 
 def test_a_picture_whose_name_is_no_text_can_still_be_recorded(tmp_path: Path) -> None:
     latin = b"caf\xe9.jpg".decode(errors="surrogateescape")
-    painting = a_painting().model_copy(update={"made": Making(version="1", image=latin, options={"photo": latin})})
+    painting = a_painting().model_copy(update={"made": Provenance(version="1", image=latin, options={"photo": latin})})
     write_painting(painting, tmp_path / "painting.json")
     again = read_painting(tmp_path / "painting.json")
     assert again == painting
@@ -337,8 +337,8 @@ def of_point(*point: float) -> Damage:
             "canvas.picture: Value error, the picture is 4097 x 1 pixels; it must be at most",
         ),
         (lambda p: p["canvas"].update(picture=7), "canvas.picture: Input should be a valid bytes (got 7)"),
-        (lambda p: p["made"].update(figures={"psnr": float("inf")}), "made.figures.psnr: Input should be a finite"),
-        (lambda p: p["made"].update(figures={"psnr": "high"}), "made.figures.psnr: Input should be a valid number"),
+        (lambda p: p["made"].update(metrics={"psnr": float("inf")}), "made.figures.psnr: Input should be a finite"),
+        (lambda p: p["made"].update(metrics={"psnr": "high"}), "made.figures.psnr: Input should be a valid number"),
         (lambda p: p["paints"][0].update(name=""), "paints[0].name: String should have at least 1 character (got '')"),
         (lambda p: p["made"].update(image_sha256="12"), "made.image_sha256: String should match pattern"),
         (lambda p: p["made"].update(seed=1.5), "made.seed: Input should be a valid integer"),

@@ -262,7 +262,7 @@ def test_a_truncated_picture_is_refused_in_one_line(tmp_path: Path, suffix: str)
 
 
 def test_a_damaged_picture_is_read_or_refused_but_nothing_else(tmp_path: Path) -> None:
-    chance = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     refused = 0
     for suffix in ("jpg", "png", "tif", "webp", "gif"):
         path = tmp_path / f"picture.{suffix}"
@@ -272,7 +272,7 @@ def test_a_damaged_picture_is_read_or_refused_but_nothing_else(tmp_path: Path) -
         whole = np.frombuffer(path.read_bytes(), np.uint8)
         for _ in range(60):
             damaged = whole.copy()
-            damaged[chance.integers(0, len(whole), 4)] = chance.integers(0, 256, 4)
+            damaged[rng.integers(0, len(whole), 4)] = rng.integers(0, 256, 4)
             path.write_bytes(damaged.tobytes())
             try:
                 picture = read_picture(path, 64)
@@ -450,12 +450,12 @@ def test_what_cannot_be_kept_in_a_file_is_refused(content: bytes, text: str) -> 
 
 
 def test_a_damaged_png_is_decoded_or_refused_but_nothing_else() -> None:
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     whole = np.frombuffer(encode_png(ramp().astype(np.float32) / 255), np.uint8)
     refused = 0
     for _ in range(100):
         damaged = whole.copy()
-        damaged[chance.integers(0, len(whole), 3)] = chance.integers(0, 256, 3)
+        damaged[rng.integers(0, len(whole), 3)] = rng.integers(0, 256, 3)
         try:
             assert max(decode_png(damaged.tobytes()).shape) <= 4096
         except InputError:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import vpype
 
-from maulstick.painting.painting import Making, Paint, Painting, Point, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.svg import axidraw_svg, painting_svg
 from tests.support.nominal import nominal
 
@@ -24,7 +24,7 @@ def a_painting(*strokes: tuple[int, tuple[Point, ...]]) -> Painting:
     bent = nominal("round").model_copy(update={"m_x": 2.0, "b_x": 0.05})
     return Painting(
         canvas=Sheet(width=0.2, height=0.16, paper=(1.0, 1.0, 0.8)),
-        made=Making(version="1"),
+        made=Provenance(version="1"),
         brushes={"round <bent>": bent, "pen": nominal("fineliner")},
         paints=(
             Paint(colour=(0.0, 0.0, 0.0), brush="pen"),

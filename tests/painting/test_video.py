@@ -8,7 +8,7 @@ from PIL import Image, ImageSequence
 
 from maulstick.errors import InputError
 from maulstick.painting import video
-from maulstick.painting.video import Film
+from maulstick.painting.video import Video
 
 RED, GREEN, BLUE = np.eye(3, dtype=np.float32)
 A_FRAME = 50  # milliseconds
@@ -19,15 +19,15 @@ def frame(colour: NDArray[np.float32], height: int = 24, width: int = 32) -> NDA
     return np.broadcast_to(colour, (height, width, 3))
 
 
-def filmed(kind: str, *frames: NDArray[np.float32]) -> bytes:
-    made = Film(kind)
+def recorded(kind: str, *frames: NDArray[np.float32]) -> bytes:
+    made = Video(kind)
     for one in frames:
         made.add(one)
     return made.encode()
 
 
 def test_a_gif_shows_every_frame_in_turn_and_the_last_for_two_seconds() -> None:
-    with Image.open(io.BytesIO(filmed("gif", frame(RED), frame(GREEN), frame(BLUE)))) as gif:
+    with Image.open(io.BytesIO(recorded("gif", frame(RED), frame(GREEN), frame(BLUE)))) as gif:
         assert (gif.format, gif.size) == ("GIF", (32, 24))
         shown = [(one.convert("RGB").getpixel((5, 5)), one.info["duration"]) for one in ImageSequence.Iterator(gif)]
     colours = [colour for colour, _ in shown]
@@ -41,15 +41,15 @@ def test_a_gif_shows_every_frame_in_turn_and_the_last_for_two_seconds() -> None:
 
 
 def test_the_same_frames_make_the_same_bytes() -> None:
-    once = filmed("gif", frame(RED), frame(GREEN))
-    assert filmed("gif", frame(RED), frame(GREEN)) == once
-    assert filmed("gif", frame(GREEN), frame(RED)) != once
+    once = recorded("gif", frame(RED), frame(GREEN))
+    assert recorded("gif", frame(RED), frame(GREEN)) == once
+    assert recorded("gif", frame(GREEN), frame(RED)) != once
 
 
 @pytest.mark.parametrize(("height", "width"), [(24, 32), (25, 33), (2, 3)])
 def test_an_mp4_shows_every_frame_and_needs_no_even_sides(height: int, width: int) -> None:
     av = pytest.importorskip("av")
-    data = filmed("mp4", *(frame(colour, height, width) for colour in (RED, GREEN, BLUE)))
+    data = recorded("mp4", *(frame(colour, height, width) for colour in (RED, GREEN, BLUE)))
     with av.open(io.BytesIO(data)) as container:
         stream = container.streams.video[0]
         assert (stream.width, stream.height) == (width + width % 2, height + height % 2)
@@ -62,27 +62,27 @@ def test_an_mp4_shows_every_frame_and_needs_no_even_sides(height: int, width: in
 
 @pytest.mark.parametrize(("height", "width", "size"), [(1000, 400, (288, 720)), (400, 2000, (1280, 256))])
 def test_large_frames_are_filmed_small_and_never_stretched(height: int, width: int, size: tuple[int, int]) -> None:
-    with Image.open(io.BytesIO(filmed("gif", frame(RED, height, width)))) as gif:
+    with Image.open(io.BytesIO(recorded("gif", frame(RED, height, width)))) as gif:
         assert gif.size == size
 
 
 def test_another_format_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError) as caught:
-        Film("avi")
+        Video("avi")
     assert str(caught.value) == "there is no film format 'avi'; there are: gif, mp4"
 
 
 def test_an_mp4_without_its_package_is_refused_before_anything_is_filmed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(video, "find_spec", lambda name: None)
     with pytest.raises(InputError) as caught:
-        Film("mp4")
+        Video("mp4")
     assert str(caught.value) == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
-    assert Film("gif").kind == "gif"
+    assert Video("gif").kind == "gif"
 
 
 def test_grey_levels_are_rounded_to_the_nearest() -> None:
     levels = np.linspace(0, 1, 8, dtype=np.float32)
-    made = Film("gif")
+    made = Video("gif")
     made.add(np.repeat(levels[None, :, None], 3, axis=2))
     with Image.open(io.BytesIO(made.encode())) as gif:
         pixels = [cast(tuple[int, ...], gif.convert("RGB").getpixel((x, 0)))[0] for x in range(8)]

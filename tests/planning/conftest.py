@@ -13,24 +13,24 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.objectives import Tone
-from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.style import load_style
 from tests.support.nominal import nominal
 
-QUICK = PlanOptions(strokes=30, paints=4, steps=80)
+QUICK = PlannerSettings(strokes=30, paints=4, steps=80)
 
 
-def options(**changes: object) -> PlanOptions:
+def options(**changes: object) -> PlannerSettings:
     return replace(QUICK, **changes)  # type: ignore[arg-type]
 
 
-def commission(picture: Picture, brush: Brush, *, halftone: bool = False) -> Commission:
+def problem(picture: Picture, brush: Brush, *, halftone: bool = False) -> PlanningProblem:
     """To paint a picture (H, W, 3) on all of a sheet that is 6 cm high."""
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
     tone = Weighted(Tone(target, weights, halftone=halftone), 1.0)
-    return Commission(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
+    return PlanningProblem(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
 
 
 def mse(canvas: Tensor, target: Tensor) -> float:

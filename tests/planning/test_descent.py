@@ -5,9 +5,9 @@ from maulstick.planning.parameters import StrokeParameters
 
 
 def strokes(count: int) -> StrokeParameters:
-    chance = torch.Generator().manual_seed(count)
+    torch_rng = torch.Generator().manual_seed(count)
     shapes = {"codes": (13,), "centres": (2,), "angles": (), "press_knots": (4,), "colours": (3,)}
-    tensors = {k: torch.rand(count, *shape, generator=chance) * 0.5 + 0.25 for k, shape in shapes.items()}
+    tensors = {k: torch.rand(count, *shape, generator=torch_rng) * 0.5 + 0.25 for k, shape in shapes.items()}
     return StrokeParameters(**{k: x.requires_grad_() for k, x in tensors.items()})
 
 

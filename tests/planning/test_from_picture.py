@@ -8,15 +8,15 @@ import torch
 
 from maulstick.colour.palette import lightness
 from maulstick.painting.brush import Brush
-from maulstick.painting.metrics import Figures
-from maulstick.painting.painting import Making, Painting, Sheet, hex_colour, read_painting, write_painting
+from maulstick.painting.metrics import Metrics
+from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour, read_painting, write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import Image as Picture
-from maulstick.planning.from_picture import as_painting, commission_of, figures_of, making, with_figures
+from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.losses import Wishes
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.preview import preview
 from maulstick.strokes import strokes
 from maulstick.style import load_style
@@ -24,20 +24,20 @@ from tests.planning.conftest import QUICK, options
 from tests.support.nominal import nominal
 from tests.support.tolerances import FILE_METRES
 
-NO_NETWORK = Wishes(weights={"likeness": 0.0})
+NO_NETWORK = LossOptions(weights={"likeness": 0.0})
 LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
 
 
-def painted(layout: Layout, brush: Brush, wanted: PlanOptions = QUICK) -> Painting:
+def painted(layout: Layout, brush: Brush, wanted: PlannerSettings = QUICK) -> Painting:
     style = load_style("free", layout.canvas)
-    commission = commission_of(layout, brush, style, wanted, NO_NETWORK)
-    return as_painting(plan(commission, wanted), layout, brush, style, making(wanted, "a.jpg"))
+    problem = problem_of(layout, brush, style, wanted, NO_NETWORK)
+    return as_painting(plan(problem, wanted), layout, brush, style, making(wanted, "a.jpg"))
 
 
-def likeness(painting: Painting, layout: Layout) -> Figures:
-    figures = figures_of(painting, layout)
-    assert figures is not None
-    return figures
+def likeness(painting: Painting, layout: Layout) -> Metrics:
+    metrics = metrics_of(painting, layout)
+    assert metrics is not None
+    return metrics
 
 
 def bare(painting: Painting) -> Painting:
@@ -63,10 +63,10 @@ def file(painting: Painting, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_photograph_becomes_a_painting_like_it(painting: Painting, layout: Layout) -> None:
-    figures, blank = likeness(painting, layout), likeness(bare(painting), layout)
-    assert figures.psnr > 15
-    assert figures.mse < 0.2 * blank.mse
-    assert figures.ssim > 0.3 + blank.ssim
+    metrics, blank = likeness(painting, layout), likeness(bare(painting), layout)
+    assert metrics.psnr > 15
+    assert metrics.mse < 0.2 * blank.mse
+    assert metrics.ssim > 0.3 + blank.ssim
 
 
 def test_figures_are_taken_over_the_picture_and_not_the_paper_around_it(painting: Painting, layout: Layout) -> None:
@@ -82,7 +82,7 @@ def test_figures_of_the_file_are_those_of_the_painting_in_memory(
     painting: Painting, file: Path, layout: Layout
 ) -> None:
     assert read_painting(file) == painting
-    assert figures_of(read_painting(file), layout) == figures_of(painting, layout)
+    assert metrics_of(read_painting(file), layout) == metrics_of(painting, layout)
 
 
 def test_a_seed_repeats_the_file_to_the_bit(
@@ -143,7 +143,7 @@ def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: La
 def test_making_holds_every_option_and_more() -> None:
     digest = hashlib.sha256(b"a picture").hexdigest()
     made = making(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, {"size": "20x16cm"})
-    assert isinstance(made, Making)
+    assert isinstance(made, Provenance)
     assert made.image_sha256 == digest
     assert made.options == {
         "strokes": 30,
@@ -230,7 +230,7 @@ def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: P
 def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:
     wanted = options(paints=None, palette=((0.9, 0.8, 0.7), (0.2, 0.2, 0.4)), steps=20)
     style = load_style("free", layout.canvas)
-    planned = plan(commission_of(layout, round_brush, style, wanted, NO_NETWORK), wanted)
+    planned = plan(problem_of(layout, round_brush, style, wanted, NO_NETWORK), wanted)
     names = {hex_colour((0.2, 0.2, 0.4)): "dusk"}
     found = as_painting(planned, layout, round_brush, style, making(wanted), names)
     assert {paint.colour: paint.name for paint in found.paints} == {(0.9, 0.8, 0.7): None, (0.2, 0.2, 0.4): "dusk"}
@@ -239,25 +239,25 @@ def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, rou
 def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
     painting: Painting, layout: Layout, round_brush: Brush
 ) -> None:
-    wishes = Wishes(weights={"likeness": 0.0, "edges": 2.0})
-    commission = commission_of(layout, round_brush, load_style("free", layout.canvas), QUICK, wishes)
-    figures = with_figures(painting, layout, commission).made.figures
+    loss_options = LossOptions(weights={"likeness": 0.0, "edges": 2.0})
+    problem = problem_of(layout, round_brush, load_style("free", layout.canvas), QUICK, loss_options)
+    metrics = with_metrics(painting, layout, problem).made.metrics
     reached = likeness(painting, layout)
-    assert {name: figures[name] for name in asdict(reached)} == asdict(reached)
-    assert set(figures) - set(asdict(reached)) == {"tone", "edges", "loss"}
-    assert figures["loss"] == figures["tone"] + figures["edges"]
-    blank = with_figures(bare(painting), layout, commission).made.figures
-    assert all(0 < figures[name] < blank[name] for name in ("tone", "edges"))
+    assert {name: metrics[name] for name in asdict(reached)} == asdict(reached)
+    assert set(metrics) - set(asdict(reached)) == {"tone", "edges", "loss"}
+    assert metrics["loss"] == metrics["tone"] + metrics["edges"]
+    blank = with_metrics(bare(painting), layout, problem).made.metrics
+    assert all(0 < metrics[name] < blank[name] for name in ("tone", "edges"))
 
 
 def test_a_term_counts_in_the_file_as_it_was_weighed(painting: Painting, layout: Layout, round_brush: Brush) -> None:
     style = load_style("free", layout.canvas)
     tone, twice = (
-        with_figures(painting, layout, commission_of(layout, round_brush, style, QUICK, Wishes(weights=weights)))
+        with_metrics(painting, layout, problem_of(layout, round_brush, style, QUICK, LossOptions(weights=weights)))
         for weights in ({"likeness": 0.0}, {"likeness": 0.0, "tone": 2.0})
     )
-    assert twice.made.figures["loss"] == pytest.approx(2 * tone.made.figures["loss"])
+    assert twice.made.metrics["loss"] == pytest.approx(2 * tone.made.metrics["loss"])
 
 
 def test_a_painting_without_a_picture_has_no_likeness(painting: Painting, layout: Layout) -> None:
-    assert figures_of(painting, replace(layout, target=None)) is None
+    assert metrics_of(painting, replace(layout, target=None)) is None

@@ -7,13 +7,13 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.planning.features.network import Network
-from maulstick.planning.losses import STRENGTHS, Sight, Wishes, terms_of
+from maulstick.planning.losses import STRENGTHS, LossOptions, Reference, losses_of
 from tests.support.planning.tiny_network import TinyNetwork, noise
 
 PAPER = torch.ones(3)
 PICTURE = np.full((20, 30, 3), 0.5, dtype=np.float32)
-WITH_PICTURE = Sight(noise(0, 3, 30, 40).float(), torch.ones(30, 40), PAPER, one_ink=False)
-WITHOUT_PICTURE = Sight(None, torch.ones(30, 40), PAPER, one_ink=False)
+WITH_PICTURE = Reference(noise(0, 3, 30, 40).float(), torch.ones(30, 40), PAPER, one_ink=False)
+WITHOUT_PICTURE = Reference(None, torch.ones(30, 40), PAPER, one_ink=False)
 
 
 class SeeingNetwork(Network):
@@ -29,9 +29,9 @@ def never() -> Network:
     raise AssertionError("nothing here needs a network")
 
 
-def names(wishes: Wishes, sight: Sight = WITH_PICTURE) -> tuple[list[str], list[str]]:
-    objectives, judges = terms_of(wishes, sight, TinyNetwork)
-    return [each.term.name for each in objectives], [each.term.name for each in judges]
+def names(loss_options: LossOptions, reference: Reference = WITH_PICTURE) -> tuple[list[str], list[str]]:
+    objectives, network_losses = losses_of(loss_options, reference, TinyNetwork)
+    return [each.term.name for each in objectives], [each.term.name for each in network_losses]
 
 
 def refused(text: str) -> pytest.RaisesExc[InputError]:
@@ -39,23 +39,23 @@ def refused(text: str) -> pytest.RaisesExc[InputError]:
 
 
 def test_a_picture_alone_is_compared_in_tone_alone() -> None:
-    assert Wishes().weights_of_terms(has_picture=True) == {"tone": 1}
-    assert names(Wishes()) == (["tone"], [])
+    assert LossOptions().weights_of_terms(has_picture=True) == {"tone": 1}
+    assert names(LossOptions()) == (["tone"], [])
 
 
 def test_a_text_or_a_look_beside_a_picture_adds_to_it() -> None:
-    assert names(Wishes("a boat", PICTURE)) == (["tone"], ["words", "look"])
+    assert names(LossOptions("a boat", PICTURE)) == (["tone"], ["words", "look"])
 
 
 def test_a_text_and_a_look_without_a_picture_are_all_there_is() -> None:
-    assert names(Wishes("a boat"), WITHOUT_PICTURE) == ([], ["words"])
-    assert names(Wishes(look=PICTURE), WITHOUT_PICTURE) == ([], ["look"])
+    assert names(LossOptions("a boat"), WITHOUT_PICTURE) == ([], ["words"])
+    assert names(LossOptions(look=PICTURE), WITHOUT_PICTURE) == ([], ["look"])
 
 
 def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> None:
-    wishes = Wishes(weights={"words": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
-    objectives, judges = terms_of(wishes, WITH_PICTURE, TinyNetwork)
-    told = {each.term.name: each.weight for each in (*objectives, *judges)}
+    loss_options = LossOptions(weights={"words": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
+    objectives, network_losses = losses_of(loss_options, WITH_PICTURE, TinyNetwork)
+    told = {each.term.name: each.weight for each in (*objectives, *network_losses)}
     assert told == {
         "tone": STRENGTHS["tone"],
         "edges": 3 * STRENGTHS["edges"],
@@ -64,18 +64,18 @@ def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> N
 
 
 def test_every_term_can_be_asked_for_by_its_name() -> None:
-    wishes = Wishes("a boat", PICTURE, dict.fromkeys(STRENGTHS, 1.0))
-    objectives, judges = names(wishes)
-    assert sorted(objectives + judges) == sorted(STRENGTHS)
+    loss_options = LossOptions("a boat", PICTURE, dict.fromkeys(STRENGTHS, 1.0))
+    objectives, network_losses = names(loss_options)
+    assert sorted(objectives + network_losses) == sorted(STRENGTHS)
 
 
 def test_a_network_is_only_called_for_where_a_judge_needs_one() -> None:
-    objectives, judges = terms_of(Wishes(weights={"likeness": 0, "edges": 1}), WITH_PICTURE, never)
-    assert (len(objectives), judges) == (2, ())
+    objectives, network_losses = losses_of(LossOptions(weights={"likeness": 0, "edges": 1}), WITH_PICTURE, never)
+    assert (len(objectives), network_losses) == (2, ())
 
 
 def test_judges_have_the_same_views_whenever_they_are_made() -> None:
-    (one,), (two,) = (terms_of(Wishes("a boat"), WITHOUT_PICTURE, TinyNetwork)[1] for _ in range(2))
+    (one,), (two,) = (losses_of(LossOptions("a boat"), WITHOUT_PICTURE, TinyNetwork)[1] for _ in range(2))
     canvas = noise(1, 3, 30, 40).float()
     assert torch.equal(one.term.losses(canvas, range(8)), two.term.losses(canvas, range(8)))
     assert one.term.losses(canvas, range(8)).std() > 0
@@ -85,10 +85,12 @@ def test_with_one_ink_colours_are_not_compared() -> None:
     grey = torch.full((3, 30, 40), 0.5)
     shades = grey + torch.tensor([0.2, 0.0, -0.2 * 0.2126 / 0.0722])[:, None, None]  # of the same luma
     for one_ink in (True, False):
-        _, (judge,) = terms_of(
-            Wishes(weights={"tone": 0, "likeness": 1}), Sight(grey, torch.ones(30, 40), PAPER, one_ink), TinyNetwork
+        _, (network_loss,) = losses_of(
+            LossOptions(weights={"tone": 0, "likeness": 1}),
+            Reference(grey, torch.ones(30, 40), PAPER, one_ink),
+            TinyNetwork,
         )
-        assert (judge.term.losses(shades, [0]).item() < 1e-6) is one_ink
+        assert (network_loss.term.losses(shades, [0]).item() < 1e-6) is one_ink
 
 
 @pytest.mark.parametrize(
@@ -106,31 +108,31 @@ def test_with_one_ink_colours_are_not_compared() -> None:
 )
 def test_weights_that_cannot_be_used_are_refused(weights: Mapping[str, float], text: str) -> None:
     with refused(text):
-        Wishes(weights=weights)
+        LossOptions(weights=weights)
 
 
 def test_a_weight_of_nothing_needs_nothing() -> None:
-    assert names(Wishes(weights={"words": 0, "look": 0})) == (["tone"], [])
+    assert names(LossOptions(weights={"words": 0, "look": 0})) == (["tone"], [])
 
 
 def test_a_painting_of_which_nothing_is_asked_is_refused() -> None:
     text = "nothing is weighed, so any painting would do; give one of the terms a weight above 0"
     with refused(text):
-        Wishes(weights={"tone": 0, "likeness": 0}).weights_of_terms(has_picture=True)
+        LossOptions(weights={"tone": 0, "likeness": 0}).weights_of_terms(has_picture=True)
     with refused(text):
-        Wishes().weights_of_terms(has_picture=False)
+        LossOptions().weights_of_terms(has_picture=False)
     with refused("words=0 leaves a text out, and there is one; leave one of the two out"):
-        Wishes("a boat", weights={"words": 0})
+        LossOptions("a boat", weights={"words": 0})
     with refused("look=0 leaves the look of a picture out, and there is one; leave one of the two out"):
-        Wishes(look=PICTURE, weights={"look": 0})
+        LossOptions(look=PICTURE, weights={"look": 0})
 
 
 @pytest.mark.parametrize("name", ["tone", "edges", "likeness", "sketch"])
 def test_what_compares_with_a_picture_is_refused_without_one(name: str) -> None:
     with refused(f"{name} compares with a picture; name one, or leave that weight out"):
-        terms_of(Wishes("a boat", weights={name: 1}), WITHOUT_PICTURE, TinyNetwork)
+        losses_of(LossOptions("a boat", weights={name: 1}), WITHOUT_PICTURE, TinyNetwork)
 
 
 def test_a_network_that_cannot_read_is_refused_a_text() -> None:
     with refused("seeing cannot read; a text needs CLIP: name a model with --clip"):
-        terms_of(Wishes("a boat"), WITHOUT_PICTURE, SeeingNetwork)
+        losses_of(LossOptions("a boat"), WITHOUT_PICTURE, SeeingNetwork)

@@ -14,15 +14,15 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
-from maulstick.planning import stroke_canvas as work
+from maulstick.planning import stroke_canvas as stroke_canvas
 from maulstick.planning import stroke_effects as worth
-from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.from_picture import as_painting, making, problem_of
 from maulstick.planning.layout import Layout
-from maulstick.planning.losses import Wishes
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.planner import Plan, Progress, plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.state import State, read_state, write_state
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.preview import preview
@@ -30,9 +30,9 @@ from maulstick.style import load_style
 from tests.support.tolerances import FLOAT32_METRES
 
 PX, CORE, SIDE = 96, 48, 0.12
-FINE = PlanOptions(strokes=150, paints=4, steps=30)
-QUICK = PlanOptions(strokes=30, paints=3, steps=6)
-TONE = Wishes(weights={"tone": 1, "likeness": 0})
+FINE = PlannerSettings(strokes=150, paints=4, steps=30)
+QUICK = PlannerSettings(strokes=30, paints=3, steps=6)
+TONE = LossOptions(weights={"tone": 1, "likeness": 0})
 STYLE = load_style("free", Canvas(SIDE, SIDE, 1))
 SEAM_PX = 4
 SEAM = 1.4  # the error near seams beside that elsewhere, as a share of the same when planned whole
@@ -54,22 +54,22 @@ def layout(mural: Mural) -> Layout:
 
 
 def planned_as(
-    wanted: PlanOptions,
+    wanted: PlannerSettings,
     mural: Mural,
     brush: Brush,
-    watch: Callable[[Progress], bool] = lambda progress: True,
+    watch: Callable[[PlanProgress], bool] = lambda progress: True,
     resume: State | None = None,
-) -> Plan:
-    return plan_mural(mural, brush, STYLE, wanted, watch, wishes=TONE, window_px=CORE, resume=resume)
+) -> PlanResult:
+    return plan_mural(mural, brush, STYLE, wanted, watch, loss_options=TONE, window_px=CORE, resume=resume)
 
 
-def square_error(planned: Plan, layout: Layout, brush: Brush) -> NDArray[np.float32]:
+def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> NDArray[np.float32]:
     """(H, W)."""
     painting = as_painting(planned, layout, brush, STYLE, making(FINE))
     return np.square(preview(painting, layout.canvas) - layout.target).mean(axis=2)
 
 
-def same(one: Plan, two: Plan) -> bool:
+def same(one: PlanResult, two: PlanResult) -> bool:
     """To the bit."""
     pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
     pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
@@ -77,7 +77,7 @@ def same(one: Plan, two: Plan) -> bool:
 
 
 @pytest.fixture(scope="module")
-def steps() -> list[Progress]:
+def steps() -> list[PlanProgress]:
     """After every step of `planned`."""
     return []
 
@@ -89,17 +89,17 @@ def rendered() -> list[int]:
 
 
 @pytest.fixture(scope="module")
-def planned(mural: Mural, round_brush: Brush, steps: list[Progress], rendered: list[int]) -> Plan:
+def planned(mural: Mural, round_brush: Brush, steps: list[PlanProgress], rendered: list[int]) -> PlanResult:
     def render(canvas, *rest, **words):  # type: ignore[no-untyped-def]
         rendered.append(max(canvas.shape))
         return composite(canvas, *rest, **words)
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         steps.append(progress)
         return True
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(work, "composite", render)
+        patch.setattr(stroke_canvas, "composite", render)
         patch.setattr(worth, "composite", render)
         return planned_as(FINE, mural, round_brush, watch)
 
@@ -111,16 +111,16 @@ def states() -> list[State]:
 
 
 @pytest.fixture(scope="module")
-def quick(mural: Mural, round_brush: Brush, states: list[State]) -> Plan:
-    def watch(progress: Progress) -> bool:
+def quick(mural: Mural, round_brush: Brush, states: list[State]) -> PlanResult:
+    def watch(progress: PlanProgress) -> bool:
         states.append(progress.state())
         return True
 
     return planned_as(QUICK, mural, round_brush, watch)
 
 
-def test_seams_are_not_seen(planned: Plan, mural: Mural, layout: Layout, round_brush: Brush) -> None:
-    whole = plan(commission_of(layout, round_brush, STYLE, FINE, TONE), FINE)
+def test_seams_are_not_seen(planned: PlanResult, mural: Mural, layout: Layout, round_brush: Brush) -> None:
+    whole = plan(problem_of(layout, round_brush, STYLE, FINE, TONE), FINE)
     near = np.zeros((PX, PX), dtype=bool)
     near[CORE - SEAM_PX : CORE + SEAM_PX] = near[:, CORE - SEAM_PX : CORE + SEAM_PX] = True
     in_windows, in_one = (square_error(each, layout, round_brush) for each in (planned, whole))
@@ -128,20 +128,20 @@ def test_seams_are_not_seen(planned: Plan, mural: Mural, layout: Layout, round_b
     assert in_windows[near].mean() / in_windows[~near].mean() < SEAM * in_one[near].mean() / in_one[~near].mean()
 
 
-def test_no_canvas_is_larger_than_a_window(planned: Plan, rendered: list[int], steps: list[Progress]) -> None:
+def test_no_canvas_is_larger_than_a_window(planned: PlanResult, rendered: list[int], steps: list[PlanProgress]) -> None:
     assert len(rendered) > 5 * FINE.steps
     assert CORE < max(rendered) < 0.85 * PX
     assert max(max(step.canvas.shape) for step in steps) == max(rendered)
 
 
-def test_strokes_stay_on_the_sheet_and_are_as_many_as_asked(planned: Plan) -> None:
+def test_strokes_stay_on_the_sheet_and_are_as_many_as_asked(planned: PlanResult) -> None:
     assert 0.9 * FINE.strokes < len(planned.strokes) <= FINE.strokes
     path = planned.strokes.trajectories(STYLE)[..., :2]
     assert path.min() >= -FLOAT32_METRES
     assert path.max() <= SIDE + FLOAT32_METRES
 
 
-def test_all_windows_are_painted_together_a_paint_after_the_other(planned: Plan) -> None:
+def test_all_windows_are_painted_together_a_paint_after_the_other(planned: PlanResult) -> None:
     assert torch.equal(planned.paint_of, planned.paint_of.sort().values)
     assert len(torch.unique(planned.paint_of)) == len(planned.paints) == 4
     assert (np.diff(lightness(planned.paints.double().numpy())) < 0).all()
@@ -151,12 +151,12 @@ def test_all_windows_are_painted_together_a_paint_after_the_other(planned: Plan)
         assert len(torch.unique(2 * windows[:, 1] + windows[:, 0])) > 1
 
 
-def test_progress_goes_on_through_all_windows(planned: Plan, steps: list[Progress]) -> None:
+def test_progress_goes_on_through_all_windows(planned: PlanResult, steps: list[PlanProgress]) -> None:
     assert [step.done for step in steps] == pytest.approx(np.arange(5 * FINE.steps) / (5 * FINE.steps))
     assert steps[-1].canvas.shape[0] == 3
 
 
-def test_what_a_window_finishes_lies_in_no_later_one_s_core_and_stays(quick: Plan, states: list[State]) -> None:
+def test_what_a_window_finishes_lies_in_no_later_one_s_core_and_stays(quick: PlanResult, states: list[State]) -> None:
     in_the_end = {tuple(row) for row in quick.strokes.centres.tolist()}
     shares = []
     for state in states[QUICK.steps :]:
@@ -170,7 +170,7 @@ def test_what_a_window_finishes_lies_in_no_later_one_s_core_and_stays(quick: Pla
     assert 0.5 < shares[-1] < 1
 
 
-def test_a_window_leaves_what_does_not_lie_in_it(quick: Plan, states: list[State]) -> None:
+def test_a_window_leaves_what_does_not_lie_in_it(quick: PlanResult, states: list[State]) -> None:
     before, after = ({tuple(row) for row in states[step]["all.centres"].tolist()} for step in (11, 12))
     stayed = np.array(sorted(before & after))
     assert 0.1 * len(before) < len(stayed) < 0.7 * len(before)
@@ -188,7 +188,9 @@ def test_fewer_strokes_than_windows_are_planned_where_they_are_wanted(mural: Mur
     assert len(planned_as(few, mural, round_brush).strokes) == 3
 
 
-def test_a_seed_repeats_a_mural_to_the_bit_and_another_does_not(mural: Mural, round_brush: Brush, quick: Plan) -> None:
+def test_a_seed_repeats_a_mural_to_the_bit_and_another_does_not(
+    mural: Mural, round_brush: Brush, quick: PlanResult
+) -> None:
     torch.manual_seed(123)
     np.random.seed(123)  # noqa: NPY002  any chance that is not passed in would show
     assert same(planned_as(QUICK, mural, round_brush), quick)
@@ -197,7 +199,7 @@ def test_a_seed_repeats_a_mural_to_the_bit_and_another_does_not(mural: Mural, ro
 
 @pytest.mark.parametrize("step", [4, 6, 20])
 def test_a_mural_goes_on_from_its_file_as_if_it_had_not_stopped(
-    mural: Mural, round_brush: Brush, quick: Plan, states: list[State], step: int, tmp_path: Path
+    mural: Mural, round_brush: Brush, quick: PlanResult, states: list[State], step: int, tmp_path: Path
 ) -> None:
     assert len(states) == 30
     write_state(tmp_path / "plan.npz", states[step], {})
@@ -206,11 +208,11 @@ def test_a_mural_goes_on_from_its_file_as_if_it_had_not_stopped(
 
 
 def test_who_stops_early_finds_later_windows_as_they_were_in_the_whole(
-    mural: Mural, layout: Layout, round_brush: Brush, quick: Plan
+    mural: Mural, layout: Layout, round_brush: Brush, quick: PlanResult
 ) -> None:
     seen: list[State] = []
 
-    def stop(progress: Progress) -> bool:
+    def stop(progress: PlanProgress) -> bool:
         seen.append(progress.state())
         return len(seen) < 15
 
@@ -219,7 +221,7 @@ def test_who_stops_early_finds_later_windows_as_they_were_in_the_whole(
     left = np.array([row for row in stopped.strokes.centres.tolist() if tuple(row) in in_the_whole])
     assert 2 < len(left) < 0.5 * len(stopped.strokes)
     assert (left[:, 1] > SIDE / 2).all()
-    bare = Plan(stopped.strokes[torch.arange(0)], stopped.paints, torch.arange(0))
+    bare = PlanResult(stopped.strokes[torch.arange(0)], stopped.paints, torch.arange(0))
     error, nothing = (square_error(each, layout, round_brush)[PX // 2 :].mean() for each in (stopped, bare))
     assert error < 0.7 * nothing
     assert same(planned_as(QUICK, mural, round_brush, resume=seen[14]), quick)
@@ -245,6 +247,6 @@ def test_an_empty_picture_leaves_the_sheet_nearly_bare(round_brush: Brush) -> No
 
 def test_what_cannot_be_planned_in_windows_is_refused(mural: Mural, round_brush: Brush) -> None:
     with pytest.raises(InputError, match="a text is about a whole picture, and a mural is planned in windows"):
-        plan_mural(mural, round_brush, STYLE, QUICK, wishes=Wishes(text="a face"))
+        plan_mural(mural, round_brush, STYLE, QUICK, loss_options=LossOptions(text="a face"))
     with pytest.raises(InputError, match="the side of a window is 0 pixels; it must be at least 1"):
-        plan_mural(mural, round_brush, STYLE, QUICK, wishes=TONE, window_px=0)
+        plan_mural(mural, round_brush, STYLE, QUICK, loss_options=TONE, window_px=0)

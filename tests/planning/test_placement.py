@@ -12,7 +12,7 @@ from maulstick.style import load_style
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
-from tests.planning.conftest import commission, mse
+from tests.planning.conftest import mse, problem
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, strokes_of
 from tests.support.tolerances import FLOAT32_VALUE
@@ -219,7 +219,7 @@ def test_a_generator_repeats_the_strokes_to_the_bit(round_brush: Brush) -> None:
 
 
 def test_a_start_from_the_picture_is_nearer_to_it_than_one_from_anywhere(portrait: Picture, round_brush: Brush) -> None:
-    asked = commission(portrait, round_brush)
+    asked = problem(portrait, round_brush)
     style, ppm = load_style("free", asked.canvas), asked.canvas.pixels_per_metre
     image = asked.target.double().numpy()
     errors = []

@@ -13,13 +13,13 @@ from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
-from maulstick.planning.planner import Plan, Progress, plan
-from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.style import Style
 from maulstick.style.free import FreeStyle
-from tests.planning.conftest import QUICK, commission, mse, options
+from tests.planning.conftest import QUICK, mse, options, problem
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import exemplar_of, zigzag
 from tests.support.tolerances import FLOAT32_METRES, LEEWAY
@@ -28,40 +28,40 @@ LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in ord
 
 
 @pytest.fixture(scope="module")
-def asked(portrait: Picture, round_brush: Brush) -> Commission:
-    return commission(portrait, round_brush)
+def asked(portrait: Picture, round_brush: Brush) -> PlanningProblem:
+    return problem(portrait, round_brush)
 
 
 @pytest.fixture(scope="module")
-def steps() -> list[Progress]:
+def steps() -> list[PlanProgress]:
     """After every step of `planned`."""
     return []
 
 
 @pytest.fixture(scope="module")
-def planned(asked: Commission, steps: list[Progress]) -> Plan:
-    def watch(progress: Progress) -> bool:
+def planned(asked: PlanningProblem, steps: list[PlanProgress]) -> PlanResult:
+    def watch(progress: PlanProgress) -> bool:
         steps.append(progress)
         return True
 
     return plan(asked, QUICK, watch)
 
 
-def rendered(asked: Commission, planned: Plan) -> Tensor:
+def rendered(asked: PlanningProblem, planned: PlanResult) -> Tensor:
     trajectories = planned.strokes.trajectories(asked.style)
     brushes = Traj2Stroke.of([asked.brush] * len(planned.strokes))
     colours = planned.paints[planned.paint_of]
     return paint(asked.paper, trajectories, colours, brushes, asked.canvas.pixels_per_metre)
 
 
-def same(one: Plan, two: Plan) -> bool:
+def same(one: PlanResult, two: PlanResult) -> bool:
     """To the bit."""
     pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
     pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
     return all(torch.equal(a, b) for a, b in pairs)
 
 
-def changes(planned: Plan) -> int:
+def changes(planned: PlanResult) -> int:
     return int((planned.paint_of.diff() != 0).sum())
 
 
@@ -72,7 +72,7 @@ def nearly_blank() -> Picture:
 
 
 def test_a_plan_is_nearer_to_its_picture_than_its_start_and_than_random_strokes(
-    asked: Commission, planned: Plan, steps: list[Progress]
+    asked: PlanningProblem, planned: PlanResult, steps: list[PlanProgress]
 ) -> None:
     error = mse(rendered(asked, planned), asked.target)
     assert error < 0.3 * mse(steps[0].canvas, asked.target)
@@ -82,10 +82,12 @@ def test_a_plan_is_nearer_to_its_picture_than_its_start_and_than_random_strokes(
     )
     generator = torch.Generator().manual_seed(0)
     random = start_strokes(anywhere, asked.style, asked.brush, asked.canvas.pixels_per_metre, generator)
-    assert error < 0.15 * mse(rendered(asked, Plan(random, random.colours, torch.arange(30))), asked.target)
+    assert error < 0.15 * mse(rendered(asked, PlanResult(random, random.colours, torch.arange(30))), asked.target)
 
 
-def test_a_plan_shows_what_it_was_watched_to_become(asked: Commission, planned: Plan, steps: list[Progress]) -> None:
+def test_a_plan_shows_what_it_was_watched_to_become(
+    asked: PlanningProblem, planned: PlanResult, steps: list[PlanProgress]
+) -> None:
     assert len(steps) == 80
     assert [step.done for step in steps] == pytest.approx(np.arange(80) / 80)
     assert np.mean([step.loss for step in steps[-8:]]) < 0.5 * np.mean([step.loss for step in steps[:8]])
@@ -95,24 +97,26 @@ def test_a_plan_shows_what_it_was_watched_to_become(asked: Commission, planned: 
     assert mse(rendered(asked, planned), steps[-1].canvas) < 1e-4
 
 
-def test_a_seed_repeats_a_plan_to_the_bit_and_another_seed_does_not(asked: Commission, planned: Plan) -> None:
+def test_a_seed_repeats_a_plan_to_the_bit_and_another_seed_does_not(
+    asked: PlanningProblem, planned: PlanResult
+) -> None:
     torch.manual_seed(123)
     np.random.seed(123)  # noqa: NPY002  any chance that is not passed in would show
     assert same(plan(asked, QUICK), planned)
     assert not same(plan(asked, options(seed=1)), planned)
 
 
-def test_planning_takes_no_chance_from_elsewhere_and_changes_no_argument(asked: Commission) -> None:
+def test_planning_takes_no_chance_from_elsewhere_and_changes_no_argument(asked: PlanningProblem) -> None:
     before = asked.target.clone(), asked.paper.clone(), asked.weights.clone()
-    torch_chance, numpy_chance = torch.random.get_rng_state(), np.random.get_state()[1].copy()  # type: ignore[index, union-attr]  # noqa: NPY002
+    torch_rng, rng = torch.random.get_rng_state(), np.random.get_state()[1].copy()  # type: ignore[index, union-attr]  # noqa: NPY002
     plan(asked, options(steps=12))
-    assert torch.equal(torch.random.get_rng_state(), torch_chance)
-    assert np.array_equal(np.random.get_state()[1], numpy_chance)  # type: ignore[index]  # noqa: NPY002
+    assert torch.equal(torch.random.get_rng_state(), torch_rng)
+    assert np.array_equal(np.random.get_state()[1], rng)  # type: ignore[index]  # noqa: NPY002
     for tensor, was in zip((asked.target, asked.paper, asked.weights), before, strict=True):
         assert torch.equal(tensor, was)
 
 
-def test_every_paint_is_taken_up_once_the_lightest_first(asked: Commission) -> None:
+def test_every_paint_is_taken_up_once_the_lightest_first(asked: PlanningProblem) -> None:
     found = plan(asked, options(strokes=60, paints=12))
     assert 6 < len(torch.unique(found.paint_of)) <= 12
     assert changes(found) == len(torch.unique(found.paint_of)) - 1
@@ -122,7 +126,7 @@ def test_every_paint_is_taken_up_once_the_lightest_first(asked: Commission) -> N
     assert shades[-1] == shades.min()
 
 
-def test_a_plan_has_all_its_numbers_in_range(asked: Commission, planned: Plan) -> None:
+def test_a_plan_has_all_its_numbers_in_range(asked: PlanningProblem, planned: PlanResult) -> None:
     assert 0.5 * QUICK.strokes < len(planned.strokes) <= QUICK.strokes
     assert planned.paints.shape == (4, 3)
     assert planned.paint_of.shape == (len(planned.strokes),)
@@ -139,15 +143,15 @@ def test_a_plan_has_all_its_numbers_in_range(asked: Commission, planned: Plan) -
 
 @pytest.mark.parametrize("paints", [4, None])
 def test_exact_gives_exactly_so_many_strokes(round_brush: Brush, paints: int | None) -> None:
-    asked = commission(nearly_blank(), round_brush, halftone=paints is None)
+    asked = problem(nearly_blank(), round_brush, halftone=paints is None)
     assert len(plan(asked, options(exact=True, paints=paints, steps=30)).strokes) == 30
 
 
 @pytest.mark.parametrize("paints", [4, None])
 def test_a_nearly_blank_picture_is_planned_with_fewer_strokes(round_brush: Brush, paints: int | None) -> None:
-    asked = commission(nearly_blank(), round_brush, halftone=paints is None)
+    asked = problem(nearly_blank(), round_brush, halftone=paints is None)
 
-    def loss(found: Plan) -> float:
+    def loss(found: PlanResult) -> float:
         return asked.objectives[0].term.loss(rendered(asked, found), 1.0).item()
 
     found = plan(asked, options(strokes=50, paints=paints))
@@ -160,7 +164,7 @@ def test_a_nearly_blank_picture_is_planned_with_fewer_strokes(round_brush: Brush
 @pytest.mark.parametrize("paints", [4, None])
 @pytest.mark.parametrize("name", ["round", "fineliner"])
 def test_a_white_picture_is_left_nearly_bare(name: str, paints: int | None) -> None:
-    asked = commission(np.ones((48, 60, 3), dtype=np.float32), load_brush(name), halftone=paints is None)
+    asked = problem(np.ones((48, 60, 3), dtype=np.float32), load_brush(name), halftone=paints is None)
     found = plan(asked, options(paints=paints, steps=30))
     assert len(found.strokes) <= 3
     assert rendered(asked, found).min() > 0.98
@@ -169,14 +173,14 @@ def test_a_white_picture_is_left_nearly_bare(name: str, paints: int | None) -> N
 TUBES = ((0.1, 0.1, 0.1), (0.95, 0.95, 0.9), (0.75, 0.3, 0.15), (0.2, 0.3, 0.5))
 
 
-def test_given_paints_are_used_as_they_are_the_lightest_first(asked: Commission) -> None:
+def test_given_paints_are_used_as_they_are_the_lightest_first(asked: PlanningProblem) -> None:
     found = plan(asked, options(paints=None, palette=TUBES))
     assert found.paints.tolist() == [pytest.approx(TUBES[i]) for i in (1, 2, 3, 0)]
     assert 2 <= changes(found) <= 3
     assert mse(rendered(asked, found), asked.target) < 0.3 * mse(asked.paper, asked.target)
 
 
-def test_strokes_take_other_paints_of_those_given_where_that_is_better(asked: Commission) -> None:
+def test_strokes_take_other_paints_of_those_given_where_that_is_better(asked: PlanningProblem) -> None:
     given = options(paints=None, palette=TUBES, exact=True)
     kept = [plan(asked, replace(given, seed=seed), schedule=replace(GIVEN_PAINTS, repaints=())) for seed in range(3)]
     taken = [plan(asked, replace(given, seed=seed)) for seed in range(3)]
@@ -185,7 +189,7 @@ def test_strokes_take_other_paints_of_those_given_where_that_is_better(asked: Co
 
 
 def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
-    asked = commission(portrait, nominal("marker"), halftone=True)
+    asked = problem(portrait, nominal("marker"), halftone=True)
     ink = (0.2, 0.1, 0.4)
     found = plan(asked, options(paints=None, palette=(ink,)))
     assert found.paints.tolist() == [pytest.approx(ink)]
@@ -196,7 +200,7 @@ def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
 
 
 def test_a_pen_that_can_only_lift_never_presses(portrait: Picture) -> None:
-    found = plan(commission(portrait, nominal("fineliner")), options(steps=30))
+    found = plan(problem(portrait, nominal("fineliner")), options(steps=30))
     assert len(found.strokes) > 0
     assert not found.strokes.press_knots.any()
 
@@ -206,10 +210,10 @@ def test_a_pen_that_can_only_lift_never_presses(portrait: Picture) -> None:
 def test_a_plan_that_is_stopped_is_finished_in_a_few_steps_with_paints(
     portrait: Picture, round_brush: Brush, after: int, paints: int | None
 ) -> None:
-    asked = commission(portrait, round_brush, halftone=paints is None)
-    steps: list[Progress] = []
+    asked = problem(portrait, round_brush, halftone=paints is None)
+    steps: list[PlanProgress] = []
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         steps.append(progress)
         return len(steps) < after
 
@@ -222,10 +226,10 @@ def test_a_plan_that_is_stopped_is_finished_in_a_few_steps_with_paints(
     assert mse(rendered(asked, found), asked.target) < mse(steps[0].canvas, asked.target)
 
 
-def test_a_plan_that_is_stopped_when_it_ends_is_the_whole_plan(asked: Commission, planned: Plan) -> None:
+def test_a_plan_that_is_stopped_when_it_ends_is_the_whole_plan(asked: PlanningProblem, planned: PlanResult) -> None:
     count = 0
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         nonlocal count
         count += 1
         return count < QUICK.steps
@@ -233,8 +237,8 @@ def test_a_plan_that_is_stopped_when_it_ends_is_the_whole_plan(asked: Commission
     assert same(plan(asked, QUICK, watch), planned)
 
 
-def test_an_error_of_the_watch_stops_planning(asked: Commission) -> None:
-    def watch(progress: Progress) -> bool:
+def test_an_error_of_the_watch_stops_planning(asked: PlanningProblem) -> None:
+    def watch(progress: PlanProgress) -> bool:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -242,14 +246,14 @@ def test_an_error_of_the_watch_stops_planning(asked: Commission) -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 7])
-def test_a_plan_of_a_few_steps_is_a_plan(asked: Commission, steps: int) -> None:
+def test_a_plan_of_a_few_steps_is_a_plan(asked: PlanningProblem, steps: int) -> None:
     found = plan(asked, options(steps=steps, exact=True))
     assert len(found.strokes) == 30
     assert changes(found) == len(torch.unique(found.paint_of)) - 1
 
 
 @pytest.mark.parametrize(("strokes", "paints"), [(1, 1), (1, None), (2, 2), (5, 5)])
-def test_a_few_strokes_are_a_plan(asked: Commission, strokes: int, paints: int | None) -> None:
+def test_a_few_strokes_are_a_plan(asked: PlanningProblem, strokes: int, paints: int | None) -> None:
     found = plan(asked, options(strokes=strokes, paints=paints, exact=True, steps=30))
     assert len(found.strokes) == strokes
     assert found.strokes.trajectories(asked.style).isfinite().all()
@@ -259,37 +263,39 @@ def test_a_few_strokes_are_a_plan(asked: Commission, strokes: int, paints: int |
 @pytest.mark.parametrize("paints", [4, None])
 def test_a_tiny_or_thin_canvas_is_planned(round_brush: Brush, shape: tuple[int, int], paints: int | None) -> None:
     picture = np.random.default_rng(0).random((*shape, 3)).astype(np.float32)
-    asked = commission(picture, round_brush, halftone=paints is None)
+    asked = problem(picture, round_brush, halftone=paints is None)
     found = plan(asked, options(strokes=8, paints=paints, steps=20, exact=True))
     assert len(found.strokes) == 8
     assert rendered(asked, found).isfinite().all()
 
 
-def test_strokes_begin_where_they_are_told_to(asked: Commission, planned: Plan) -> None:
-    steps: list[Progress] = []
+def test_strokes_begin_where_they_are_told_to(asked: PlanningProblem, planned: PlanResult) -> None:
+    steps: list[PlanProgress] = []
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         steps.append(progress)
         return True
 
     count = len(planned.strokes)
     before = {name: tensor.clone() for name, tensor in planned.strokes.each().items()}
     plan(asked, options(strokes=count, steps=3), watch, start=planned.strokes)
-    free = Plan(planned.strokes, planned.strokes.colours, torch.arange(count))
+    free = PlanResult(planned.strokes, planned.strokes.colours, torch.arange(count))
     expected = rendered(asked, free)
     order = np.argsort(-lightness(planned.strokes.colours.double().numpy()), kind="stable")
-    light_first = rendered(asked, Plan(planned.strokes[torch.from_numpy(order)], free.paints[order], free.paint_of))
+    light_first = rendered(
+        asked, PlanResult(planned.strokes[torch.from_numpy(order)], free.paints[order], free.paint_of)
+    )
     assert min(mse(steps[0].canvas, image) for image in (expected, light_first)) < 1e-9
     assert all(torch.equal(tensor, before[name]) for name, tensor in planned.strokes.each().items())
 
 
-def test_strokes_are_not_grouped_by_paint_where_the_schedule_says_so(asked: Commission) -> None:
+def test_strokes_are_not_grouped_by_paint_where_the_schedule_says_so(asked: PlanningProblem) -> None:
     loose = plan(asked, options(steps=40, exact=True), schedule=Schedule(sorts=(), grouped=False))
     assert changes(loose) > 10
     assert same(plan(asked, options(steps=40), schedule=Schedule()), plan(asked, options(steps=40)))
 
 
-def test_a_paint_is_mixed_for_the_strokes_that_show_most(asked: Commission) -> None:
+def test_a_paint_is_mixed_for_the_strokes_that_show_most(asked: PlanningProblem) -> None:
     dot, line = FreeStyle(0.001, 0.03).encode(
         torch.tensor([[[0.0, 0.0]] * 32, [[0.03 * i / 31, 0.0] for i in range(32)]])
     )
@@ -300,20 +306,20 @@ def test_a_paint_is_mixed_for_the_strokes_that_show_most(asked: Commission) -> N
         press_knots=torch.tensor([[0.0] * 4, [1.0] * 4]),
         colours=torch.tensor([[0.0, 0.0, 0.0], [1.0, 1.0, 0.9]]),  # the line is painted first
     )
-    at_once = Schedule(respends=(), snap=0.0)
+    at_once = Schedule(relocations=(), quantise=0.0)
     found = plan(asked, options(strokes=2, paints=1, steps=1, exact=True), schedule=at_once, start=start)
     assert lightness(found.paints.double().numpy())[0] > 70
 
 
-def as_unlikely(style: Style, found: Plan) -> float:
+def as_unlikely(style: Style, found: PlanResult) -> float:
     """Mean cost of a plan's strokes, in those of as many strokes that the style draws by itself."""
-    chance = torch.Generator().manual_seed(1)
-    usual = torch.stack([style.cost(*style.sample(len(found.strokes), chance)).mean() for _ in range(8)]).mean()
+    torch_rng = torch.Generator().manual_seed(1)
+    usual = torch.stack([style.cost(*style.sample(len(found.strokes), torch_rng)).mean() for _ in range(8)]).mean()
     return (style.cost(found.strokes.codes, found.strokes.press_knots).mean() / usual).item()
 
 
 def test_a_plan_in_a_hand_stays_within_the_hands_leeway(portrait: Picture, round_brush: Brush) -> None:
-    asked, hand = commission(portrait, round_brush), exemplar_of(zigzag)
+    asked, hand = problem(portrait, round_brush), exemplar_of(zigzag)
     held, left = (
         plan(replace(asked, style=replace(hand, held=held)), options(paints=4, exact=True))
         for held in (0.5, float("inf"))
@@ -324,7 +330,7 @@ def test_a_plan_in_a_hand_stays_within_the_hands_leeway(portrait: Picture, round
 
 
 def test_a_style_that_binds_nobody_never_weighs_more(
-    asked: Commission, planned: Plan, monkeypatch: pytest.MonkeyPatch
+    asked: PlanningProblem, planned: PlanResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(planner, "_HOLD", 0.0)
     monkeypatch.setattr(planner, "_JUDGED_BY", 1)
@@ -344,7 +350,7 @@ class Darker(Objective):
         return canvas.square().mean()
 
 
-def test_any_objective_that_sees_the_canvas_can_lead(asked: Commission) -> None:
+def test_any_objective_that_sees_the_canvas_can_lead(asked: PlanningProblem) -> None:
     led = replace(asked, objectives=(Weighted(Darker(), 1.0),))
     found = plan(led, options(steps=40, exact=True))
     assert rendered(asked, found).mean() < 0.7 * rendered(asked, plan(asked, options(steps=40))).mean()
@@ -369,5 +375,5 @@ def test_options_that_cannot_be_planned_are_refused(change: dict[str, int], text
 
 
 def test_options_at_their_limits_are_accepted() -> None:
-    assert PlanOptions(strokes=1, paints=1, steps=1, seed=2**32 - 1).paints == 1
-    assert PlanOptions(strokes=1, paints=None).paints is None
+    assert PlannerSettings(strokes=1, paints=1, steps=1, seed=2**32 - 1).paints == 1
+    assert PlannerSettings(strokes=1, paints=None).paints is None

@@ -9,11 +9,11 @@ import torch
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.planning.from_picture import Image as Picture
-from maulstick.planning.planner import Plan, Progress, plan
-from maulstick.planning.problem import Commission, PlanOptions, Weighted
+from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.state import KIND, State, read_state, write_state
 from maulstick.storage.arrays import write_arrays
-from tests.planning.conftest import commission, options
+from tests.planning.conftest import options, problem
 from tests.support.planning.network_losses import Shifted
 
 
@@ -21,17 +21,17 @@ class PowerCutError(Exception):
     """In the middle of planning."""
 
 
-def same(one: Plan, two: Plan) -> bool:
+def same(one: PlanResult, two: PlanResult) -> bool:
     """To the bit."""
     pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
     pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
     return all(torch.equal(a, b) for a, b in pairs)
 
 
-def killed_after(steps: int, file: Path) -> Callable[[Progress], bool]:
+def killed_after(steps: int, file: Path) -> Callable[[PlanProgress], bool]:
     taken = [0]
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         taken[0] += 1
         if taken[0] == steps:
             write_state(file, progress.state(), {"strokes": 3})
@@ -42,7 +42,7 @@ def killed_after(steps: int, file: Path) -> Callable[[Progress], bool]:
     return watch
 
 
-def resumed(asked: Commission, wanted: PlanOptions, steps: int, file: Path) -> Plan:
+def resumed(asked: PlanningProblem, wanted: PlannerSettings, steps: int, file: Path) -> PlanResult:
     with pytest.raises(PowerCutError):
         plan(asked, wanted, killed_after(steps, file))
     state, task = read_state(file)
@@ -51,33 +51,33 @@ def resumed(asked: Commission, wanted: PlanOptions, steps: int, file: Path) -> P
 
 
 @pytest.fixture(scope="module")
-def asked(portrait: Picture, round_brush: Brush) -> Commission:
-    return commission(portrait, round_brush)
+def asked(portrait: Picture, round_brush: Brush) -> PlanningProblem:
+    return problem(portrait, round_brush)
 
 
 @pytest.mark.parametrize("steps", [1, 20, 35, 37])
 @pytest.mark.parametrize("paints", [4, None])
 def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
-    asked: Commission, steps: int, paints: int | None, tmp_path: Path
+    asked: PlanningProblem, steps: int, paints: int | None, tmp_path: Path
 ) -> None:
     wanted = options(steps=40, paints=paints)
     assert same(resumed(asked, wanted, steps, tmp_path / "plan.npz"), plan(asked, wanted))
 
 
 @pytest.mark.parametrize("steps", [3, 30])
-def test_what_judges_said_last_is_remembered(asked: Commission, steps: int, tmp_path: Path) -> None:
+def test_what_judges_said_last_is_remembered(asked: PlanningProblem, steps: int, tmp_path: Path) -> None:
     assert asked.target is not None
-    judged = replace(asked, judges=(Weighted(Shifted(asked.target), 0.5),))
+    judged = replace(asked, network_losses=(Weighted(Shifted(asked.target), 0.5),))
     wanted = options(steps=40, ask_every=6)
     whole = plan(judged, wanted)
     assert same(resumed(judged, wanted, steps, tmp_path / "plan.npz"), whole)
     assert not same(plan(asked, wanted), whole)
 
 
-def test_a_plan_that_was_told_to_hurry_still_hurries(asked: Commission) -> None:
+def test_a_plan_that_was_told_to_hurry_still_hurries(asked: PlanningProblem) -> None:
     states: list[State] = []
 
-    def hurry(progress: Progress) -> bool:
+    def hurry(progress: PlanProgress) -> bool:
         states.append(progress.state())
         return len(states) < 10
 
@@ -100,10 +100,10 @@ def test_a_file_that_is_no_plan_in_the_making_is_refused(tmp_path: Path) -> None
         read_state(file)
 
 
-def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: Commission) -> None:
+def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: PlanningProblem) -> None:
     states: list[State] = []
 
-    def note(progress: Progress) -> bool:
+    def note(progress: PlanProgress) -> bool:
         states.append(progress.state())
         return True
 

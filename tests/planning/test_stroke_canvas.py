@@ -7,7 +7,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Neighbours
-from maulstick.planning.stroke_canvas import Work
+from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.style import load_style
 from tests.support.tolerances import FLOAT32_VALUE
@@ -19,9 +19,9 @@ LIGHT, MIDDLE, DARK = (0.9, 0.8, 0.7), (0.5, 0.4, 0.6), (0.1, 0.0, 0.2)
 
 def strokes(colours: list[tuple[float, float, float]], seed: int) -> StrokeParameters:
     """In the middle of the canvas, where all lie on top of each other."""
-    chance = torch.Generator().manual_seed(seed)
-    codes, knots = STYLE.sample_for(torch.full((len(colours),), 0.02), chance)
-    centres = torch.tensor([0.03, 0.02]) + 0.004 * torch.rand(len(colours), 2, generator=chance)
+    torch_rng = torch.Generator().manual_seed(seed)
+    codes, knots = STYLE.sample_for(torch.full((len(colours),), 0.02), torch_rng)
+    centres = torch.tensor([0.03, 0.02]) + 0.004 * torch.rand(len(colours), 2, generator=torch_rng)
     return StrokeParameters(codes, centres, torch.arange(float(len(colours))), knots, torch.tensor(colours))
 
 
@@ -31,9 +31,9 @@ def theirs() -> Neighbours:
 
 
 @pytest.fixture
-def work(theirs: Neighbours, round_brush: Brush) -> Work:
+def stroke_canvas(theirs: Neighbours, round_brush: Brush) -> StrokeCanvas:
     own = strokes([DARK, LIGHT], 0)
-    return Work(own, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
+    return StrokeCanvas(own, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
 
 
 def painted(trajectories: list[Tensor], colours: list[tuple[float, float, float]], brush: Brush) -> Tensor:
@@ -43,53 +43,53 @@ def painted(trajectories: list[Tensor], colours: list[tuple[float, float, float]
 
 
 def test_neighbours_are_painted_where_their_lightness_puts_them(
-    work: Work, theirs: Neighbours, round_brush: Brush
+    stroke_canvas: StrokeCanvas, theirs: Neighbours, round_brush: Brush
 ) -> None:
-    dark, light = work.strokes.trajectories(STYLE)
+    dark, light = stroke_canvas.strokes.trajectories(STYLE)
     middle, other_dark = theirs.trajectories
-    work.sort()
-    assert work.order.tolist() == [1, 0]
+    stroke_canvas.sort()
+    assert stroke_canvas.order.tolist() == [1, 0]
     expected = painted([light, middle, dark, other_dark], [LIGHT, MIDDLE, DARK, DARK], round_brush)
-    assert torch.allclose(work.render(), expected, atol=FLOAT32_VALUE)
+    assert torch.allclose(stroke_canvas.render(), expected, atol=FLOAT32_VALUE)
     fewer = painted([light, middle, other_dark], [LIGHT, MIDDLE, DARK], round_brush)
-    assert torch.allclose(work.render(np.array([False, True])), fewer, atol=FLOAT32_VALUE)
+    assert torch.allclose(stroke_canvas.render(np.array([False, True])), fewer, atol=FLOAT32_VALUE)
     assert (expected - fewer).abs().max() > 0.05
 
 
 def test_neighbours_stand_with_the_paint_that_is_nearest_to_theirs(
-    work: Work, theirs: Neighbours, round_brush: Brush
+    stroke_canvas: StrokeCanvas, theirs: Neighbours, round_brush: Brush
 ) -> None:
     paints = torch.tensor([LIGHT, (0.5, 0.4, 0.5), DARK])
-    work.snap(paints.flip(0), grouped=True)
-    dark, light = work.strokes.trajectories(STYLE)
+    stroke_canvas.quantise(paints.flip(0), grouped=True)
+    dark, light = stroke_canvas.strokes.trajectories(STYLE)
     middle, other_dark = theirs.trajectories
-    assert work.order.tolist() == [0, 1]
+    assert stroke_canvas.order.tolist() == [0, 1]
     expected = painted([dark, other_dark, middle, light], [DARK, DARK, MIDDLE, LIGHT], round_brush)
-    assert torch.allclose(work.render(), expected, atol=FLOAT32_VALUE)
+    assert torch.allclose(stroke_canvas.render(), expected, atol=FLOAT32_VALUE)
 
 
-def test_what_is_given_in_painting_order_comes_back_for_the_strokes_alone(work: Work) -> None:
-    work.sort()
-    marks, colours = work.drawn()
+def test_what_is_given_in_painting_order_comes_back_for_the_strokes_alone(stroke_canvas: StrokeCanvas) -> None:
+    stroke_canvas.sort()
+    marks, colours = stroke_canvas.drawn()
     assert len(marks.points) == len(colours) == 4
-    assert torch.equal(work.by_row(colours), torch.tensor([DARK, LIGHT]))
+    assert torch.equal(stroke_canvas.by_row(colours), torch.tensor([DARK, LIGHT]))
 
 
 def test_nothing_pulls_at_neighbours(round_brush: Brush, theirs: Neighbours) -> None:
     own = strokes([DARK, LIGHT], 0)
     moved = StrokeParameters(**{name: tensor.requires_grad_() for name, tensor in own.each().items()})
     there = Neighbours(theirs.trajectories.requires_grad_(), theirs.colours)
-    work = Work(moved, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, there)
-    work.render().square().mean().backward()
+    stroke_canvas = StrokeCanvas(moved, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, there)
+    stroke_canvas.render().square().mean().backward()
     assert moved.centres.grad is not None
     assert moved.centres.grad.abs().min() > 0
     assert not there.trajectories.grad.any()
 
 
 def test_going_on_from_a_state_paints_neighbours_in_the_same_place(
-    work: Work, theirs: Neighbours, round_brush: Brush
+    stroke_canvas: StrokeCanvas, theirs: Neighbours, round_brush: Brush
 ) -> None:
-    work.sort()
-    again = Work(strokes([LIGHT, LIGHT], 2), torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
-    again.restore(work.state())
-    assert torch.equal(again.render(), work.render())
+    stroke_canvas.sort()
+    again = StrokeCanvas(strokes([LIGHT, LIGHT], 2), torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
+    again.restore(stroke_canvas.state())
+    assert torch.equal(again.render(), stroke_canvas.render())

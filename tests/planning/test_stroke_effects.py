@@ -5,7 +5,7 @@ import pytest
 import torch
 from torch import Generator, Tensor
 
-from maulstick.planning.stroke_effects import View, coverage, recolouring_costs, removal_costs
+from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
 from maulstick.rendering.kernels.cpu import composite
 from maulstick.rendering.traj2stroke import Marks
 
@@ -15,7 +15,7 @@ SIGMAS = 5
 ROUNDING = 1e-5  # relative, of float32
 
 
-def error(view: View, canvas: Tensor) -> float:
+def error(view: TargetView, canvas: Tensor) -> float:
     return view.difference(canvas).square().sum().item()
 
 
@@ -32,7 +32,7 @@ def without(marks: Marks, colours: Tensor, i: int) -> tuple[Marks, Tensor]:
     return Marks(**{field.name: getattr(marks, field.name)[rest] for field in fields(Marks)}), colours[rest]
 
 
-def honest_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> tuple[Tensor, Tensor]:
+def honest_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor) -> tuple[Tensor, Tensor]:
     """What the error grows by when each stroke is left out, (N,), and how much it changes the canvas, squared."""
     whole = rendered(paper, marks, colours)
     rests = [rendered(paper, *without(marks, colours, i)) for i in range(len(colours))]
@@ -67,11 +67,11 @@ def dots(at: list[tuple[int, int]], opacity: list[float]) -> Marks:
     return Marks(points, torch.full((count, 1), 0.9), torch.ones(count), torch.zeros(count), torch.tensor(opacity))
 
 
-def view_of(target: Tensor, *, pool: int = 1, seed: int | None = None) -> View:
+def view_of(target: Tensor, *, pool: int = 1, seed: int | None = None) -> TargetView:
     weights = torch.ones_like(target[0])
     if seed is not None:
         weights = 0.2 + 2 * torch.rand(weights.shape, generator=seeded(seed))
-    return View(target, weights, pool)
+    return TargetView(target, weights, pool)
 
 
 def test_the_cost_of_taking_a_dot_away_is_exact() -> None:

@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from maulstick.brush_fit.fit import Fit, View
-from maulstick.plots.brush_fit import fit_plate, measured
+from maulstick.brush_fit.fit import Fit, HeldOutStroke
+from maulstick.plots.brush_fit import fit_plot, measured
 from tests.support.nominal import nominal
 
 ERRORS = {"b_x": 2e-5, "opacity": 0.004, "alpha": 2e-4, "nib[0]": 0.01, "nib[1]": 0.02, "m_x": 0.0}
@@ -17,13 +17,13 @@ PHOTOGRAPH, PREDICTION = (0, 255, 0), (255, 0, 255)
 LIGHTER, DARKER = (196, 69, 44), (47, 102, 144)
 
 
-def a_view(name: str, size: tuple[int, int] = (20, 40), after: float = 0.0, predicted: float = 0.0) -> View:
+def a_view(name: str, size: tuple[int, int] = (20, 40), after: float = 0.0, predicted: float = 0.0) -> HeldOutStroke:
     """Of one darkness all over."""
     shape = (*size, 1)
-    return View(name, np.full(shape, after, dtype=np.float32), np.full(shape, predicted, dtype=np.float32))
+    return HeldOutStroke(name, np.full(shape, after, dtype=np.float32), np.full(shape, predicted, dtype=np.float32))
 
 
-def a_fit(*views: View) -> Fit:
+def a_fit(*views: HeldOutStroke) -> Fit:
     """The round brush, as if it had been fitted."""
     brush = nominal("round").model_copy(update={"name": "twig", "nib": (0.1, -0.05), "b_x": -3e-4})
     return Fit(
@@ -44,19 +44,19 @@ def a_fit(*views: View) -> Fit:
 
 
 def pixels(fit: Fit) -> NDArray[np.int64]:
-    with Image.open(io.BytesIO(fit_plate(fit))) as image:
+    with Image.open(io.BytesIO(fit_plot(fit))) as image:
         return np.array(image.convert("RGB"), dtype=np.int64)
 
 
-def where(plate: NDArray[np.int64], colour: tuple[int, int, int]) -> NDArray[np.int64]:
-    return np.argwhere((np.abs(plate - colour) <= 2).all(axis=2))
+def where(plot: NDArray[np.int64], colour: tuple[int, int, int]) -> NDArray[np.int64]:
+    return np.argwhere((np.abs(plot - colour) <= 2).all(axis=2))
 
 
-def coloured(name: str, size: tuple[int, int]) -> View:
+def coloured(name: str, size: tuple[int, int]) -> HeldOutStroke:
     after, predicted = (
         np.ones((*size, 3), dtype=np.float32) * np.divide(c, 255, dtype=np.float32) for c in (PHOTOGRAPH, PREDICTION)
     )
-    return View(name, after, predicted)
+    return HeldOutStroke(name, after, predicted)
 
 
 def test_numbers_are_told_in_millimetres_as_far_as_they_are_known() -> None:
@@ -70,8 +70,8 @@ def test_numbers_are_told_in_millimetres_as_far_as_they_are_known() -> None:
 
 
 def test_a_prediction_stands_below_its_photograph_at_the_same_scale() -> None:
-    plate = pixels(a_fit(coloured("stroke 1", (30, 50))))
-    photograph, prediction = where(plate, PHOTOGRAPH), where(plate, PREDICTION)
+    plot = pixels(a_fit(coloured("stroke 1", (30, 50))))
+    photograph, prediction = where(plot, PHOTOGRAPH), where(plot, PREDICTION)
     assert np.ptp(photograph, axis=0) == pytest.approx(np.ptp(prediction, axis=0), abs=1)
     assert photograph[:, 1].min() == pytest.approx(prediction[:, 1].min(), abs=1)
     assert photograph[:, 0].max() < prediction[:, 0].min()
@@ -81,9 +81,9 @@ def test_a_prediction_stands_below_its_photograph_at_the_same_scale() -> None:
 
 def test_views_of_all_sizes_have_one_scale() -> None:
     small, large = (20, 30), (40, 90)
-    plate = pixels(a_fit(coloured("a", small), a_view("b", large, 1.0, 1.0)))
-    green = np.ptp(where(plate, PHOTOGRAPH), axis=0)
-    black = where(plate[plate.shape[0] // 3 :], (0, 0, 0))
+    plot = pixels(a_fit(coloured("a", small), a_view("b", large, 1.0, 1.0)))
+    green = np.ptp(where(plot, PHOTOGRAPH), axis=0)
+    black = where(plot[plot.shape[0] // 3 :], (0, 0, 0))
     assert green[1] / np.ptp(black, axis=0)[1] == pytest.approx(30 / 90, rel=0.05)
 
 
@@ -93,13 +93,13 @@ def test_views_of_all_sizes_have_one_scale() -> None:
 def test_a_difference_is_red_where_the_prediction_is_too_light_and_blue_where_too_dark(
     after: float, predicted: float, colour: tuple[int, int, int]
 ) -> None:
-    plate = pixels(a_fit(a_view("stroke 1", (30, 60), after, predicted)))[plate_rows()]
+    plot = pixels(a_fit(a_view("stroke 1", (30, 60), after, predicted)))[plot_rows()]
     for other in (LIGHTER, DARKER):
-        assert (len(where(plate, other)) > 1000) == (other == colour)
-    assert len(where(plate, colour)) > 1000
+        assert (len(where(plot, other)) > 1000) == (other == colour)
+    assert len(where(plot, colour)) > 1000
 
 
-def plate_rows() -> slice:
+def plot_rows() -> slice:
     """Those of a plate in which the views are."""
     return slice(540, 1290)
 
@@ -109,11 +109,11 @@ def test_any_number_of_views_of_any_size_fits(size: tuple[int, int], count: int)
     views = [coloured(f"stroke {i}", size) for i in range(count)]
     found = where(pixels(a_fit(*views)), PREDICTION)
     assert len(found)
-    assert plate_rows().start < found[:, 0].min()
-    assert found[:, 0].max() < plate_rows().stop
+    assert plot_rows().start < found[:, 0].min()
+    assert found[:, 0].max() < plot_rows().stop
 
 
 def test_the_same_fit_is_the_same_picture() -> None:
     fit = a_fit()
-    assert fit_plate(fit) == fit_plate(fit)
-    assert fit_plate(fit) != fit_plate(replace(fit, l1=0.005))
+    assert fit_plot(fit) == fit_plot(fit)
+    assert fit_plot(fit) != fit_plot(replace(fit, l1=0.005))

@@ -12,8 +12,8 @@ from PIL import Image
 
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.plots import brush as module
-from maulstick.plots.brush import brush_plate, profile
-from maulstick.plots.sheet import Plate
+from maulstick.plots.brush import brush_plot, profile
+from maulstick.plots.sheet import Plot
 from maulstick.rendering.kernels.reference import darkness
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from tests.support.nominal import nominal
@@ -30,14 +30,14 @@ FULL = {
 
 
 def pixels(brush: Brush, px: int = PX) -> NDArray[np.int64]:
-    with Image.open(io.BytesIO(brush_plate(brush, "", px))) as image:
+    with Image.open(io.BytesIO(brush_plot(brush, "", px))) as image:
         assert image.height == px
         return np.array(image.convert("RGB"), dtype=np.int64)
 
 
-def mark(plate: NDArray[np.int64]) -> NDArray[np.int64]:
+def mark(plot: NDArray[np.int64]) -> NDArray[np.int64]:
     """The sheet with the mark on it."""
-    return plate[round(0.15 * PX) : round(0.38 * PX), 20:-20]
+    return plot[round(0.15 * PX) : round(0.38 * PX), 20:-20]
 
 
 @given(
@@ -84,14 +84,14 @@ def test_a_mark_lies_on_its_sheet_however_far_the_machine_is_off() -> None:
 def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
 
-    class Listening(Plate):
+    class Listening(Plot):
         def text(self, x: float, y: float, text: str, *options: object, **more: object) -> None:
             told.append(text)
 
     monkeypatch.setattr(module, "Plate", Listening)
-    brush_plate(nominal("round"), "", PX)
+    brush_plot(nominal("round"), "", PX)
     assert not {*FULL} & {*told}
-    brush_plate(nominal("round").model_copy(update=FULL), "", PX)
+    brush_plot(nominal("round").model_copy(update=FULL), "", PX)
     assert {
         *FULL,
         "0.1, -0.05",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.painting.raster import Canvas
-from maulstick.plots.compare import Panel, compare_plate
+from maulstick.plots.compare import Panel, compare_plot
 
 COLOURS = [(255, 0, 0), (0, 0, 255), (0, 255, 0), (255, 0, 255), (0, 255, 255), (255, 255, 0), (0, 0, 128)]
 
@@ -25,13 +25,13 @@ def a_panel(number: int, size: tuple[float, float] = (0.2, 0.16)) -> Panel:
 
 
 def pixels(panels: list[Panel], px: int = 600) -> NDArray[np.int64]:
-    with Image.open(io.BytesIO(compare_plate(panels, "paintings", "told", "", px))) as image:
+    with Image.open(io.BytesIO(compare_plot(panels, "paintings", "told", "", px))) as image:
         return np.array(image.convert("RGB"), dtype=np.int64)
 
 
-def box(plate: NDArray[np.int64], number: int) -> tuple[int, int, int, int]:
+def box(plot: NDArray[np.int64], number: int) -> tuple[int, int, int, int]:
     """Left, top, right, bottom of a panel."""
-    where = np.argwhere((np.abs(plate - COLOURS[number]) <= 2).all(axis=2))
+    where = np.argwhere((np.abs(plot - COLOURS[number]) <= 2).all(axis=2))
     assert len(where)
     (top, left), (bottom, right) = where.min(axis=0), where.max(axis=0) + 1
     return int(left), int(top), int(right), int(bottom)
@@ -39,9 +39,9 @@ def box(plate: NDArray[np.int64], number: int) -> tuple[int, int, int, int]:
 
 @pytest.mark.parametrize("count", [2, 3, 5, 7])
 def test_panels_stand_in_rows_apart_from_one_another(count: int) -> None:
-    plate = pixels([a_panel(i) for i in range(count)])
-    assert plate.shape == (600, 960, 3)
-    boxes = [box(plate, i) for i in range(count)]
+    plot = pixels([a_panel(i) for i in range(count)])
+    assert plot.shape == (600, 960, 3)
+    boxes = [box(plot, i) for i in range(count)]
     for (_, top, right, bottom), (left, next_top, _, _) in pairwise(boxes):
         assert right < left or bottom < next_top
         assert next_top >= top
@@ -51,9 +51,9 @@ def test_panels_stand_in_rows_apart_from_one_another(count: int) -> None:
 
 
 def test_sheets_of_different_sizes_are_shown_at_one_scale() -> None:
-    plate = pixels([a_panel(0, (0.2, 0.1)), a_panel(1, (0.05, 0.1)), a_panel(2, (0.1, 0.2))])
+    plot = pixels([a_panel(0, (0.2, 0.1)), a_panel(1, (0.05, 0.1)), a_panel(2, (0.1, 0.2))])
     across, down = zip(
-        *[(right - left, bottom - top) for left, top, right, bottom in (box(plate, i) for i in range(3))], strict=True
+        *[(right - left, bottom - top) for left, top, right, bottom in (box(plot, i) for i in range(3))], strict=True
     )
     assert across[0] / across[1] == pytest.approx(4, rel=0.04)
     assert down[2] / down[0] == pytest.approx(2, rel=0.04)
@@ -87,4 +87,4 @@ def test_the_thinnest_sheet_has_its_place(size: tuple[float, float]) -> None:
 
 def test_the_same_panels_are_the_same_plate() -> None:
     panels = [a_panel(0), a_panel(1)]
-    assert compare_plate(panels, "a", "b", "c", 300) == compare_plate(panels, "a", "b", "c", 300)
+    assert compare_plot(panels, "a", "b", "c", 300) == compare_plot(panels, "a", "b", "c", 300)

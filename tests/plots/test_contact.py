@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from maulstick.plots.contact import contact_plate, rows_of
+from maulstick.plots.contact import contact_plot, rows_of
 from maulstick.recording.mocap.contact import Contact
-from maulstick.recording.mocap.drawing import Drawing
+from maulstick.recording.mocap.drawing import TakeInk
 from maulstick.strokes.ink import Ink
 
 STROKE, MERGED, DROPPED, BESIDE = (180, 224, 215), (245, 198, 105), (236, 147, 166), (217, 212, 202)
 
 
-def drawing_for(seconds: float, rate: float = 240.0) -> Drawing:
+def drawing_for(seconds: float, rate: float = 240.0) -> TakeInk:
     """A touch every other second, and one part of each kind."""
     times = np.arange(round(seconds * rate)) / rate
     heights = np.clip(20e-3 * np.sin(np.pi * times), 0, None)
@@ -21,11 +21,11 @@ def drawing_for(seconds: float, rate: float = 240.0) -> Drawing:
     touches = np.stack([starts, starts + 1], axis=1) * int(rate)
     part = np.array([[0, 30]]) + 50
     contact = Contact(touches, part, part + 40, 0.4e-3, 0.8e-3)
-    return Drawing(Ink.of([], (0.2, 0.1)), times, heights, contact, part + 80, [])
+    return TakeInk(Ink.of([], (0.2, 0.1)), times, heights, contact, part + 80, [])
 
 
-def pixels(drawing: Drawing) -> np.ndarray:
-    with Image.open(io.BytesIO(contact_plate(drawing))) as image:
+def pixels(drawing: TakeInk) -> np.ndarray:
+    with Image.open(io.BytesIO(contact_plot(drawing))) as image:
         assert image.format == "PNG"
         return np.asarray(image.convert("RGB")).astype(int)
 
@@ -35,7 +35,7 @@ def share(picture: np.ndarray, colour: tuple[int, int, int]) -> float:
     return float((np.abs(picture[80:] - colour).max(axis=2) <= 2).mean())
 
 
-def dark_in_rows(drawing: Drawing) -> int:
+def dark_in_rows(drawing: TakeInk) -> int:
     return int((pixels(drawing)[80:, 90:1290] < 80).all(axis=2).sum())
 
 

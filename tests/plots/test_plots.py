@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.painting.brush import load_brush
-from maulstick.plots.brush import brush_plate
-from maulstick.plots.ink import ink_plate
-from maulstick.plots.strokes import strokes_plate
+from maulstick.plots.brush import brush_plot
+from maulstick.plots.ink import ink_plot
+from maulstick.plots.strokes import strokes_plot
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import Strokes
 from tests.support.nominal import nominal
@@ -26,14 +26,14 @@ def pixels(png: bytes) -> NDArray[np.float64]:
         return np.array(image.convert("RGB"), dtype=np.float64)
 
 
-def paper(plate: NDArray[np.float64]) -> tuple[slice, slice]:
+def paper(plot: NDArray[np.float64]) -> tuple[slice, slice]:
     """Where the white sheet is."""
-    rows, columns = np.nonzero((plate == 255).all(axis=2))
+    rows, columns = np.nonzero((plot == 255).all(axis=2))
     return slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
 
 
-def inked(plate: NDArray[np.float64]) -> NDArray[np.bool_]:
-    return plate.max(axis=2) < 128
+def inked(plot: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return plot.max(axis=2) < 128
 
 
 def a_line(*points: tuple[float, float], press: float | tuple[float, ...] = np.nan) -> NDArray[np.float64]:
@@ -43,16 +43,16 @@ def a_line(*points: tuple[float, float], press: float | tuple[float, ...] = np.n
 
 @pytest.mark.parametrize("size", [(0.2, 0.15), (0.15, 0.2), (30.0, 20.0), (0.05, 0.02)])
 def test_a_sheet_keeps_its_proportions(size: tuple[float, float]) -> None:
-    sheet = paper(pixels(ink_plate(Ink.of([], size), "", PX)))
+    sheet = paper(pixels(ink_plot(Ink.of([], size), "", PX)))
     high, wide = (part.stop - part.start for part in sheet)
     assert wide / high == pytest.approx(size[0] / size[1], abs=0.02)
 
 
 def test_strokes_lie_where_they_were_drawn() -> None:
     ink = Ink.of([a_line((0.05, 0.03), (0.15, 0.03)), a_line((0.1, 0.12))], (0.2, 0.15))
-    plate = pixels(ink_plate(ink, "", PX))
-    rows, columns = paper(plate)
-    drawn = np.argwhere(inked(plate[rows, columns]))
+    plot = pixels(ink_plot(ink, "", PX))
+    rows, columns = paper(plot)
+    drawn = np.argwhere(inked(plot[rows, columns]))
     scale = (columns.stop - columns.start) / 0.2
     line, dot = drawn[drawn[:, 0] < 0.075 * scale], drawn[drawn[:, 0] > 0.075 * scale]
     assert line[:, 0].mean() == pytest.approx(0.03 * scale, abs=1.5)
@@ -63,9 +63,9 @@ def test_strokes_lie_where_they_were_drawn() -> None:
 
 def test_a_stroke_is_wider_where_it_was_pressed_harder() -> None:
     ink = Ink.of([a_line((0.002, 0.005), (0.018, 0.005), press=(0.0, 1.0))], (0.02, 0.01))
-    plate = pixels(ink_plate(ink, "", PX))
-    rows, columns = paper(plate)
-    widths = inked(plate[rows, columns]).sum(axis=0)
+    plot = pixels(ink_plot(ink, "", PX))
+    rows, columns = paper(plot)
+    widths = inked(plot[rows, columns]).sum(axis=0)
     scale = (columns.stop - columns.start) / 0.02
     quarter, three_quarters = (widths[int(share * scale)] for share in (0.006, 0.014))
     assert quarter == pytest.approx((0.15e-3 + 0.25 * 1.05e-3) * scale, abs=1.5)
@@ -73,20 +73,20 @@ def test_a_stroke_is_wider_where_it_was_pressed_harder() -> None:
 
 
 def test_what_runs_off_the_sheet_is_not_drawn_beside_it() -> None:
-    empty = pixels(ink_plate(Ink.of([], (0.2, 0.15)), "", PX))
-    plate = pixels(ink_plate(Ink.of([a_line((-1, 0.02), (1, 0.02))], (0.2, 0.15)), "", PX))
+    empty = pixels(ink_plot(Ink.of([], (0.2, 0.15)), "", PX))
+    plot = pixels(ink_plot(Ink.of([a_line((-1, 0.02), (1, 0.02))], (0.2, 0.15)), "", PX))
     _, columns = paper(empty)
-    beside = np.r_[0 : columns.start - 2, columns.stop + 2 : plate.shape[1]]
+    beside = np.r_[0 : columns.start - 2, columns.stop + 2 : plot.shape[1]]
     rows = slice(0, round(0.7 * PX))
-    assert np.array_equal(plate[rows, beside], empty[rows, beside])
-    assert inked(plate[rows, columns]).any()
+    assert np.array_equal(plot[rows, beside], empty[rows, beside])
+    assert inked(plot[rows, columns]).any()
 
 
 def test_strokes_of_a_specimen_are_at_one_scale_and_the_longest_comes_first() -> None:
     lines = [a_line((0.01, 0.01), (0.01, 0.01 + length)) for length in (0.01, 0.04, 0.02)]
-    plate = pixels(strokes_plate(Strokes.of(Ink.of(lines, (0.2, 0.2))), "", PX))
-    rows, columns = paper(plate)
-    dark = inked(plate[rows, columns])
+    plot = pixels(strokes_plot(Strokes.of(Ink.of(lines, (0.2, 0.2))), "", PX))
+    rows, columns = paper(plot)
+    dark = inked(plot[rows, columns])
     lengths = []
     for row in dark[np.flatnonzero(dark.any(axis=1))]:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(int)))
@@ -99,41 +99,41 @@ def test_strokes_of_a_specimen_are_at_one_scale_and_the_longest_comes_first() ->
 
 @pytest.mark.parametrize("number", [0, 1, 2, 241, 3000])
 def test_any_number_of_strokes_has_a_specimen_and_a_sheet(number: int) -> None:
-    chance = np.random.default_rng(0)
-    strokes = [a_line(*(0.1 + 0.01 * chance.normal(size=(8, 2)))) for _ in range(number)]
+    rng = np.random.default_rng(0)
+    strokes = [a_line(*(0.1 + 0.01 * rng.normal(size=(8, 2)))) for _ in range(number)]
     ink = Ink.of(strokes, (0.2, 0.2))
-    assert inked(pixels(ink_plate(ink, "many", PX))).any()
-    assert inked(pixels(strokes_plate(Strokes.of(ink), "many", PX))).any()
+    assert inked(pixels(ink_plot(ink, "many", PX))).any()
+    assert inked(pixels(strokes_plot(Strokes.of(ink), "many", PX))).any()
 
 
 def test_a_dot_and_a_point_without_extent_can_be_shown() -> None:
     for press in (np.nan, 0.7):
         ink = Ink.of([a_line((0.1, 0.1), press=press), a_line((0.1, 0.1), (0.1, 0.1), press=press)], (0.2, 0.2))
-        for png in (ink_plate(ink, "", PX), strokes_plate(Strokes.of(ink), "", PX)):
-            plate = pixels(png)
-            assert inked(plate[paper(plate)]).any()
+        for png in (ink_plot(ink, "", PX), strokes_plot(Strokes.of(ink), "", PX)):
+            plot = pixels(png)
+            assert inked(plot[paper(plot)]).any()
 
 
 @pytest.mark.parametrize("size", [(100, 0.001), (0.001, 100), (30, 30), (1e-3, 1e-3)])
 def test_sheets_of_any_size_can_be_shown(size: tuple[float, float]) -> None:
     ink = Ink.of([a_line((0, 0), size, press=0.5), a_line((0, size[1]), size)], size)
-    plate = pixels(ink_plate(ink, "", PX))
-    assert plate.shape[1] <= 3 * PX + 1
+    plot = pixels(ink_plot(ink, "", PX))
+    assert plot.shape[1] <= 3 * PX + 1
 
 
 def test_a_name_is_shown_whatever_is_in_it() -> None:
     for title in ("$x_1$ \\frac", "漢字", "x" * 300, "a\nb"):
-        assert inked(pixels(ink_plate(Ink.of([], (0.1, 0.1)), title, PX))).any()
+        assert inked(pixels(ink_plot(Ink.of([], (0.1, 0.1)), title, PX))).any()
 
 
 @pytest.mark.parametrize("name", ["round", "marker", "fineliner"])
 def test_the_mark_of_a_brush_becomes_wider_towards_the_right(name: str) -> None:
     brush = load_brush(name)
-    plate = pixels(brush_plate(brush, f"{name}.json", PX))
+    plot = pixels(brush_plot(brush, f"{name}.json", PX))
     rows = slice(round(0.13 * PX), round(0.44 * PX))
-    sheet = plate[rows]
+    sheet = plot[rows]
     widths = (255 - sheet.mean(axis=2)).clip(min=0).sum(axis=0)
-    left, right = (widths[round(share * plate.shape[1])] for share in (0.2, 0.8))
+    left, right = (widths[round(share * plot.shape[1])] for share in (0.2, 0.8))
     assert right > left if brush.presses else right == pytest.approx(left, rel=0.05)
     assert left > 0
 
@@ -148,12 +148,12 @@ def test_a_brush_with_much_to_tell_has_a_plate() -> None:
             "b_x": -3e-4,
         }
     )
-    assert inked(pixels(brush_plate(brush, "x" * 200, PX))).any()
+    assert inked(pixels(brush_plot(brush, "x" * 200, PX))).any()
 
 
 def test_the_same_ink_is_the_same_picture() -> None:
     ink = Ink.of([a_line((0.01, 0.01), (0.04, 0.03), press=(0.2, 0.9))], (0.05, 0.05))
-    assert ink_plate(ink, "twice", PX) == ink_plate(ink, "twice", PX)
+    assert ink_plot(ink, "twice", PX) == ink_plot(ink, "twice", PX)
 
 
 @pytest.mark.skipif(not WACOM.exists(), reason="shared data absent: uil_strokes.npz")
@@ -162,5 +162,5 @@ def test_a_drawing_by_hand_covers_a_few_hundredths_of_its_sheet() -> None:
         strokes = np.split(data["data"][:, :2], np.cumsum(data["lens"])[:-1])
         drawn = [stroke for stroke, name in zip(strokes, data["source"], strict=True) if name == "will/apple.will"]
     ink = Ink.of([a_line(*(stroke * 3e-4)) for stroke in drawn], (0.15, 0.15))
-    plate = pixels(ink_plate(ink, "apple", PX))
-    assert 0.005 < inked(plate[paper(plate)]).mean() < 0.1
+    plot = pixels(ink_plot(ink, "apple", PX))
+    assert 0.005 < inked(plot[paper(plot)]).mean() < 0.1

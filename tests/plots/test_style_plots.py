@@ -13,7 +13,7 @@ from maulstick.errors import InputError
 from maulstick.plots import latent_map as module
 from maulstick.plots.latent_map import COLOURS, latent_map, places_of
 from maulstick.plots.sheet import PAPER
-from maulstick.plots.style import style_plate
+from maulstick.plots.style import style_plot
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
 from tests.support.style.synthetic_hands import circle, exemplar_of, line, zigzag
@@ -37,26 +37,26 @@ def pixels(png: bytes) -> NDArray[np.int64]:
         return np.array(image.convert("RGB"), dtype=np.int64)
 
 
-def parts(plate: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+def parts(plot: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """The white sheets on a plate, from the top."""
-    white = (plate == to_rgb_255(PAPER)).all(axis=2).mean(axis=1) > 0.05
+    white = (plot == to_rgb_255(PAPER)).all(axis=2).mean(axis=1) > 0.05
     edges = np.flatnonzero(np.diff(np.concatenate([[False], white, [False]]).astype(int)))
-    return [plate[top:bottom] for top, bottom in edges.reshape(-1, 2) if bottom - top > PX / 10]
+    return [plot[top:bottom] for top, bottom in edges.reshape(-1, 2) if bottom - top > PX / 10]
 
 
 def to_rgb_255(colour: str) -> NDArray[np.int64]:
     return np.round(np.array(to_rgb(colour)) * 255).astype(np.int64)
 
 
-def dark(plate: NDArray[np.int64]) -> NDArray[np.bool_]:
-    return plate.max(axis=2) < 128
+def dark(plot: NDArray[np.int64]) -> NDArray[np.bool_]:
+    return plot.max(axis=2) < 128
 
 
-def near(plate: NDArray[np.int64], colour: str) -> NDArray[np.bool_]:
+def near(plot: NDArray[np.int64], colour: str) -> NDArray[np.bool_]:
     """Where there is that colour on white, as thin lines have it."""
     ink = 255 - to_rgb_255(colour)
-    share = ((255 - plate) @ ink / (ink @ ink)).clip(max=1)
-    return (share > 0.3) & (np.abs(255 - plate - share[..., None] * ink).max(axis=2) < 12)
+    share = ((255 - plot) @ ink / (ink @ ink)).clip(max=1)
+    return (share > 0.3) & (np.abs(255 - plot - share[..., None] * ink).max(axis=2) < 12)
 
 
 def pressed(style: Exemplar, press: float) -> Exemplar:
@@ -64,19 +64,19 @@ def pressed(style: Exemplar, press: float) -> Exemplar:
 
 
 def test_a_style_draws_as_much_as_is_shown_of_its_hand(circles: Exemplar) -> None:
-    by_hand, by_style = (dark(part).sum() for part in parts(pixels(style_plate(circles, "", PX))))
+    by_hand, by_style = (dark(part).sum() for part in parts(pixels(style_plot(circles, "", PX))))
     assert by_style == pytest.approx(by_hand, rel=0.3)
 
 
 def test_only_the_lower_part_depends_on_what_the_style_draws(circles: Exemplar) -> None:
     # A bound style and a free one sample other strokes; the scale may differ, the number of strokes does not.
-    bound, free = (pixels(style_plate(replace(circles, freedom=freedom), "", PX)) for freedom in (0.0, 1.0))
+    bound, free = (pixels(style_plot(replace(circles, freedom=freedom), "", PX)) for freedom in (0.0, 1.0))
     assert (dark(bound) != dark(free))[PX // 2 :].any()
 
 
 def test_strokes_are_as_wide_as_they_were_pressed(circles: Exemplar) -> None:
     even, light, deep = (
-        [dark(part).sum() for part in parts(pixels(style_plate(style, "", PX)))]
+        [dark(part).sum() for part in parts(pixels(style_plot(style, "", PX)))]
         for style in (circles, pressed(circles, 0.0), pressed(circles, 1.0))
     )
     for whose in (0, 1):
@@ -86,7 +86,7 @@ def test_strokes_are_as_wide_as_they_were_pressed(circles: Exemplar) -> None:
 @pytest.mark.parametrize("strokes", [5, 6, 300])
 def test_any_number_of_strokes_has_a_sheet_and_a_map(strokes: int) -> None:
     style = exemplar_of(line, strokes)
-    for png in (style_plate(style, "x" * 300, PX), latent_map([style], "$x_1$", PX)):
+    for png in (style_plot(style, "x" * 300, PX), latent_map([style], "$x_1$", PX)):
         for part in parts(pixels(png)):
             assert near(part, COLOURS[0]).any()
 
@@ -95,7 +95,7 @@ def test_strokes_that_are_all_the_same_have_a_sheet_and_a_map(circles: Exemplar)
     hand = circles.hand
     same = Hand(np.repeat(hand.paths[:1], 6, axis=0), hand.press[:6], hand.speeds[:6])
     style = replace(circles, hand=same)
-    for png in (style_plate(style, "", PX), latent_map([style], "", PX)):
+    for png in (style_plot(style, "", PX), latent_map([style], "", PX)):
         assert near(parts(pixels(png))[0], COLOURS[0]).any()
 
 
@@ -108,10 +108,10 @@ def test_a_map_keeps_the_strokes_of_a_hand_together(circles: Exemplar, zigzags: 
 
 def test_every_style_of_a_map_has_a_colour_and_there_are_six(circles: Exemplar, zigzags: Exemplar) -> None:
     styles = [circles, zigzags, *(exemplar_of(circle, seed=seed) for seed in range(4))]
-    plate = pixels(latent_map(styles, "", PX))
+    plot = pixels(latent_map(styles, "", PX))
     for colour in COLOURS:
-        assert near(plate[: PX * 3 // 4], colour).any(), "a stroke"
-        assert near(plate[PX * 3 // 4 :], colour).any(), "a name"
+        assert near(plot[: PX * 3 // 4], colour).any(), "a stroke"
+        assert near(plot[PX * 3 // 4 :], colour).any(), "a name"
     with pytest.raises(InputError, match="the number of styles on a map is 7; it must be from 1 to 6"):
         latent_map([*styles, circles], "", PX)
 
@@ -136,5 +136,5 @@ def test_of_many_strokes_a_map_shows_some_of_each_style(
 
 
 def test_the_same_style_is_the_same_picture(circles: Exemplar) -> None:
-    assert style_plate(circles, "twice", PX) == style_plate(circles, "twice", PX)
+    assert style_plot(circles, "twice", PX) == style_plot(circles, "twice", PX)
     assert latent_map([circles], "twice", PX) == latent_map([circles], "twice", PX)

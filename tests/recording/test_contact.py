@@ -100,19 +100,19 @@ def test_touches_are_apart_in_order_and_the_same_backwards(heights: list[float],
 @pytest.mark.parametrize("noise", [0.02, 0.06, 0.2])
 @pytest.mark.parametrize("lifted", [0.1, 0.4, 0.7])
 def test_the_proposed_threshold_lies_above_the_noise_and_below_the_lowest_lifts(noise: float, lifted: float) -> None:
-    chance = np.random.default_rng(0)
-    down = chance.normal(0, noise, round(10_000 * (1 - lifted)))
-    up = np.concatenate([bump(high, 40) for high in chance.uniform(1.5, 8, round(10_000 * lifted / 40))])
-    threshold = propose_threshold(np.concatenate([down, up + chance.normal(0, noise, len(up))]) * MM) / MM
+    rng = np.random.default_rng(0)
+    down = rng.normal(0, noise, round(10_000 * (1 - lifted)))
+    up = np.concatenate([bump(high, 40) for high in rng.uniform(1.5, 8, round(10_000 * lifted / 40))])
+    threshold = propose_threshold(np.concatenate([down, up + rng.normal(0, noise, len(up))]) * MM) / MM
     assert 3.5 * noise < threshold
     assert threshold < 1.5 / RELEASE or noise == 0.2
     assert threshold < max(0.55, 9 * noise)
 
 
 def test_a_soft_brush_that_is_pressed_by_millimetres_gets_a_higher_threshold() -> None:
-    chance = np.random.default_rng(0)
-    lifts = chance.uniform(0, 8, 3000)
-    soft = np.concatenate([chance.uniform(-1.0, 1.0, 10_000), lifts]) * MM
+    rng = np.random.default_rng(0)
+    lifts = rng.uniform(0, 8, 3000)
+    soft = np.concatenate([rng.uniform(-1.0, 1.0, 10_000), lifts]) * MM
     assert propose_threshold(soft) > 0.9 * MM
 
 

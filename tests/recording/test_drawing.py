@@ -7,7 +7,7 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.recording.mocap.contact import ContactOptions
-from maulstick.recording.mocap.drawing import Drawing, drawing_of
+from maulstick.recording.mocap.drawing import TakeInk, drawing_of
 from maulstick.recording.mocap.frames import CORNERS
 from maulstick.recording.mocap.pivot import calibrate_pivot
 from maulstick.storage.arrays import Floats
@@ -31,7 +31,7 @@ from tests.support.tolerances import DRAWN_END, DRAWN_MEDIAN, DRAWN_MEDIAN_ASKED
 STROKES = loops_and_lines()
 
 
-def compared(drawing: Drawing, strokes: list[Floats]) -> tuple[Floats, Floats]:
+def compared(drawing: TakeInk, strokes: list[Floats]) -> tuple[Floats, Floats]:
     """Distances of all samples, and of the ends, from what was drawn: stroke for stroke, in the order drawn."""
     found = [stroke[:, 1:3] for stroke in drawing.ink.strokes()]
     assert len(found) == len(strokes)

@@ -62,8 +62,8 @@ def test_any_corner_of_any_sheet_may_have_the_right_angle_and_its_marker_any_nam
 
 def test_the_names_of_markers_may_change_from_frame_to_frame() -> None:
     take, turn, away = take_of(corners(*SHEET, 0))
-    chance = np.random.default_rng(1)
-    mixed = np.array([triangle[chance.permutation(3)] for triangle in take.canvas_markers])
+    rng = np.random.default_rng(1)
+    mixed = np.array([triangle[rng.permutation(3)] for triangle in take.canvas_markers])
     canvas = canvas_path(replace(take, canvas_markers=mixed))
     assert wrong(canvas, turn, away) < FRAME_METRES
     assert canvas.swapped > 50

@@ -19,13 +19,13 @@ FRAMES = 20
 
 def a_take(frames: int = FRAMES, markers: int = 4) -> Take:
     """A pen and a canvas anywhere, the pen lost in some frames and one marker of each in others."""
-    chance = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     take = Take(
         np.arange(frames) / 240,
-        chance.uniform(-1, 1, (frames, 3)),
-        Rotation.random(frames, rng=chance).as_quat(),
-        chance.uniform(-1, 1, (frames, markers, 3)),
-        chance.uniform(-1, 1, (frames, 3, 3)),
+        rng.uniform(-1, 1, (frames, 3)),
+        Rotation.random(frames, rng=rng).as_quat(),
+        rng.uniform(-1, 1, (frames, markers, 3)),
+        rng.uniform(-1, 1, (frames, 3, 3)),
     )
     take.pen_positions[3:6] = take.pen_rotations[3:6] = np.nan
     take.pen_markers[2:7, :1] = take.canvas_markers[-3:-2, 1] = np.nan

@@ -45,12 +45,12 @@ def nothing_is_left_open_or_running(monkeypatch: pytest.MonkeyPatch) -> Iterator
 @pytest.fixture
 def take() -> Take:
     """A take in single precision, which is what is streamed, with a pen and markers that are lost at times."""
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
 
     def places(*shape: int) -> np.ndarray:
-        return chance.uniform(-1, 1, (*shape, 3)).astype(np.float32).astype(np.float64)
+        return rng.uniform(-1, 1, (*shape, 3)).astype(np.float32).astype(np.float64)
 
-    rotations = Rotation.random(FRAMES, rng=chance).as_quat().astype(np.float32).astype(np.float64)
+    rotations = Rotation.random(FRAMES, rng=rng).as_quat().astype(np.float32).astype(np.float64)
     take = Take(100 + np.arange(FRAMES) / 240, places(FRAMES), rotations, places(FRAMES, 4), places(FRAMES, 3))
     take.pen_positions[10:15] = take.pen_rotations[10:15] = take.pen_markers[8:20, 1] = np.nan
     take.canvas_markers[30:32, 2] = np.nan

@@ -12,8 +12,8 @@ from maulstick.storage.arrays import write_arrays
 
 @pytest.fixture
 def take() -> Take:
-    chance = np.random.default_rng(0)
-    positions, rotations, pen, canvas = (chance.normal(size=(9, *shape)) for shape in ((3,), (4,), (2, 3), (3, 3)))
+    rng = np.random.default_rng(0)
+    positions, rotations, pen, canvas = (rng.normal(size=(9, *shape)) for shape in ((3,), (4,), (2, 3), (3, 3)))
     positions[3:5] = rotations[3:5] = np.nan
     return Take(np.arange(9) / 240, positions, rotations / np.linalg.norm(rotations, axis=1)[:, None], pen, canvas)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.painting.brush import built_in_brushes, load_brush
-from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import preview
 from tests.support.tolerances import GOLDEN_MEAN, GOLDEN_WORST
@@ -38,7 +38,7 @@ def painting_with(brush: str) -> Painting:
     paints = (Paint(colour=COLOURS[brush], brush=brush), Paint(colour=(0.95, 0.8, 0.2), brush=brush))
     return Painting(
         canvas=Sheet(width=0.06, height=0.04, paper=(0.97, 0.96, 0.92)),
-        made=Making(version="0"),
+        made=Provenance(version="0"),
         brushes={brush: load_brush(brush)},
         paints=paints,
         strokes=tuple(strokes),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Making, Paint, Painting, Point, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import coverage, preview
@@ -28,7 +28,7 @@ def a_painting(
 ) -> Painting:
     return Painting(
         canvas=Sheet(width=0.08, height=0.06, paper=paper),
-        made=Making(version="1"),
+        made=Provenance(version="1"),
         brushes=brushes,
         paints=paints,
         strokes=tuple(Stroke(id=i, paint=paint, trajectory=path) for i, (paint, path) in enumerate(strokes)),

@@ -115,15 +115,15 @@ def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
     session: tuple[FakeEbb, AxiDraw], seed: int, points: int, reach: float
 ) -> None:
     device, robot = session
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     limits = robot.limits
-    path = np.array([0.05, -0.05, 0]) + chance.uniform(-reach, reach, (points, 3))
-    if chance.uniform() < 0.5:
+    path = np.array([0.05, -0.05, 0]) + rng.uniform(-reach, reach, (points, 3))
+    if rng.uniform() < 0.5:
         path = np.clip(path, limits.lower, limits.upper)
     try:
         limits.check_path(path)
         robot.move(path[0])
-        robot.stroke(path, chance.uniform(0.02, limits.speed, points))
+        robot.stroke(path, rng.uniform(0.02, limits.speed, points))
         robot.lift(0)
     except InputError:
         assert np.any((path < limits.lower) | (path > limits.upper))

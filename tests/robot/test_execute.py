@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from maulstick.errors import MachineError, OutputError
 from maulstick.painting.painting import write_painting
-from maulstick.robot.execute import Pause, Progress, execute
+from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.routine import Draw, Hand, routine, seconds_of
+from maulstick.robot.routine import Draw, PaintLoad, routine, seconds_of
 from tests.support.robot.mortal_painter import Cut, PowerCutError, World, paint, put_painting
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import SIX
@@ -49,7 +49,7 @@ def test_a_stroke_is_written_down_before_the_tip_is_lowered_and_after_it_is_lift
         return said[sum(word.startswith(("begin", "end")) for word in order) :]
 
     with Journal.open(journal_path) as journal, robot:
-        execute(routine(SIX, EASEL, LIMITS, done=range(10, 14), hand=Hand(1)), robot, journal, lambda ask: None)
+        execute(routine(SIX, EASEL, LIMITS, done=range(10, 14), load=PaintLoad(1)), robot, journal, lambda ask: None)
         order += new()
     assert order == [
         "move", "begin 14", "stroke", "lift", "end 14",
@@ -59,7 +59,7 @@ def test_a_stroke_is_written_down_before_the_tip_is_lowered_and_after_it_is_lift
 
 def test_the_tip_goes_above_a_stroke_down_along_it_and_up(journal_path: Path) -> None:
     robot = Recorder()
-    actions = routine(SIX, EASEL, LIMITS, done=range(10, 15), hand=Hand(1))
+    actions = routine(SIX, EASEL, LIMITS, done=range(10, 15), load=PaintLoad(1))
     with Journal.open(journal_path) as journal, robot:
         execute(actions, robot, journal, lambda ask: None)
     (draw,) = [action for action in actions if isinstance(action, Draw)]
@@ -72,7 +72,7 @@ def test_the_tip_goes_above_a_stroke_down_along_it_and_up(journal_path: Path) ->
 def test_questions_come_before_their_strokes_and_the_hand_holds_what_was_put_in(journal_path: Path) -> None:
     painted_then: list[tuple[str, int]] = []
     with Journal.open(journal_path) as journal, Recorder() as robot:
-        hand = execute(
+        load = execute(
             routine(SIX, EASEL, LIMITS),
             robot,
             journal,
@@ -83,20 +83,20 @@ def test_questions_come_before_their_strokes_and_the_hand_holds_what_was_put_in(
         ("put in the marker with the paint #cc1a1a", 0),
         ("put in the marker with the paint #1a33b2", 3),
     ]
-    assert hand == Hand(1, pytest.approx(0.075))
+    assert load == PaintLoad(1, pytest.approx(0.075))
 
 
 def test_a_dip_fills_the_hand_again_and_a_rinse_empties_it(journal_path: Path) -> None:
     actions = routine(SIX, EASEL, LIMITS, TRAY)
     with Journal.open(journal_path) as journal, Recorder() as robot:
-        assert execute(actions[:4], robot, journal, lambda ask: None) == Hand(0, pytest.approx(0.03))
-        assert execute(actions[4:6], robot, journal, lambda ask: None) == Hand()
-        assert execute(actions[6:], robot, journal, lambda ask: None) == Hand(1, pytest.approx(0.03))
+        assert execute(actions[:4], robot, journal, lambda ask: None) == PaintLoad(0, pytest.approx(0.03))
+        assert execute(actions[4:6], robot, journal, lambda ask: None) == PaintLoad()
+        assert execute(actions[6:], robot, journal, lambda ask: None) == PaintLoad(1, pytest.approx(0.03))
         assert journal.painted == set(ALL)
 
 
 def test_progress_counts_metres_up_and_seconds_down(journal_path: Path) -> None:
-    seen: list[Progress] = []
+    seen: list[PaintProgress] = []
     with Journal.open(journal_path) as journal, Recorder() as robot:
         actions, place = routine(SIX, EASEL, LIMITS), robot.place
         execute(actions, robot, journal, lambda ask: None, seen.append)
@@ -113,7 +113,7 @@ def test_progress_counts_metres_up_and_seconds_down(journal_path: Path) -> None:
 def test_a_pause_holds_the_machine_between_two_strokes(journal_path: Path) -> None:
     pause, held = Pause(), threading.Event()
 
-    def watch(progress: Progress) -> None:
+    def watch(progress: PaintProgress) -> None:
         if isinstance(progress.action, Draw) and progress.action.stroke == 14:
             pause.toggle()
             held.set()
@@ -156,7 +156,7 @@ def test_a_machine_that_fails_in_a_stroke_leaves_that_one_to_be_asked_about(jour
 def test_a_stop_between_strokes_leaves_nothing_to_be_asked_about(journal_path: Path) -> None:
     robot = Recorder()
 
-    def watch(progress: Progress) -> None:
+    def watch(progress: PaintProgress) -> None:
         if isinstance(progress.action, Draw) and progress.action.stroke == 12:
             robot.stop()
 

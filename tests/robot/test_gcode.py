@@ -138,12 +138,12 @@ def test_whatever_strokes_easel_and_pen_nothing_beyond_the_limits_is_written(
     seed: int,
     reach: float,
 ) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     easel = Easel(corner=corner, right=(1, 0, 0), down=(0, -1, 0)).shifted(0, 0, turn)
-    path = easel.canvas_to_machine(chance.uniform(-reach, reach, (8, 3)))
-    if chance.uniform() < 0.5:  # so that many do lie inside, some of them on its very edge
+    path = easel.canvas_to_machine(rng.uniform(-reach, reach, (8, 3)))
+    if rng.uniform() < 0.5:  # so that many do lie inside, some of them on its very edge
         path = np.clip(path, limits.lower, limits.upper)
-    speed = limits.speed * chance.uniform(0.01, 1, 8)
+    speed = limits.speed * rng.uniform(0.01, 1, 8)
     gcode = Gcode(dialect, limits, pen)
     start = np.clip(path[0] + (0, 0, 0.005), limits.lower, limits.upper)
     try:

@@ -119,10 +119,10 @@ def test_whatever_is_drawn_grbls_buffer_never_overflows_and_its_limits_are_kept(
     session: tuple[FakeGrbl, Grbl], seed: int, points: int, reach: float
 ) -> None:
     device, robot = session
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     limits = robot.limits
-    path = np.array([0.15, 0.11, 0]) + chance.uniform(-reach, reach, (points, 3)) * (1, 1, 0.3)
-    speed = chance.uniform(0.03, 0.1, points)
+    path = np.array([0.15, 0.11, 0]) + rng.uniform(-reach, reach, (points, 3)) * (1, 1, 0.3)
+    speed = rng.uniform(0.03, 0.1, points)
     try:
         limits.check_path(path)
         robot.move(np.array([*path[0, :2], 0.01]))

@@ -29,11 +29,11 @@ def drawn(text: str) -> list[tuple[int, Floats]]:
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(0, 5), points=st.integers(1, 9))
 def test_a_plotter_draws_the_paths_to_half_a_unit_and_never_off_its_sheet(seed: int, count: int, points: int) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     lower, upper = np.array(LIMITS.lower), np.array(LIMITS.upper)
-    upper[:2] -= chance.uniform(0, 1e-4, 2)  # no whole number of units
+    upper[:2] -= rng.uniform(0, 1e-4, 2)  # no whole number of units
     limits = LIMITS.model_copy(update={"upper": tuple(upper.tolist())})
-    strokes = [(int(chance.integers(0, 3)), chance.uniform(lower, upper, (points, 3))) for _ in range(count)]
+    strokes = [(int(rng.integers(0, 3)), rng.uniform(lower, upper, (points, 3))) for _ in range(count)]
     edge = (0, np.stack([lower, upper]))
     *came, (_, corners) = drawn(hpgl([*strokes, edge], limits))
     assert np.all((corners >= lower[:2]) & (corners <= upper[:2]))

@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.robot.machines import WORDS, machine
+from maulstick.robot.machines import SPECS, machine
 from maulstick.robot.robot import Robot
 
 
@@ -12,7 +12,7 @@ from maulstick.robot.robot import Robot
 def test_a_word_that_names_no_machine_is_refused_with_those_that_do(word: str) -> None:
     with pytest.raises(InputError) as caught:
         machine(word, None)
-    assert str(caught.value) == f"there is no machine {word!r}; there are: {WORDS}"
+    assert str(caught.value) == f"there is no machine {word!r}; there are: {SPECS}"
 
 
 @pytest.mark.parametrize("word", ["grbl", "grbl:", "xarm", "franka:", "ur"])
@@ -31,7 +31,7 @@ def test_a_plotter_is_not_connected_before_it_is_entered(word: str) -> None:
 
 
 def test_all_words_but_the_simulators_name_machines() -> None:
-    for word in WORDS.split(", "):
+    for word in SPECS.split(", "):
         if not word.startswith("sim"):
             assert isinstance(machine(word.replace("IP", "192.0.2.1"), None), Robot)
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.simulated import mypaint
-from maulstick.robot.simulated.mypaint import MEDIA, Paper
+from maulstick.robot.simulated.mypaint import MEDIA, MyPaintPaper
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import resample
 from tests.support.tolerances import MEDIUM_BLUR, MEDIUM_COLOUR, MEDIUM_END, MEDIUM_INK
@@ -21,9 +21,9 @@ MISSING = "libmypaint or its brushes are not installed; run: apt-get install lib
 media = pytest.mark.parametrize("medium", sorted(MEDIA))
 
 
-def sheet(canvas: Canvas = SHEET) -> Paper:
+def sheet(canvas: Canvas = SHEET) -> MyPaintPaper:
     try:
-        return Paper(canvas)
+        return MyPaintPaper(canvas)
     except InputError as error:
         pytest.skip(str(error))
 
@@ -172,7 +172,7 @@ def test_numbers_that_cannot_be_drawn_are_refused_and_leave_the_sheet_as_it_was(
 def test_where_the_library_is_missing_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mypaint, "_LIBRARY", "libmypaint-0.0.so.0")
     with pytest.raises(InputError) as caught:
-        Paper(SHEET)
+        MyPaintPaper(SHEET)
     assert str(caught.value) == MISSING
 
 
@@ -182,5 +182,5 @@ def test_where_the_brushes_are_missing_one_sentence_says_what_to_install(
     sheet()
     monkeypatch.setattr(mypaint, "_BRUSHES", tmp_path)
     with pytest.raises(InputError) as caught:
-        Paper(SHEET)
+        MyPaintPaper(SHEET)
     assert str(caught.value) == MISSING

@@ -9,7 +9,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Ask, Care, Draw, Hand, drawn_metres, routine, seconds_of
+from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, drawn_metres, routine, seconds_of
 from maulstick.robot.tray import Well
 from tests.support.nominal import nominal
 from tests.support.robot.recorder import EASEL, LIMITS
@@ -28,9 +28,9 @@ def words(actions: Sequence[Action]) -> list[str]:
         match action:
             case Draw(stroke=stroke):
                 names.append(str(stroke))
-            case Care(what=what, paint=paint):
+            case TrayVisit(what=what, paint=paint):
                 names.append(f"{what} {paint}")
-            case Ask(message=message):
+            case Prompt(message=message):
                 names.append(message)
     return names
 
@@ -166,7 +166,7 @@ def test_pens_are_changed_by_a_person_and_one_pen_is_not_asked_for() -> None:
 
 
 def test_a_pen_that_is_in_the_hand_is_not_asked_for_again() -> None:
-    left = routine(SIX, EASEL, LIMITS, done={10, 11, 12, 13}, hand=Hand(1, 0.02))
+    left = routine(SIX, EASEL, LIMITS, done={10, 11, 12, 13}, load=PaintLoad(1, 0.02))
     assert words(left) == ["14", "15"]
 
 
@@ -180,13 +180,17 @@ def test_a_brush_is_dipped_first_then_before_it_would_run_dry_and_is_cleaned_bef
 
 
 def test_what_the_hand_has_painted_counts() -> None:
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, hand=Hand(1, 0.01))) == ["14", "dip 1", "15"]
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, hand=Hand(1, 0.02)))[0] == "dip 1"
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.01))) == [
+        "14",
+        "dip 1",
+        "15",
+    ]
+    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.02)))[0] == "dip 1"
 
 
 def test_a_brush_that_somebody_left_halfway_is_cleaned_before_it_is_dipped() -> None:
     assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11})) == words(
-        routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}, hand=Hand(1))
+        routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}, load=PaintLoad(1))
     )
     assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}))[:3] == ["rinse 0", "wipe 0", "dip 0"]
 
@@ -234,4 +238,4 @@ def test_time_is_counted_for_ways_strokes_and_lifting() -> None:
 def test_a_person_takes_no_time() -> None:
     actions = routine(SIX, EASEL, LIMITS)
     seconds = seconds_of(actions, LIMITS, np.array([0, 0, 0.05]))
-    assert [second == 0 for second in seconds] == [isinstance(action, Ask) for action in actions]
+    assert [second == 0 for second in seconds] == [isinstance(action, Prompt) for action in actions]

@@ -13,7 +13,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.limits import SLACK, Limits
-from maulstick.robot.routine import Action, Ask, Care, Draw, routine
+from maulstick.robot.routine import Action, Draw, Prompt, TrayVisit, routine
 from maulstick.robot.tray import Tray, Well
 from tests.robot.test_easel import easels
 from tests.support.nominal import nominal
@@ -99,8 +99,8 @@ def test_a_plan_is_refused_before_anything_moves_or_all_of_it_stays_inside(
     assert height >= -(easel.deepest if limits.presses else 0) - SLACK
 
 
-def moving(actions: Sequence[Action]) -> list[Draw | Care]:
-    return [action for action in actions if not isinstance(action, Ask)]
+def moving(actions: Sequence[Action]) -> list[Draw | TrayVisit]:
+    return [action for action in actions if not isinstance(action, Prompt)]
 
 
 @settings(max_examples=100, deadline=None)
@@ -117,7 +117,7 @@ def test_between_strokes_the_tip_keeps_its_height_above_the_paper(
         end = np.array([*action.motion.path[-1, :2], action.motion.after])
         way = easel.machine_to_canvas(np.linspace(end, following.motion.start, 9))
         least = easel.travel
-        if isinstance(action, Care) or isinstance(following, Care):
+        if isinstance(action, TrayVisit) or isinstance(following, TrayVisit):
             assert tray is not None
             least = tray.clearance
         assert way[:, 2].min() >= least - SLACK

@@ -16,7 +16,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.routine import Ask, Draw, routine, seconds_of
+from maulstick.robot.routine import Draw, Prompt, routine, seconds_of
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
 from maulstick.robot.simulated.sheets import Colour, Image, InkedSheet
 from maulstick.storage.arrays import Floats
@@ -61,7 +61,7 @@ def paint(robot: SimulatedEasel, folder: Path, tray: Any = None, painting: Any =
     with Journal.open(folder / f"{len(list(folder.iterdir()))}.log.jsonl") as journal, robot:
         actions = routine(painting, easel, robot.limits, tray)
 
-        def ask(action: Ask) -> None:
+        def ask(action: Prompt) -> None:
             robot.hold(painting.paints[action.paint].colour)
 
         execute(actions, robot, journal, ask)
@@ -110,8 +110,8 @@ def test_a_sheet_that_lies_elsewhere_than_was_told_has_its_marks_displaced(sheet
 def test_strokes_land_beside_their_places_by_an_offset_and_a_scatter_that_can_be_repeated(tmp_path: Path) -> None:
     def shifts(seed: int) -> Floats:
         sheet = Notes()
-        chance = np.random.default_rng(seed)
-        paint(SimulatedEasel(sheet, offset=(1e-3, -2e-3), scatter=1e-4, chance=chance), tmp_path)
+        rng = np.random.default_rng(seed)
+        paint(SimulatedEasel(sheet, offset=(1e-3, -2e-3), scatter=1e-4, rng=rng), tmp_path)
         return np.array(
             [
                 drawn[0, :2] - planned.trajectory[0][:2]

@@ -5,7 +5,7 @@ import pytest
 
 from maulstick.painting.painting import write_painting
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.routine import Ask, Draw, Hand
+from maulstick.robot.routine import Draw, PaintLoad, Prompt
 from maulstick.robot.workplace import Workplace
 from tests.support.robot.recorder import EASEL, Recorder
 from tests.support.robot.small_paintings import SIX
@@ -28,8 +28,8 @@ def place(tmp_path: Path) -> Workplace:
 def test_what_is_left_are_the_strokes_that_the_journal_does_not_know(place: Workplace) -> None:
     actions = place.left_of(SIX)
     assert [action.stroke for action in actions if isinstance(action, Draw)] == [10, 12, 13, 14, 15]
-    assert [action.paint for action in actions if isinstance(action, Ask)] == [0, 1]
-    assert [action.paint for action in place.left_of(SIX, Hand(0)) if isinstance(action, Ask)] == [1]
+    assert [action.paint for action in actions if isinstance(action, Prompt)] == [0, 1]
+    assert [action.paint for action in place.left_of(SIX, PaintLoad(0)) if isinstance(action, Prompt)] == [1]
 
 
 def test_what_is_left_is_ordered_from_where_the_tip_is_and_what_is_painted_stays_first(place: Workplace) -> None:
@@ -46,7 +46,7 @@ def test_with_all_painted_there_is_nothing_to_order_and_nothing_to_do(place: Wor
     place.journal.painted.update(IDS)
     with place.robot:
         assert place.in_order(SIX) == SIX
-        assert place.do(place.left_of(SIX), Hand(1, 0.02)) == Hand(1, 0.02)
+        assert place.do(place.left_of(SIX), PaintLoad(1, 0.02)) == PaintLoad(1, 0.02)
 
 
 def test_the_tip_steps_aside_lifted_and_never_lower_than_it_is(place: Workplace) -> None:

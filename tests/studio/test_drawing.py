@@ -19,7 +19,7 @@ from maulstick.strokes.ink import Ink, read_ink, write_ink
 from maulstick.studio.state.drawing import USUAL_SHEET, Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, Stroke, read_sheet, sheet_json
+from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, read_sheet, sheet_json
 from maulstick.studio.workers.hand_work import DRAWING, INK, PICTURE, keep_drawing, learn, take_in
 from tests.support.tolerances import INK_FILE_METRES
 
@@ -73,7 +73,7 @@ points = st.tuples(
 def test_a_sheet_is_read_back_as_it_was_written_and_is_ink(
     tmp_path_factory: pytest.TempPathFactory, strokes: list[list[tuple[float, ...]]]
 ) -> None:
-    kept = [Stroke.of([n for point in sorted(stroke) for n in point], A6) for stroke in strokes]
+    kept = [DrawnStroke.of([n for point in sorted(stroke) for n in point], A6) for stroke in strokes]
     path = tmp_path_factory.mktemp("sheet") / DRAWING
     path.write_bytes(sheet_json(A6, kept))
     again = read_sheet(path)
@@ -105,7 +105,7 @@ def test_a_sheet_is_read_back_as_it_was_written_and_is_ink(
 )
 def test_what_cannot_be_a_stroke_is_refused_with_a_reason(numbers: object, sentence: str) -> None:
     with pytest.raises(InputError) as refused:
-        Stroke.of(numbers, A6)
+        DrawnStroke.of(numbers, A6)
     assert sentence in str(refused.value)
 
 
@@ -140,11 +140,11 @@ def test_a_flood_of_strokes_is_refused_before_any_of_it_is_kept(folder: Folder) 
 
 def test_undoing_all_and_doing_it_again_passes_the_same_sheets(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
-        chance = Random(7)
+        rng = Random(7)
         passed = [list(drawing.strokes)]
         for id in range(1000, 1060):
-            if drawing.strokes and chance.random() < 0.4:
-                drawing.rub_out(chance.choice(list(drawing.strokes)))
+            if drawing.strokes and rng.random() < 0.4:
+                drawing.rub_out(rng.choice(list(drawing.strokes)))
             else:
                 drawing.add(id, LINE)
             passed.append(list(drawing.strokes))

@@ -10,7 +10,7 @@ import pytest
 from skimage.data import data_dir
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.options import PlanRequest
 from maulstick.painting.painting import read_painting
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plans import Phase, Plan, Plans
@@ -18,7 +18,7 @@ from maulstick.studio.workers.planner import TARGET, order_frame
 
 _PATIENCE = 120.0
 LONG = 100_000
-JOB = Job(
+JOB = PlanRequest(
     photo=Path(data_dir) / "astronaut.png",
     text=None,
     look=None,
@@ -71,7 +71,7 @@ def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Fo
     made = asyncio.run(plan())
     assert (made.phase, made.why) == (Phase.PLANNED, "")
     painting = read_painting(made.folder / "painting.json")
-    assert f"{len(painting.strokes)} strokes" in made.figures
+    assert f"{len(painting.strokes)} strokes" in made.metrics
     assert made.canvas.startswith(b"\xff\xd8")
     assert (made.folder / TARGET).is_file()
     assert made.frames == len(painting.strokes) + 1
@@ -98,7 +98,7 @@ def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_open
     async def go_on() -> tuple[float, Plan]:
         plans = Plans(folder)
         (plan,) = plans.plans.values()
-        assert (plan.phase, plan.figures) == (Phase.STOPPED, stopped.figures)
+        assert (plan.phase, plan.metrics) == (Phase.STOPPED, stopped.metrics)
         plans.go_on(plan)
         await until(lambda: plan.seen > 0)
         first = plan.curve[0][0]

@@ -18,8 +18,8 @@ import pytest
 
 import maulstick
 from maulstick.errors import InputError
-from maulstick.jobs.paint.options import Asked
-from maulstick.jobs.paint.session import Errand, rehearse
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.session import PaintRequest, rehearse
 from maulstick.painting.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
@@ -36,7 +36,7 @@ from tests.support.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a
 from tests.support.studio.work import never_stop
 
 PATIENCE = 120.0  # seconds, for a machine that does much else
-SIM, SLOW = Asked(robot="sim"), Asked(robot="sim:real")
+SIM, SLOW = PaintOptions(robot="sim"), PaintOptions(robot="sim:real")
 PEN = Pen(up=200, down=700, seconds=0.05)
 
 
@@ -97,8 +97,8 @@ def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal
         async with opened(tmp_path) as run:
             run.check("lines", SIM)
             assert await over(run) == "It fits."
-            assert run.state.outlook is not None
-            assert (run.state.outlook.strokes, round(run.state.outlook.metres, 3)) == (STROKES, 0.9)
+            assert run.state.estimate is not None
+            assert (run.state.estimate.strokes, round(run.state.estimate.metres, 3)) == (STROKES, 0.9)
             assert not journal_of(painting).exists()
             assert await run.standing("lines") is None
             seen: list[float] = []
@@ -149,7 +149,7 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
             assert "says that this painting was begun; “Go on where it stopped”, or “Start again on a" in await over(
                 run
             )
-            run.check("lines", Asked(robot="grbl:/dev/ttyUSB0"), resume=True)
+            run.check("lines", PaintOptions(robot="grbl:/dev/ttyUSB0"), resume=True)
             assert (await over(run)).startswith("this painting was begun on another machine, Simulated easel, at an")
             await run.resume("lines", SIM, True)
             assert await over(run) == "lines is painted."
@@ -198,7 +198,7 @@ def test_what_does_not_fit_the_machine_is_said_and_nothing_moves(tmp_path: Path)
             assert "the machine's fastest is 250" in sentence
             assert sentence.endswith("; slow all strokes down: write 250 under “Speed, sheet and camera”")
             assert run.state.fault
-            await run.begin("fast", Asked(robot="grbl:/dev/null/none"))
+            await run.begin("fast", PaintOptions(robot="grbl:/dev/null/none"))
             assert (await over(run)).startswith("cannot open the port /dev/null/none")
 
     asyncio.run(paint())
@@ -211,7 +211,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
-            asked = Asked(robot=f"grbl:{device.port}", easel=easel)
+            asked = PaintOptions(robot=f"grbl:{device.port}", easel=easel)
             await run.begin("six", asked)
             await until(run, lambda: bool(run.state.question))
             assert run.state.question == "put in the marker with paint 1 (red)"
@@ -221,7 +221,9 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             link.symlink_to(device.port)
             for port in (device.port, link):
                 with pytest.raises(InputError, match=r"another maulstick drives grbl:.*; wait until it"):
-                    await asyncio.to_thread(rehearse, Errand(other, Asked(robot=f"grbl:{port}", easel=easel)))
+                    await asyncio.to_thread(
+                        rehearse, PaintRequest(other, PaintOptions(robot=f"grbl:{port}", easel=easel))
+                    )
             first = run.state.asked_for
             run.done(first)
             await until(run, lambda: bool(run.state.question))
@@ -233,7 +235,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             assert len(events(painting, "end")) == 3
             run.stop()
             assert await over(run) == "You stopped it. The pen is lifted."
-            await run.resume("six", Asked(), None)
+            await run.resume("six", PaintOptions(), None)
             await until(run, lambda: bool(run.state.question))
             run.done(run.state.asked_for)
             assert await over(run) == "six is painted."
@@ -249,7 +251,7 @@ def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: P
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
-            await run.begin("lines", Asked(robot=f"grbl:{device.port}", easel=easel))
+            await run.begin("lines", PaintOptions(robot=f"grbl:{device.port}", easel=easel))
             await until(run, lambda: device.servo == PEN.down and len(events(painting, "begin")) == 2)
             run.stop()
             run.stop()  # as somebody does who is frightened
@@ -303,7 +305,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
                 standing = await run.standing("lines")
                 assert standing is not None
                 assert standing.painted == painted
-                await run.resume("lines", Asked(), None if standing.unfinished is None else False)
+                await run.resume("lines", PaintOptions(), None if standing.unfinished is None else False)
                 assert await over(run) == "lines is painted."
 
         device.pace = 200.0
@@ -318,7 +320,7 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
-            await run.begin("disc", Asked(robot="sim:real", speed=10.0, look=True, replan=0, picture=picture))
+            await run.begin("disc", PaintOptions(robot="sim:real", speed=10.0, look=True, replan=0, picture=picture))
             await until(run, lambda: stroke(run) >= 2)
             run.replan_now()
             assert run.state.will_look
@@ -369,12 +371,14 @@ def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old
     painting = put_plan(tmp_path, "lines")
     with Journal.open(journal_of(painting)) as journal:
         journal.revise(painting)
-        journal.tell(Asked(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
-    assert rehearse(Errand(painting, Asked(robot="sim", tray=None), resume=True)).strokes == STROKES
-    for asked, tray in ((Asked(), "old.json"), (Asked(tray=tmp_path / "new.json"), "new.json")):
+        journal.tell(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+    assert rehearse(PaintRequest(painting, PaintOptions(robot="sim", tray=None), resume=True)).strokes == STROKES
+    for asked, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
         with pytest.raises(InputError, match=tray):
-            rehearse(Errand(painting, asked, resume=True))
-    after = Asked(robot="sim", tray=None).after(Asked(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+            rehearse(PaintRequest(painting, asked, resume=True))
+    after = PaintOptions(robot="sim", tray=None).after(
+        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words
+    )
     assert (after.tray, after.speed) == (None, 0.01)
 
 

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from maulstick.style import Style, shape
 from maulstick.style.compare import describe, energy_distance
-from maulstick.style.exemplar import Exemplar, Hands, gist_and_roughness, pool
+from maulstick.style.exemplar import Exemplar, PooledHands, gist_and_roughness, pool
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
 from tests.support.style.synthetic_hands import (
@@ -33,7 +33,7 @@ OTHERS = {one: drawn(one, 60, seed=99) for one in KINDS}
 STYLE = STYLES[circle]
 
 
-def chance(seed: int = 0) -> torch.Generator:
+def torch_rng(seed: int = 0) -> torch.Generator:
     return torch.Generator().manual_seed(seed)
 
 
@@ -68,7 +68,7 @@ def longer(style: Exemplar, by: float) -> Tensor:
 
 @pytest.mark.parametrize("one", KINDS)
 def test_samples_are_like_the_other_strokes_of_their_hand_and_unlike_those_of_others(one: Drawing) -> None:
-    codes, _ = STYLES[one].sample(60, chance())
+    codes, _ = STYLES[one].sample(60, torch_rng())
     sampled, others = standard(STYLES[one].decode(codes).double().numpy()), descriptions()
     likeness = {name: energy_distance(sampled, other) for name, other in others.items()}
     assert likeness[one] < 0.3
@@ -78,7 +78,7 @@ def test_samples_are_like_the_other_strokes_of_their_hand_and_unlike_those_of_ot
 @pytest.mark.parametrize("one", KINDS)
 def test_samples_are_not_copies(one: Drawing) -> None:
     style = STYLES[one]
-    codes, _ = style.sample(60, chance())
+    codes, _ = style.sample(60, torch_rng())
     apart = torch.cdist(codes[:, :GIST], own(style)[:, :GIST].float()).amin(dim=1)
     among = torch.cdist(own(style)[:, :GIST], own(style)[:, :GIST]).fill_diagonal_(torch.inf).amin(dim=1)
     assert apart.median() > 0.2 * among.median()
@@ -87,7 +87,7 @@ def test_samples_are_not_copies(one: Drawing) -> None:
 
 def test_a_generator_repeats_samples_to_the_bit_and_no_other_chance_is_taken() -> None:
     before = torch.random.get_rng_state()
-    (codes, press), (again, press_again), (other, _) = (STYLE.sample(9, chance(seed)) for seed in (5, 5, 6))
+    (codes, press), (again, press_again), (other, _) = (STYLE.sample(9, torch_rng(seed)) for seed in (5, 5, 6))
     assert torch.equal(torch.random.get_rng_state(), before)
     assert torch.equal(again, codes)
     assert torch.equal(press_again, press)
@@ -98,15 +98,15 @@ def test_a_generator_repeats_samples_to_the_bit_and_no_other_chance_is_taken() -
 
 def test_the_longest_sample_goes_where_there_is_most_room_and_keeps_its_length() -> None:
     room = torch.tensor([0.5, 0.001, 3.0, 0.01])
-    codes, press = STYLE.sample_for(room, chance(3))
-    drawn_anyway, press_anyway = STYLE.sample(4, chance(3))
+    codes, press = STYLE.sample_for(room, torch_rng(3))
+    drawn_anyway, press_anyway = STYLE.sample(4, torch_rng(3))
     order = drawn_anyway[:, 0].argsort()
     assert torch.equal(codes[room.argsort()], drawn_anyway[order])
     assert torch.equal(press[room.argsort()], press_anyway[order])
 
 
 def test_no_strokes_are_no_codes_and_cost_nothing() -> None:
-    codes, press = STYLE.sample(0, chance())
+    codes, press = STYLE.sample(0, torch_rng())
     assert STYLE.decode(codes).shape == (0, 32, 2)
     assert STYLE.cost(codes, press).shape == (0,)
 
@@ -138,7 +138,7 @@ def test_decoding_has_the_gradient_of_finite_differences_in_its_gist() -> None:
 
 def test_no_gradient_of_a_path_flows_into_its_residual() -> None:
     codes = own(STYLE).requires_grad_()
-    weights = torch.rand(len(codes), 32, 2, generator=chance())
+    weights = torch.rand(len(codes), 32, 2, generator=torch_rng())
     (gradient,) = torch.autograd.grad((STYLE.decode(codes) * weights).sum(), codes)
     assert (gradient[:, :GIST] != 0).all()
     assert not gradient[:, GIST:].any()
@@ -147,9 +147,9 @@ def test_no_gradient_of_a_path_flows_into_its_residual() -> None:
 
 
 def test_cost_has_the_gradient_of_finite_differences_apart_from_what_the_others_do() -> None:
-    one = own(STYLE)[:1] + 0.1 * torch.rand(1, NUMBERS, generator=chance(1), dtype=torch.float64)
+    one = own(STYLE)[:1] + 0.1 * torch.rand(1, NUMBERS, generator=torch_rng(1), dtype=torch.float64)
     gist, residual = one[:, :GIST].clone().requires_grad_(), one[:, GIST:]
-    press = torch.rand(1, 4, generator=chance(), dtype=torch.float64, requires_grad=True)
+    press = torch.rand(1, 4, generator=torch_rng(), dtype=torch.float64, requires_grad=True)
 
     def cost(gist: torch.Tensor, press: torch.Tensor) -> torch.Tensor:
         return STYLE.cost(torch.cat([gist, residual], dim=1), press)
@@ -160,7 +160,7 @@ def test_cost_has_the_gradient_of_finite_differences_apart_from_what_the_others_
 @pytest.mark.parametrize("one", KINDS)
 def test_the_hands_own_strokes_cost_little_samples_more_and_strangers_much_more(one: Drawing) -> None:
     style = STYLES[one]
-    codes, _ = style.sample(60, chance(1))
+    codes, _ = style.sample(60, torch_rng(1))
     mine, sampled = costs(style, own(style)), costs(style, codes)
     assert 0 <= np.median(mine) < 6
     assert 2 * mine.mean() < sampled.mean() < 200
@@ -172,7 +172,7 @@ def test_the_hands_own_strokes_cost_little_samples_more_and_strangers_much_more(
 
 def test_no_gradient_of_the_cost_flows_into_a_residual() -> None:
     codes = own(STYLE).requires_grad_()
-    STYLE.cost(codes, torch.rand(len(codes), 4, generator=chance())).sum().backward()
+    STYLE.cost(codes, torch.rand(len(codes), 4, generator=torch_rng())).sum().backward()
     assert codes.grad is not None
     assert (codes.grad[:, GIST:] == 0).all()
     assert (codes.grad[:, :GIST] != 0).any()
@@ -215,15 +215,15 @@ def test_a_plan_that_takes_only_the_hands_longest_stroke_is_pulled_to_its_usual_
 
 
 def test_the_order_of_strokes_is_nothing_to_their_cost() -> None:
-    codes, press = STYLE.sample(30, chance())
-    order = torch.randperm(30, generator=chance(1))
+    codes, press = STYLE.sample(30, torch_rng())
+    order = torch.randperm(30, generator=torch_rng(1))
     assert STYLE.cost(codes[order], press[order]).numpy() == pytest.approx(STYLE.cost(codes, press)[order].numpy())
 
 
 def test_a_recorded_press_is_sampled_and_priced() -> None:
     falling = np.broadcast_to(np.linspace(0.8, 0.2, 32), (20, 32))
     style = Exemplar.fit("pressed", Hand.of(strokes_of(drawn(circle, 20), falling)), HANDS)
-    codes, press = style.sample(10, chance())
+    codes, press = style.sample(10, torch_rng())
     assert press.numpy() == pytest.approx(np.tile(np.linspace(0.8, 0.2, 4), (10, 1)), abs=FLOAT32_ROUND_TRIP)
     assert (style.cost(codes, press.flip(1)) > style.cost(codes, press) + 5).all()
 
@@ -248,7 +248,10 @@ def test_the_hash_changes_with_what_a_code_decodes_to_and_only_with_that() -> No
     assert STYLE.hash == replace(STYLE, freedom=1.0, held=3.0, called="other").hash
     codes = own(STYLE)
     assert torch.equal(STYLES[zigzag].decode(codes), STYLE.decode(codes))
-    for hands in (Hands(HANDS.covariance * 1.01, HANDS.residual), Hands(HANDS.covariance, HANDS.residual * 1.01)):
+    for hands in (
+        PooledHands(HANDS.covariance * 1.01, HANDS.residual),
+        PooledHands(HANDS.covariance, HANDS.residual * 1.01),
+    ):
         other = replace(STYLE, hands=hands)
         assert other.hash != STYLE.hash
         assert not torch.equal(other.decode(codes), STYLE.decode(codes))
@@ -268,7 +271,7 @@ def test_a_hand_that_trembles_has_more_freedom(seed: int) -> None:
 
 def test_freedom_takes_samples_further_from_the_hand() -> None:
     bound, free = (replace(STYLE, freedom=freedom) for freedom in (0.0, 1.0))
-    near, far = (costs(STYLE, style.sample(200, chance())[0]).mean() for style in (bound, free))
+    near, far = (costs(STYLE, style.sample(200, torch_rng())[0]).mean() for style in (bound, free))
     assert far > 1.2 * near
 
 
@@ -285,7 +288,7 @@ def test_freedom_takes_samples_further_from_the_hand() -> None:
 )
 def test_a_hand_of_few_or_like_strokes_has_a_style(paths: np.ndarray) -> None:
     style = Exemplar.fit("few", hand_of(paths), HANDS)
-    codes, press = style.sample(100, chance())
+    codes, press = style.sample(100, torch_rng())
     assert style.decode(codes).isfinite().all()
     lengths = style.decode(codes).diff(dim=1).norm(dim=-1).sum(1)
     assert 0.3 * style.decode(own(style)).diff(dim=1).norm(dim=-1).sum(1).min() < lengths.min()

@@ -81,14 +81,14 @@ def test_a_code_with_a_chord_to_the_right_is_found_again(code: np.ndarray) -> No
 def test_decoding_repeats_to_the_bit_and_changes_nothing() -> None:
     code = torch.randn(50, CODE, generator=torch.Generator().manual_seed(0))
     before = code.clone()
-    chance = torch.random.get_rng_state()
+    torch_rng = torch.random.get_rng_state()
     paths = STYLE.decode(code)
     assert torch.equal(STYLE.decode(code), paths)
     assert torch.equal(FreeStyle(STYLE.shortest, STYLE.longest).decode(code), paths), "another object, the same style"
     for i in range(0, 50, 7):
         assert torch.allclose(STYLE.decode(code[i : i + 1])[0], paths[i], rtol=0, atol=FLOAT32_METRES)
     assert torch.equal(code, before)
-    assert torch.equal(torch.random.get_rng_state(), chance)
+    assert torch.equal(torch.random.get_rng_state(), torch_rng)
 
 
 def test_smooth_strokes_of_a_hand_are_encoded_to_a_fraction_of_a_millimetre() -> None:
@@ -120,11 +120,11 @@ def test_a_stroke_of_no_length_costs_much_and_has_finite_gradients() -> None:
 
 
 def test_samples_repeat_with_their_generator_and_take_no_other_chance() -> None:
-    chance = torch.random.get_rng_state()
+    torch_rng = torch.random.get_rng_state()
     code, press = STYLE.sample(20, torch.Generator().manual_seed(5))
     torch.manual_seed(99)
     again, press_again = STYLE.sample(20, torch.Generator().manual_seed(5))
-    torch.random.set_rng_state(chance)
+    torch.random.set_rng_state(torch_rng)
     other, _ = STYLE.sample(20, torch.Generator().manual_seed(6))
     assert torch.equal(again, code)
     assert torch.equal(press_again, press)

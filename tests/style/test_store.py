@@ -14,7 +14,7 @@ from safetensors.numpy import load, save
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.raster import Canvas
 from maulstick.style import cards, load_style, store
-from maulstick.style.exemplar import Exemplar, Hands
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
@@ -22,7 +22,7 @@ from maulstick.style.trajvae import TrajVAE, shapes
 from tests.support.tolerances import FLOAT32_METRES
 
 CANVAS = Canvas(0.2, 0.16, 1000.0)
-HANDS = Hands(np.diag(np.linspace(0.01, 0.5, GIST + 1)), np.full(RESIDUAL, 1e-3))
+HANDS = PooledHands(np.diag(np.linspace(0.01, 0.5, GIST + 1)), np.full(RESIDUAL, 1e-3))
 
 
 def kill_after(steps: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -58,8 +58,8 @@ def an_exemplar(name: str = "arcs") -> Exemplar:
 
 
 def a_trajvae() -> TrajVAE:
-    chance = torch.Generator().manual_seed(0)
-    weights = {name: 0.1 * torch.randn(size, generator=chance) for name, size in shapes().items()}
+    torch_rng = torch.Generator().manual_seed(0)
+    weights = {name: 0.1 * torch.randn(size, generator=torch_rng) for name, size in shapes().items()}
     common = {"hands.covariance": torch.eye(GIST + 1), "hands.residual": torch.ones(RESIDUAL)}
     return TrajVAE("net", a_hand(), weights | common)
 
@@ -193,7 +193,7 @@ def test_a_write_that_is_killed_leaves_no_pair_that_does_not_match(
 ) -> None:
     before = store.read_style(style).hash
     kill_after(fails_at, monkeypatch)
-    other = replace(an_exemplar(), hands=Hands(HANDS.covariance, 2 * HANDS.residual))
+    other = replace(an_exemplar(), hands=PooledHands(HANDS.covariance, 2 * HANDS.residual))
     with pytest.raises(KeyboardInterrupt):
         store.write_style(other, "", style.parent)
     monkeypatch.undo()

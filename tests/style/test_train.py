@@ -45,13 +45,13 @@ def test_fine_tuning_brings_the_hand_s_own_strokes_nearer_and_does_not_forget_ot
 
 def test_fine_tuning_repeats_by_its_seed_and_leaves_the_network_as_it_was() -> None:
     before = {name: tensor.clone() for name, tensor in NETWORK.items()}
-    chance = torch.random.get_rng_state()
+    torch_rng = torch.random.get_rng_state()
     first, again, other = (fine_tune(NETWORK, ROUND, seed, called="round", steps=3) for seed in (0, 0, 1))
     assert first.hash == again.hash != other.hash
     assert first.name == "round"
     assert first.hand is ROUND
     assert all(torch.equal(NETWORK[name], tensor) for name, tensor in before.items())
-    assert torch.equal(torch.random.get_rng_state(), chance)
+    assert torch.equal(torch.random.get_rng_state(), torch_rng)
     assert not any(tensor.requires_grad for tensor in first.weights.values())
 
 
@@ -73,11 +73,11 @@ def test_a_hand_of_five_strokes_with_little_in_them_still_makes_a_style(paths: n
 
 
 def test_pretraining_repeats_by_its_seed_and_takes_no_other_chance() -> None:
-    chance = torch.random.get_rng_state()
+    torch_rng = torch.random.get_rng_state()
     first, again, other = (pretrain([ROUND, FLAT], seed, steps=2) for seed in (0, 0, 1))
     assert all(torch.equal(first[name], again[name]) for name in first)
     assert not torch.equal(first["decoder.0.weight"], other["decoder.0.weight"])
-    assert torch.equal(torch.random.get_rng_state(), chance)
+    assert torch.equal(torch.random.get_rng_state(), torch_rng)
 
 
 def test_pretraining_learns_what_its_hands_draw() -> None:

@@ -11,7 +11,7 @@ from torch import Tensor
 from maulstick.errors import InputError
 from maulstick.strokes.strokes import path_lengths, resample
 from maulstick.style.compare import describe, energy_distance
-from maulstick.style.exemplar import Exemplar, Hands
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand
 from maulstick.style.train import pretrained
 from maulstick.style.trajvae import LATENT, TrajVAE, activity, shapes
@@ -82,11 +82,11 @@ def test_no_gradient_flows_into_the_fine_latents_though_they_are_drawn() -> None
 
 def test_decoding_repeats_to_the_bit_and_changes_nothing() -> None:
     code = torch.randn(20, LATENT, generator=torch.Generator().manual_seed(0))
-    before, chance = code.clone(), torch.random.get_rng_state()
+    before, torch_rng = code.clone(), torch.random.get_rng_state()
     paths = STYLE.decode(code)
     assert torch.equal(STYLE.decode(code), paths)
     assert torch.equal(code, before)
-    assert torch.equal(torch.random.get_rng_state(), chance)
+    assert torch.equal(torch.random.get_rng_state(), torch_rng)
 
 
 def test_samples_repeat_with_their_generator() -> None:
@@ -123,7 +123,7 @@ def test_the_longest_stroke_goes_where_there_is_most_room() -> None:
 
 def test_a_stroke_costs_what_it_costs_in_an_exemplar_of_the_same_hand() -> None:
     code, press_knots = STYLE.sample(12, torch.Generator().manual_seed(0))
-    hands = Hands(*(NETWORK[f"hands.{name}"].double().numpy() for name in ("covariance", "residual")))
+    hands = PooledHands(*(NETWORK[f"hands.{name}"].double().numpy() for name in ("covariance", "residual")))
     exemplar = Exemplar("", ROUND, hands, 0)
     expected = exemplar.cost(exemplar.encode(STYLE.decode(code)), press_knots)
     assert torch.allclose(STYLE.cost(code, press_knots), expected)

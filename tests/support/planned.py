@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maulstick.painting.painting import Painting, Sheet
-from maulstick.planning.from_picture import as_painting, commission_of, making
+from maulstick.planning.from_picture import as_painting, making, problem_of
 from maulstick.planning.layout import lay_out_for
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.style import load_style
 from tests.support.nominal import nominal
 
@@ -31,6 +31,6 @@ def planned() -> Painting:
     sheet, brush = Sheet(width=SIDE, height=SIDE), nominal("marker")
     layout = lay_out_for(picture(), sheet, brush, "contain", PIXELS)
     style = load_style("loops", layout.canvas)
-    options = PlanOptions(STROKES, exact=True, paints=2, steps=STEPS)
+    options = PlannerSettings(STROKES, exact=True, paints=2, steps=STEPS)
     made = making(options, more={"style": "loops", "fit": "contain", "px": PIXELS, "weights": {"tone": 1.0}})
-    return as_painting(plan(commission_of(layout, brush, style, options), options), layout, brush, style, made)
+    return as_painting(plan(problem_of(layout, brush, style, options), options), layout, brush, style, made)

@@ -15,7 +15,7 @@ from PIL import Image
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from maulstick.survey.app import participants
-from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair, Survey, build
+from maulstick.survey.questionnaire import Match, Opinions, Pair, Survey, SurveyHand, build
 from maulstick.survey.serve import listening
 
 NAMES = ("Ada", "Bo", "Cy")
@@ -35,7 +35,7 @@ def sources(folder: Path, motifs: int = 2) -> tuple[Match, Opinions]:
         return path
 
     hands = tuple(
-        Hand(name=name, by_hand=picture(), by_machine=tuple(picture() for _ in range(motifs))) for name in NAMES
+        SurveyHand(name=name, by_hand=picture(), by_machine=tuple(picture() for _ in range(motifs))) for name in NAMES
     )
     pairs = tuple(Pair(reference=picture(), looks=(picture(), picture())) for _ in range(2))
     return Match(hands=hands, asked=2), Opinions(systems=SYSTEMS, pairs=pairs)
@@ -54,7 +54,7 @@ def named(hands: int = 5, motifs: int = 3, pairs: int = 4, asked: int = 2) -> Su
         title="T",
         match=Match(
             hands=tuple(
-                Hand(
+                SurveyHand(
                     name=f"hand {i}",
                     by_hand=Path(f"h{i}.png"),
                     by_machine=tuple(Path(f"h{i}-m{row}.png") for row in range(motifs)),

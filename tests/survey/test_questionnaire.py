@@ -10,7 +10,7 @@ from PIL.PngImagePlugin import PngInfo
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
-from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair, Survey, build, read_survey
+from maulstick.survey.questionnaire import Match, Opinions, Pair, Survey, SurveyHand, build, read_survey
 from tests.survey.conftest import named, sources
 
 
@@ -90,11 +90,11 @@ def test_a_survey_asks_something(tmp_path: Path) -> None:
 
 
 def test_hands_have_names_of_their_own_and_the_same_motifs() -> None:
-    ada = Hand(name="Ada", by_hand=Path("a.png"), by_machine=(Path("b.png"),))
+    ada = SurveyHand(name="Ada", by_hand=Path("a.png"), by_machine=(Path("b.png"),))
     with pytest.raises(ValidationError, match="two hands have one name"):
         Match(hands=(ada, ada))
     with pytest.raises(ValidationError, match="as many drawings by machine"):
-        Match(hands=(ada, Hand(name="Bo", by_hand=Path("c.png"), by_machine=(Path("d.png"), Path("e.png")))))
+        Match(hands=(ada, SurveyHand(name="Bo", by_hand=Path("c.png"), by_machine=(Path("d.png"), Path("e.png")))))
 
 
 def test_nobody_is_asked_about_more_than_there_is() -> None:

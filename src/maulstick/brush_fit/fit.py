@@ -35,7 +35,7 @@ _MEDIAN = 1.25  # its standard error, of a mean's
 
 
 @dataclass(frozen=True)
-class View:
+class HeldOutStroke:
     """One stroke that was held out: its photograph and what the brush predicts there, (h, w, C) in [0, 1]."""
 
     name: str
@@ -68,7 +68,7 @@ class Fit:
     l1: float
     l1_paper: float
     kept: tuple[str, ...]
-    views: tuple[View, ...]
+    views: tuple[HeldOutStroke, ...]
     pixels_per_metre: float
 
 
@@ -192,11 +192,11 @@ def _split(count: int, seed: int) -> Tensor:
     return taught
 
 
-def _views(mosaic: Mosaic, windows: Sequence[Window], found: Unknowns, taught: Tensor) -> tuple[View, ...]:
+def _views(mosaic: Mosaic, windows: Sequence[Window], found: Unknowns, taught: Tensor) -> tuple[HeldOutStroke, ...]:
     shown = (taught if taught.all() else ~taught).nonzero()[:_VIEWS, 0].tolist()
     with torch.no_grad():
         predicted = stamped(mosaic, found, taught)
-    return tuple(View(windows[i].name, windows[i].after, mosaic.window(predicted, i)) for i in shown)
+    return tuple(HeldOutStroke(windows[i].name, windows[i].after, mosaic.window(predicted, i)) for i in shown)
 
 
 def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, depth: tuple[float, float]) -> Brush:

@@ -42,7 +42,7 @@ class Mosaic:
     @classmethod
     def of_windows(cls, windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Self:
         """The windows in rows; `paths` are theirs with equally many points each, (n, 3)."""
-        places, height, width = _shelves(*_rooms(windows, pixels_per_metre))
+        places, height, width = _libraries(*_rooms(windows, pixels_per_metre))
         channels = windows[0].after.shape[2]
         before = np.zeros((height, width, channels), dtype=np.float32)
         after, counts, weights = before.copy(), before[..., 0].copy(), before[..., 0].copy()
@@ -109,16 +109,16 @@ def _rooms(windows: Sequence[Window], pixels_per_metre: float) -> tuple[list[tup
     return shapes, _GAP // 2 + np.ceil((margins.max() - margins) * pixels_per_metre).astype(int)
 
 
-def _shelves(shapes: Sequence[tuple[int, int]], rooms: Ints) -> tuple[list[tuple[slice, slice]], int, int]:
+def _libraries(shapes: Sequence[tuple[int, int]], rooms: Ints) -> tuple[list[tuple[slice, slice]], int, int]:
     """Where each image goes, the highest first, on a canvas about as high as wide; and its height and width."""
     heights, widths = (np.array(shapes) + rooms.sum(axis=2)).T
     width = max(widths.max(), int(np.sqrt(1.1 * (heights * widths).sum())))
     places: dict[int, tuple[slice, slice]] = {}
-    x = y = shelf = 0
+    x = y = library = 0
     for i in np.argsort(-heights, kind="stable"):
         if x + widths[i] > width:
-            x, y, shelf = 0, y + shelf, 0
+            x, y, library = 0, y + library, 0
         top, left = y + rooms[i, 0, 0], x + rooms[i, 1, 0]
         places[i] = (slice(top, top + shapes[i][0]), slice(left, left + shapes[i][1]))
-        x, shelf = x + widths[i], max(shelf, heights[i])
-    return [places[i] for i in range(len(shapes))], int(y + shelf), int(width)
+        x, library = x + widths[i], max(library, heights[i])
+    return [places[i] for i in range(len(shapes))], int(y + library), int(width)

@@ -36,7 +36,7 @@ _Row = tuple[float, float, float]
 _Small = Annotated[float, Field(gt=-1, lt=1)]
 
 
-class View(BaseModel):
+class CameraView(BaseModel):
     """How the sheet lies in a photograph.
 
     size: width and height of the photograph, pixels.
@@ -115,10 +115,11 @@ def margin_px(canvas: Canvas, margin: float) -> int:
     return round(margin * canvas.pixels_per_metre)
 
 
-def locate(photo: Image, frame: TagFrame) -> View:
+def locate(photo: Image, frame: TagFrame) -> CameraView:
     """The view in a photograph (H, W, 3), sRGB in [0, 1], of a sheet with its tags.
 
-    Three tags do (`View.hidden` says which is missing).  Raises InputError, which names them, where fewer are seen, and
+    Three tags do (`CameraView.hidden` says which is missing).
+    Raises InputError, which names them, where fewer are seen, and
     where they lie otherwise than the frame says.
     """
     found = found_tags(photo)
@@ -142,7 +143,7 @@ def locate(photo: Image, frame: TagFrame) -> View:
     return view.model_copy(update={"tags": tuple(found), "error": error})
 
 
-def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int, int]) -> View:
+def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int, int]) -> CameraView:
     """The view by a straight lens in which the sheet's corners were clicked.
 
     corners: (4, 2) pixels, upper left, upper right, lower right, lower left.  sheet: width and height, metres.
@@ -161,14 +162,14 @@ def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int
     return _view(size, np.append(homography.ravel(), np.zeros(4)))
 
 
-def write_view(view: View, path: str | Path) -> None:
+def write_view(view: CameraView, path: str | Path) -> None:
     """Write the JSON of a view; raises OutputError where that fails, and what was at `path` is then still there."""
     write_record(view, path)
 
 
-def read_view(path: str | Path) -> View:
+def read_view(path: str | Path) -> CameraView:
     """The view in a file; raises InputError where there is none, or it is not one."""
-    return read_record(View, path, "camera's view")
+    return read_record(CameraView, path, "camera's view")
 
 
 def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floats, Floats]:
@@ -196,7 +197,7 @@ def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floa
     return _with_last(found.x * units), inverse * np.outer(units, units)
 
 
-def _standard_error(view: View, numbers: Floats, covariance: Floats, frame: TagFrame) -> tuple[float, float]:
+def _standard_error(view: CameraView, numbers: Floats, covariance: Floats, frame: TagFrame) -> tuple[float, float]:
     """Of places all over the sheet, metres: root mean square and worst."""
     x, y = np.linspace(0, frame.width, _GRID), np.linspace(0, frame.height, _GRID)
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -216,10 +217,10 @@ def _with_last(free: Floats) -> Floats:
     return np.insert(free, 8, 1.0)
 
 
-def _view(size: tuple[int, int], numbers: Floats) -> View:
+def _view(size: tuple[int, int], numbers: Floats) -> CameraView:
     rows = numbers[:9].reshape(3, 3).tolist()
     lens = {"centre": tuple(numbers[9:11].tolist()), "bend": tuple(numbers[11:].tolist())}
-    return View.model_validate({"size": size, "homography": rows, **lens})
+    return CameraView.model_validate({"size": size, "homography": rows, **lens})
 
 
 def _to_photo(numbers: Floats, points: Floats) -> Floats:

@@ -31,7 +31,7 @@ def spread_apart(paths: Floats, sheet: tuple[float, float], room: float) -> Floa
     """
     for size in _SIZES:
         scaled = paths * (size, size, 1.0)
-        corners = _shelves(np.ptp(scaled[..., :2], axis=1) + 2 * room, sheet)
+        corners = _libraries(np.ptp(scaled[..., :2], axis=1) + 2 * room, sheet)
         if len(corners) == len(paths):
             low = scaled[..., :2].min(axis=1)
             scaled[..., :2] += (corners + room - low)[:, None]
@@ -42,7 +42,7 @@ def spread_apart(paths: Floats, sheet: tuple[float, float], room: float) -> Floa
     )
 
 
-def _shelves(sizes: Floats, sheet: tuple[float, float]) -> Floats:
+def _libraries(sizes: Floats, sheet: tuple[float, float]) -> Floats:
     """Upper left corners (k, 2) of boxes (N, 2) in rows, the highest first; fewer than N where no more fit."""
     corners = np.zeros((len(sizes), 2))
     x = y = high = 0.0

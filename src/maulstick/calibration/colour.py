@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from maulstick.calibration.camera import View
+from maulstick.calibration.camera import CameraView
 from maulstick.calibration.tags import sampled
 from maulstick.colour.srgb import Image, colours_of, light_of
 from maulstick.errors import InputError
@@ -74,7 +74,7 @@ class Colours(BaseModel):
         return np.asarray(light_of(flat) * (paper / np.maximum(np.exp(lamp) * exposure, _DARKEST)), dtype=np.float32)
 
 
-def whites_of(photo: Image, view: View, frame: TagFrame) -> dict[int, Floats]:
+def whites_of(photo: Image, view: CameraView, frame: TagFrame) -> dict[int, Floats]:
     """The light off the white around each tag that `view` was found by, in the photograph (H, W, 3)."""
     found = {}
     shares = np.linspace(0, 1, _RING)[:, None]

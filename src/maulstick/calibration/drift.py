@@ -57,7 +57,7 @@ class Shift:
 def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
     """How the sheet moved between two flat photographs, or None where nothing can be seen that tells.
 
-    before, after: (H, W, 3) sRGB in [0, 1], as `View.rectify` makes them with the canvas and the margin.
+    before, after: (H, W, 3) sRGB in [0, 1], as `CameraView.rectify` makes them with the canvas and the margin.
     """
     here, there = sheet_place(before, canvas, margin), sheet_place(after, canvas, margin)
     if here is not None and there is not None:

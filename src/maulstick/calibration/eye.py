@@ -7,7 +7,7 @@ from typing import Final, Self, final
 import numpy as np
 from pydantic import ValidationError
 
-from maulstick.calibration.camera import View, locate, margin_px
+from maulstick.calibration.camera import CameraView, locate, margin_px
 from maulstick.calibration.colour import Colours, lamp_of, whites_of
 from maulstick.calibration.drift import MARGIN, Shift, sheet_place, shift_between
 from maulstick.colour.srgb import Image
@@ -24,7 +24,7 @@ _FAR = 0.05  # metres: no nudge any more
 
 
 @dataclass(frozen=True)
-class Sight:
+class Observation:
     """What was seen.
 
     image: (canvas.height_px, canvas.width_px, 3) sRGB in [0, 1], the sheet.  shift: how far it lies from where it was
@@ -53,7 +53,7 @@ class Eye:
     """
 
     def __init__(
-        self, camera: Camera, canvas: Canvas, tags: TagFrame, colours: Colours, start: Image, view: View | None
+        self, camera: Camera, canvas: Canvas, tags: TagFrame, colours: Colours, start: Image, view: CameraView | None
     ) -> None:
         self.camera, self.canvas, self.tags, self._view = camera, canvas, tags, view
         self._colours, self._start, self._before = colours, start, start
@@ -67,7 +67,7 @@ class Eye:
         tags: TagFrame,
         paper: tuple[float, float, float] = (1.0, 1.0, 1.0),
         chart: Colours | None = None,
-        view: View | None = None,
+        view: CameraView | None = None,
     ) -> Self:
         """An eye that has looked at the bare sheet, whose colour is `paper`; chart: what is known of this camera.
 
@@ -81,7 +81,7 @@ class Eye:
             colours = colours.with_matrix(np.array(chart.matrix))
         return cls(camera, canvas, tags, colours, wide, view)
 
-    def look(self) -> Sight:
+    def look(self) -> Observation:
         """Take a photograph.
 
         Raises MachineError where the camera fails, tags are hidden, or the sheet is no longer where it can be.
@@ -107,7 +107,7 @@ class Eye:
         if shift is not None:
             wide = _moved(view, shift, self.canvas).rectify(photo, self.canvas, MARGIN)
         self._before, flat = wide, _sheet(wide, self.canvas)
-        return Sight(self._colours.correct(flat, whites_of(photo, view, self.tags)), shift, tuple(notes))
+        return Observation(self._colours.correct(flat, whites_of(photo, view, self.tags)), shift, tuple(notes))
 
     def write(self, path: Path) -> None:
         """Write what was seen at first, for `opened_again`. Raises OutputError where that fails."""
@@ -115,7 +115,9 @@ class Eye:
         write_arrays(path, KIND, {"colours": np.array(self._colours.model_dump_json()), "start": start})
 
     @classmethod
-    def opened_again(cls, camera: Camera, canvas: Canvas, tags: TagFrame, path: Path, view: View | None = None) -> Self:
+    def opened_again(
+        cls, camera: Camera, canvas: Canvas, tags: TagFrame, path: Path, view: CameraView | None = None
+    ) -> Self:
         """The eye that was written to `path`. Raises InputError where there is none."""
         arrays = read_arrays(path, KIND, ("colours", "start"))
         around = 2 * margin_px(canvas, MARGIN)
@@ -143,6 +145,6 @@ def _over(shift: Shift, canvas: Canvas) -> Floats:
     return there
 
 
-def _moved(view: View, shift: Shift, canvas: Canvas) -> View:
+def _moved(view: CameraView, shift: Shift, canvas: Canvas) -> CameraView:
     homography = np.array(view.homography) @ _over(shift, canvas)
-    return View.model_validate({**view.model_dump(), "homography": homography.tolist()})
+    return CameraView.model_validate({**view.model_dump(), "homography": homography.tolist()})

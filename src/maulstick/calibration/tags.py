@@ -21,11 +21,11 @@ def found_tags(photo: Image) -> dict[int, Floats]:
     """
     cv2 = opencv()
     light = cv2.cvtColor(light_of(photo), cv2.COLOR_RGB2GRAY)
-    wishes = cv2.aruco.DetectorParameters()
-    wishes.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
+    loss_options = cv2.aruco.DetectorParameters()
+    loss_options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
     family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
     grey = cv2.cvtColor(np.round(photo * 255).astype(np.uint8), cv2.COLOR_RGB2GRAY)
-    corners, names, _ = cv2.aruco.ArucoDetector(family, wishes).detectMarkers(grey)
+    corners, names, _ = cv2.aruco.ArucoDetector(family, loss_options).detectMarkers(grey)
     seen = [] if names is None else [int(name) for name in np.ravel(names)]
     at_pixel_edges = {tag: corners[seen.index(tag)][0].astype(np.float64) for tag in TAGS if seen.count(tag) == 1}
     return {tag: _refined(light, corners - 0.5) for tag, corners in at_pixel_edges.items()}

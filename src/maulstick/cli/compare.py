@@ -24,7 +24,7 @@ from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
 
 if TYPE_CHECKING:
-    from maulstick.painting.metrics import Figures
+    from maulstick.painting.metrics import Metrics
 
 _MOST = 6
 _READ_PX = 4096
@@ -49,7 +49,7 @@ def compare(
     plans = _read(paintings)
     picture = None if photo is None else read_picture(photo, longest_px=_READ_PX)
 
-    from maulstick.plots.compare import Panel, compare_plate
+    from maulstick.plots.compare import Panel, compare_plot
     from maulstick.rendering.preview import preview  # these load torch
 
     named = dict(zip(_names(paintings), plans, strict=True))
@@ -63,7 +63,7 @@ def compare(
     title = f"{len(plans)} paintings" + ("" if photo is None else f" of {photo.name}")
     told = "each as its own brushes leave it, all at one scale"
     note = "" if picture is None else "likeness to the photograph is measured over the picture's area"
-    atomic_write(out, compare_plate(panels, title, told, note, px))
+    atomic_write(out, compare_plot(panels, title, told, note, px))
     table = Table()
     table.add_column("")
     for name in named:
@@ -108,9 +108,9 @@ def _measured_on(plan: Painting) -> Canvas:
     return Canvas(width, height, min(_MEASURED_PX / height, _WIDEST_PX / width))
 
 
-def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Figures":
+def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Metrics":
     """How near the painting comes to the picture over the picture's area."""
-    from maulstick.painting.metrics import compare as figures
+    from maulstick.painting.metrics import compare as metrics
     from maulstick.rendering.preview import preview
 
     canvas = _measured_on(plan)
@@ -121,27 +121,27 @@ def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Figures":
     painted = preview(plan, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
     height, width = painted.shape[:2]
     area = Canvas(width / canvas.pixels_per_metre, height / canvas.pixels_per_metre, canvas.pixels_per_metre)
-    return figures(painted, _over(picture, area))
+    return metrics(painted, _over(picture, area))
 
 
-def _note(plan: Painting, likeness: "Figures | None") -> str:
+def _note(plan: Painting, likeness: "Metrics | None") -> str:
     counts = f"{len(plan.strokes)} strokes, {len(plan.paints)} paint{'s' if len(plan.paints) != 1 else ''}"
-    return counts if likeness is None else f"{counts}, {_figures(likeness)}"
+    return counts if likeness is None else f"{counts}, {_metrics(likeness)}"
 
 
-def _figures(likeness: "Figures | None") -> str:
+def _metrics(likeness: "Metrics | None") -> str:
     if likeness is None:
         return _NOTHING
     return f"{likeness.psnr:.1f} dB" + ("" if isnan(likeness.ssim) else f", {likeness.ssim:.2f} SSIM")
 
 
-def _rows(plans: Sequence[Painting], likeness: Sequence["Figures | None"]) -> dict[str, list[str]]:
+def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> dict[str, list[str]]:
     """A value for each plan in each row."""
     from maulstick.rendering.preview import coverage
 
     lengths = [plan.lengths() for plan in plans]
     styles = [Counter(stroke.style.name for stroke in plan.strokes if stroke.style is not None) for plan in plans]
-    planned = dict.fromkeys(name for plan in plans for name in plan.made.figures)
+    planned = dict.fromkeys(name for plan in plans for name in plan.made.metrics)
     return {
         "sheet": [f"{1e3 * plan.canvas.width:g} x {1e3 * plan.canvas.height:g} mm" for plan in plans],
         "strokes": [f"{len(plan.strokes)}" for plan in plans],
@@ -158,11 +158,11 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Figures | None"]) -> di
         "weights": [_option(plan, "weights") for plan in plans],
         **{
             f"{name} when planned": [
-                f"{plan.made.figures[name]:.3g}" if name in plan.made.figures else _NOTHING for plan in plans
+                f"{plan.made.metrics[name]:.3g}" if name in plan.made.metrics else _NOTHING for plan in plans
             ]
             for name in planned
         },
-        "likeness to the photo": [_figures(each) for each in likeness],
+        "likeness to the photo": [_metrics(each) for each in likeness],
     }
 
 

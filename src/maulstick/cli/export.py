@@ -8,7 +8,7 @@ import typer
 
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.painting.svg import axidraw_svg
@@ -71,7 +71,7 @@ def export(
     if format == "svg" and (easel, tray, speed) != (None, None, None):
         raise InputError("SVG is of the sheet alone; leave out --easel, --tray and --speed")
     fastest = _SPEED if speed is None else speed * 1e-3
-    Asked(speed=fastest).check()
+    PaintOptions(speed=fastest).check()
     path = out or painting.with_suffix(f".plot.{format}")
     check_absent(path, "--out", overwrite)
     plan = sequenced(read_painting(painting), (0.0, 0.0))

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from maulstick.painting.video import Film
+from maulstick.painting.video import Video
 
 if TYPE_CHECKING:
-    from maulstick.planning.planner import Progress as Step
+    from maulstick.planning.planner import PlanProgress as Step
 
 _FRAMES = 160
 
@@ -55,16 +55,16 @@ def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
-class Camera:
+class VideoRecorder:
     """Films a plan of so many steps, at most 160 frames of it."""
 
-    def __init__(self, film: Film, steps: int) -> None:
-        self.film = film
+    def __init__(self, video: Video, steps: int) -> None:
+        self.video = video
         self._every = ceil(steps / _FRAMES)
         self._seen = 0
 
     def watch(self, step: "Step") -> None:
         """Take a frame of this step, if it is its turn."""
         if self._seen % self._every == 0:
-            self.film.add(step.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy())
+            self.video.add(step.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy())
         self._seen += 1

@@ -66,31 +66,31 @@ def _kind_of_json(file: Path) -> str | None:
 
 
 def _ink(file: Path, px: int) -> bytes:
-    from maulstick.plots.ink import ink_plate
+    from maulstick.plots.ink import ink_plot
     from maulstick.strokes.ink import read_ink
 
-    return ink_plate(read_ink(file), file.name, px)
+    return ink_plot(read_ink(file), file.name, px)
 
 
 def _strokes(file: Path, px: int) -> bytes:
-    from maulstick.plots.strokes import strokes_plate
+    from maulstick.plots.strokes import strokes_plot
     from maulstick.strokes.strokes import read_strokes
 
-    return strokes_plate(read_strokes(file), file.name, px)
+    return strokes_plot(read_strokes(file), file.name, px)
 
 
 def _style(file: Path, px: int) -> bytes:
-    from maulstick.plots.style import style_plate  # loads torch
+    from maulstick.plots.style import style_plot  # loads torch
     from maulstick.style.store import read_style
 
-    return style_plate(read_style(file), file.name, px)
+    return style_plot(read_style(file), file.name, px)
 
 
 def _brush(file: Path, px: int) -> bytes:
     from maulstick.painting.brush import load_brush
-    from maulstick.plots.brush import brush_plate  # loads torch
+    from maulstick.plots.brush import brush_plot  # loads torch
 
-    return brush_plate(load_brush(str(file)), file.name, px)
+    return brush_plot(load_brush(str(file)), file.name, px)
 
 
 def _painting(file: Path, px: int) -> bytes:

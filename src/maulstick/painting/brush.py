@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.storage.files import atomic_write, read_whole
-from maulstick.storage.library import Shelf
+from maulstick.storage.library import Library
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -21,7 +21,7 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
-BRUSHES = Shelf("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
+BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
 CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Where a brush's curve is known; between them it is straight."""
 

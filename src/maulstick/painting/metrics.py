@@ -11,7 +11,7 @@ _WINDOW = 7
 
 
 @dataclass(frozen=True)
-class Figures:
+class Metrics:
     """How near one image is to another.
 
     mse: mean squared error of sRGB in [0, 1].  psnr: dB.  ssim: structural similarity; NaN for a picture too small
@@ -24,12 +24,12 @@ class Figures:
     tone_mse_sigma4: float
 
 
-def compare(painted: NDArray[np.float32], picture: NDArray[np.float32]) -> Figures:
+def compare(painted: NDArray[np.float32], picture: NDArray[np.float32]) -> Metrics:
     """Figures of a painted image against the picture, both (H, W, 3) in [0, 1]."""
     blurred = gaussian_filter(painted.astype(np.float64) - picture, sigma=(4, 4, 0))
     mse = float(np.mean((painted.astype(np.float64) - picture) ** 2))
     large = min(picture.shape[:2]) >= _WINDOW
-    return Figures(
+    return Metrics(
         mse=mse,
         psnr=float(peak_signal_noise_ratio(picture, painted, data_range=1.0)) if mse > 0 else float("inf"),
         ssim=float(structural_similarity(picture, painted, channel_axis=2, data_range=1.0)) if large else float("nan"),

@@ -153,10 +153,10 @@ class Sheet(_Part):
         return np.full((canvas.height_px, canvas.width_px, 3), self.paper, dtype=np.float32)
 
 
-class Making(_Part):
+class Provenance(_Part):
     """How a painting was made: Maulstick's version, the picture (name and SHA-256), the seed and the options.
 
-    figures: how near the plan came to the picture, each by its name (psnr in dB, ssim ...).
+    metrics: how near the plan came to the picture, each by its name (psnr in dB, ssim ...).
     """
 
     version: Name
@@ -164,7 +164,7 @@ class Making(_Part):
     image_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     seed: int = 0
     options: Annotated[dict[str, JsonValue], AfterValidator(_plain)] = Field(default_factory=dict)
-    figures: dict[Name, float] = Field(default_factory=dict)
+    metrics: dict[Name, float] = Field(default_factory=dict)
 
 
 def _whole_sheet(fields: dict[str, Any]) -> Area:
@@ -182,7 +182,7 @@ class Painting(_Part):
     schema_version: Literal[1] = SCHEMA_VERSION
     canvas: Sheet
     area: Area = Field(default_factory=_whole_sheet)
-    made: Making
+    made: Provenance
     brushes: dict[Name, Brush]
     paints: tuple[Paint, ...]
     strokes: tuple[Stroke, ...]

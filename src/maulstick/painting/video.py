@@ -14,7 +14,7 @@ _FRAMES_A_SECOND, _LAST_SECONDS = 20, 2
 _LARGEST = (1280, 720)  # pixels: 160 frames hold less than half a gigabyte
 
 
-class Film:
+class Video:
     """Collects frames (H, W, 3) in [0, 1] and returns the film as bytes."""
 
     def __init__(self, kind: str) -> None:

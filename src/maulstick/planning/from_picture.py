@@ -10,34 +10,34 @@ import torch
 from numpy.typing import NDArray
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.metrics import Figures, compare
-from maulstick.painting.painting import Making, Paint, Painting, Stroke, StyleUse, hex_colour
+from maulstick.painting.metrics import Metrics, compare
+from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
-from maulstick.planning.losses import Sight, Wishes, terms_of
-from maulstick.planning.planner import Plan
-from maulstick.planning.problem import Commission, PlanOptions
+from maulstick.planning.losses import LossOptions, Reference, losses_of
+from maulstick.planning.planner import PlanResult
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.rendering.preview import preview
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.style import Style
 
 Image = NDArray[np.float32]
 
-_NO_WISHES = Wishes()
+_DEFAULT_LOSSES = LossOptions()
 _LOOKS = 8  # views through which judges look at what became of a plan
 
 
-def commission_of(
+def problem_of(
     layout: Layout,
     brush: Brush,
     style: Style,
-    options: PlanOptions,
-    wishes: Wishes = _NO_WISHES,
+    options: PlannerSettings,
+    loss_options: LossOptions = _DEFAULT_LOSSES,
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
-) -> Commission:
+) -> PlanningProblem:
     """What a sheet that is laid out asks of the planner, with those wishes; `network` is called where it is needed.
 
     importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
@@ -47,8 +47,10 @@ def commission_of(
     counts = importance_of(layout) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(counts).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
-    sight = Sight(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
-    return Commission(target, paper, weights, layout.canvas, brush, style, *terms_of(wishes, sight, network))
+    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
+    return PlanningProblem(
+        target, paper, weights, layout.canvas, brush, style, *losses_of(loss_options, reference, network)
+    )
 
 
 def importance_of(layout: Layout) -> Image:
@@ -64,10 +66,10 @@ def _channels_first(image: Image) -> torch.Tensor:
 
 
 def making(
-    options: PlanOptions, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
-) -> Making:
+    options: PlannerSettings, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
+) -> Provenance:
     """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""
-    return Making.model_validate(
+    return Provenance.model_validate(
         {
             "version": version("maulstick"),
             "image": image,
@@ -78,33 +80,33 @@ def making(
     )
 
 
-def figures_of(painting: Painting, layout: Layout) -> Figures | None:
+def metrics_of(painting: Painting, layout: Layout) -> Metrics | None:
     """How near the painting, as its file orders it, comes to the picture over the picture's area, if there is one."""
     return _beside_the_picture(preview(painting, layout.canvas), layout)
 
 
 @one_torch_thread()
-def with_figures(painting: Painting, layout: Layout, commission: Commission) -> Painting:
+def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -> Painting:
     """The painting with what became of it in its file: likeness, the `loss`, and what each term of it comes to."""
     painted = preview(painting, layout.canvas)
-    canvas = _channels_first(painted).to(commission.paper)
+    canvas = _channels_first(painted).to(problem.paper)
     with torch.no_grad():
-        terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in commission.objectives}
-        for judge in commission.judges:
-            losses = judge.term.losses(canvas, range(min(_LOOKS, judge.term.views)))
-            terms[judge.term.name] = judge.weight * losses.mean().item()
+        terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in problem.objectives}
+        for network_loss in problem.network_losses:
+            losses = network_loss.term.losses(canvas, range(min(_LOOKS, network_loss.term.views)))
+            terms[network_loss.term.name] = network_loss.weight * losses.mean().item()
     likeness = _beside_the_picture(painted, layout)
     found = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
     made = painting.made.model_copy(update={"figures": {**found, **terms, "loss": sum(terms.values())}})
     return painting.model_copy(update={"made": made})
 
 
-def _beside_the_picture(painted: Image, layout: Layout) -> Figures | None:
+def _beside_the_picture(painted: Image, layout: Layout) -> Metrics | None:
     return None if layout.target is None else compare(layout.crop(painted), layout.crop(layout.target))
 
 
 def as_painting(
-    planned: Plan, layout: Layout, brush: Brush, style: Style, made: Making, names: Mapping[str, str] = {}
+    planned: PlanResult, layout: Layout, brush: Brush, style: Style, made: Provenance, names: Mapping[str, str] = {}
 ) -> Painting:
     """A plan as a painting, whose file says all that planning it again needs.
 

@@ -8,24 +8,24 @@ from torch import Generator, Tensor
 
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import detail, find_places, ink_density, start_strokes
-from maulstick.planning.problem import Commission, PlanOptions
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.planning.stroke_effects import View
+from maulstick.planning.stroke_effects import TargetView
 
 Floats = NDArray[np.float64]
 
 _SEEN = 2 / 255
 
 
-class Beginnings:
+class Initialiser:
     """New strokes for a commission. All chance comes from the generators."""
 
     def __init__(
-        self, commission: Commission, options: PlanOptions, rng: np.random.Generator, chance: Generator
+        self, problem: PlanningProblem, options: PlannerSettings, rng: np.random.Generator, torch_rng: Generator
     ) -> None:
-        self._asked, self._options = commission, options
-        self._rng, self._chance = rng, chance
-        self._paper, self._weights = as_array(commission.paper), as_array(commission.weights)
+        self._asked, self._options = problem, options
+        self._rng, self._torch_rng = rng, torch_rng
+        self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
 
     def first(self) -> tuple[StrokeParameters, float]:
@@ -41,7 +41,7 @@ class Beginnings:
             density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
 
-    def amiss(self, view: View, canvas: Tensor) -> Floats:
+    def amiss(self, view: TargetView, canvas: Tensor) -> Floats:
         """How much more paint each place of the canvas (C, H, W) wants, (H, W)."""
         image, painted = as_array(view.target), as_array(canvas)
         blur = image.shape[1] / 100
@@ -61,11 +61,11 @@ class Beginnings:
         """
         pixels_per_metre = self._asked.canvas.pixels_per_metre
         places = find_places(as_array(target), density, count, self._rng, room * pixels_per_metre)
-        strokes = start_strokes(places, self._asked.style, self._asked.brush, pixels_per_metre, self._chance)
+        strokes = start_strokes(places, self._asked.style, self._asked.brush, pixels_per_metre, self._torch_rng)
         return strokes, float(np.median(places.spacing)) / pixels_per_metre
 
     def _anywhere(self) -> tuple[StrokeParameters, float]:
         """All over the sheet, in any colour."""
         strokes, spacing = self.strokes(self._asked.paper, np.ones_like(self._weights), self._options.strokes)
-        strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._chance))
+        strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
         return strokes, spacing

@@ -13,7 +13,7 @@ from torch import Generator, Tensor
 from maulstick.errors import InputError
 from maulstick.planning.features.network import Network, ReadingNetwork
 from maulstick.planning.features.views import random_views
-from maulstick.planning.objectives import Edges, Judge, Likeness, Look, Objective, Tone, Words, sketch
+from maulstick.planning.objectives import Edges, Likeness, Look, NetworkLoss, Objective, TextMatch, Tone, sketch
 from maulstick.planning.problem import Weighted
 
 Image = NDArray[np.float32]
@@ -27,7 +27,7 @@ _HEAVIEST = 1000  # beyond, nothing else would count, and float32 overflow in th
 
 
 @dataclass(frozen=True)
-class Wishes:
+class LossOptions:
     """What the painting should be like, beside the picture that it is of.
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
@@ -64,7 +64,7 @@ class Wishes:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Reference:
     """What terms are made of: target (3, H, W) or None, weights (H, W), and the colour of the paper, (3,)."""
 
     target: Tensor | None
@@ -73,41 +73,41 @@ class Sight:
     one_ink: bool
 
 
-def terms_of(
-    wishes: Wishes, sight: Sight, network: Callable[[], Network]
-) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[Judge], ...]]:
+def losses_of(
+    loss_options: LossOptions, reference: Reference, network: Callable[[], Network]
+) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[NetworkLoss], ...]]:
     """The objectives and judges that the wishes come to; `network` is called where a judge needs one."""
     network = cache(network)  # which takes seconds and a lot of memory to load
     objectives: list[Weighted[Objective]] = []
-    judges: list[Weighted[Judge]] = []
-    for name, weight in wishes.weights_of_terms(has_picture=sight.target is not None).items():
+    network_losses: list[Weighted[NetworkLoss]] = []
+    for name, weight in loss_options.weights_of_terms(has_picture=reference.target is not None).items():
         strength = weight * STRENGTHS[name]
         if name in ("tone", "edges"):
-            objectives.append(Weighted(_objective(name, sight), strength))
+            objectives.append(Weighted(_objective(name, reference), strength))
         else:
-            judges.append(Weighted(_judge(name, wishes, sight, network()), strength))
-    return tuple(objectives), tuple(judges)
+            network_losses.append(Weighted(_network_loss(name, loss_options, reference, network()), strength))
+    return tuple(objectives), tuple(network_losses)
 
 
-def _objective(name: str, sight: Sight) -> Objective:
-    assert sight.target is not None  # `Wishes.weights_of_terms` has seen to it
+def _objective(name: str, reference: Reference) -> Objective:
+    assert reference.target is not None  # `Wishes.weights_of_terms` has seen to it
     if name == "edges":
-        return Edges(sight.target, sight.weights)
-    return Tone(sight.target, sight.weights, halftone=sight.one_ink)
+        return Edges(reference.target, reference.weights)
+    return Tone(reference.target, reference.weights, halftone=reference.one_ink)
 
 
-def _judge(name: str, wishes: Wishes, sight: Sight, network: Network) -> Judge:
-    chance = Generator().manual_seed(0)  # the same views for every seed, so that plans can be compared
-    views = random_views(_VIEWS, sight.weights.shape[0], sight.weights.shape[1], chance)
+def _network_loss(name: str, loss_options: LossOptions, reference: Reference, network: Network) -> NetworkLoss:
+    torch_rng = Generator().manual_seed(0)  # the same views for every seed, so that plans can be compared
+    views = random_views(_VIEWS, reference.weights.shape[0], reference.weights.shape[1], torch_rng)
     if name == "words":
         if not isinstance(network, ReadingNetwork):
             raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with --clip")
-        return Words(network, wishes.text or "", views, sight.paper)
+        return TextMatch(network, loss_options.text or "", views, reference.paper)
     if name == "look":
-        assert wishes.look is not None
-        picture = torch.from_numpy(np.ascontiguousarray(wishes.look.transpose(2, 0, 1))).to(sight.weights)
-        return Look(network, picture, views, sight.paper, chance)
-    assert sight.target is not None
+        assert loss_options.look is not None
+        picture = torch.from_numpy(np.ascontiguousarray(loss_options.look.transpose(2, 0, 1))).to(reference.weights)
+        return Look(network, picture, views, reference.paper, torch_rng)
+    assert reference.target is not None
     if name == "sketch":
-        return sketch(network, sight.target, views, sight.paper, grey=sight.one_ink)
-    return Likeness(network, sight.target, views, sight.paper, grey=sight.one_ink)
+        return sketch(network, reference.target, views, reference.paper, grey=reference.one_ink)
+    return Likeness(network, reference.target, views, reference.paper, grey=reference.one_ink)

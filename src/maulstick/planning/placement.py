@@ -102,8 +102,8 @@ def _tensor(array: Floats) -> torch.Tensor:
 
 def _stipple(density: Floats, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     height, width = density.shape
-    chance = density.ravel() + 1e-9  # an empty density is an even one
-    samples = rng.choice(density.size, size=_SAMPLES_PER_STROKE * count, p=chance / chance.sum())
+    torch_rng = density.ravel() + 1e-9  # an empty density is an even one
+    samples = rng.choice(density.size, size=_SAMPLES_PER_STROKE * count, p=torch_rng / torch_rng.sum())
     cloud = np.stack([samples % width, samples // width], axis=1) + rng.random((len(samples), 2))
     centres = cloud[rng.choice(len(cloud), size=count, replace=False)]
     for _ in range(_ROUNDS):

@@ -16,14 +16,14 @@ from torch import Tensor
 from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.descent import Descent
-from maulstick.planning.initialise import Beginnings
+from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.problem import Commission, PlanOptions
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
-from maulstick.planning.state import State, chance_state, restore_chance
-from maulstick.planning.stroke_canvas import Work, as_array
-from maulstick.planning.stroke_effects import View, coverage, recolouring_costs, removal_costs
-from maulstick.planning.surrogate import Judgement
+from maulstick.planning.state import State, restore_rng, rng_state
+from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
+from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
+from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
 
 _STYLE_WEIGHT = 1e-5
@@ -34,7 +34,7 @@ _HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
 
 
 @dataclass(frozen=True)
-class Progress:
+class PlanProgress:
     """After a step: how far planning is in [0, 1], the loss, its parts by name, and the canvas (C, H, W).
 
     state: all that going on from here needs, if it is asked before the next step.
@@ -48,7 +48,7 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlanResult:
     """N strokes in painting order, the paints (k, 3) and which of them each stroke takes, (N,)."""
 
     strokes: StrokeParameters
@@ -58,26 +58,26 @@ class Plan:
 
 @one_torch_thread()
 def plan(
-    commission: Commission,
-    options: PlanOptions,
-    watch: Callable[[Progress], bool] = lambda progress: True,
+    problem: PlanningProblem,
+    options: PlannerSettings,
+    watch: Callable[[PlanProgress], bool] = lambda progress: True,
     *,
     schedule: Schedule | None = None,
     start: StrokeParameters | None = None,
     resume: State | None = None,
-) -> Plan:
+) -> PlanResult:
     """Plan strokes that turn the paper into what is wanted.
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
     schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
-    resume: what `Progress.state` said in an earlier run that was asked for the same; planning goes on from there.
+    resume: what `PlanProgress.state` said in an earlier run that was asked for the same; planning goes on from there.
     Raises InputError for another number of strokes to start with, and a state of another plan.
     """
     if start is not None and len(start) != options.strokes:
         raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
     schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
-    planning = _Planning(commission, options, schedule, start)
+    planning = _Planning(problem, options, schedule, start)
     if resume is not None:
         try:
             planning.restore(resume)
@@ -93,37 +93,39 @@ class _Planning:
     """A plan in the making: strokes, their descent, and what comes when."""
 
     def __init__(
-        self, commission: Commission, options: PlanOptions, schedule: Schedule, start: StrokeParameters | None
+        self, problem: PlanningProblem, options: PlannerSettings, schedule: Schedule, start: StrokeParameters | None
     ) -> None:
-        self._asked, self._options, self._schedule = commission, options, schedule
-        self._canvas, self._style = commission.canvas, commission.style
+        self._asked, self._options, self._schedule = problem, options, schedule
+        self._canvas, self._style = problem.canvas, problem.style
         self._rng = np.random.default_rng(options.seed)
-        self._chance = torch.Generator().manual_seed(options.seed)
+        self._torch_rng = torch.Generator().manual_seed(options.seed)
         self._pool = 1
         if options.one_ink:  # greys are made of lines, and only seen from further off
-            self._pool = max(1, round(4 * commission.brush.widest * self._canvas.pixels_per_metre))
+            self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
         self._allowed_cost = self._style.leeway * self._usual_cost()
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
-        self._beginnings = Beginnings(commission, options, self._rng, self._chance)
+        self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
         if start is None:
-            start, self._spacing = self._beginnings.first()
+            start, self._spacing = self._initialiser.first()
         trained = {
             "codes": True,
             "centres": True,
             "angles": True,
-            "press_knots": commission.brush.presses,
+            "press_knots": problem.brush.presses,
             "colours": not options.one_ink,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
-        self._work = Work(strokes, commission.paper, self._canvas, commission.brush, self._style, commission.neighbours)
+        self._stroke_canvas = StrokeCanvas(
+            strokes, problem.paper, self._canvas, problem.brush, self._style, problem.neighbours
+        )
         if options.one_ink:
-            self._work.paints = torch.tensor(options.palette)
+            self._stroke_canvas.paints = torch.tensor(options.palette)
         self._descent = Descent(strokes, self._spacing)
-        self._judgement = Judgement(commission.judges, commission.paper) if commission.judges else None
+        self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._taken = 0  # steps
-        self._sorted = self._respent = self._repainted = 0  # how many of the schedule's are over
+        self._sorted = self._relocated = self._repainted = 0  # how many of the schedule's are over
 
     @property
     def done(self) -> bool:
@@ -135,48 +137,57 @@ class _Planning:
         if self._progress < _HURRIED_FROM:
             self._progress = _HURRIED_FROM
         self._stride = max(self._stride, (1 - self._progress) / _HURRIED_STEPS)
-        self._respent = len(self._schedule.respends)
+        self._relocated = len(self._schedule.relocations)
         self._repainted = sum(share < self._progress for share in self._schedule.repaints)
 
-    def advance(self) -> Progress:
+    def advance(self) -> PlanProgress:
         """Whatever the schedule has for now, and a step."""
         schedule, now = self._schedule, self._progress
-        if self._respent < len(schedule.respends) and schedule.respends[self._respent] <= now < schedule.snap:
-            self._respent += 1
-            self._respend()
+        if (
+            self._relocated < len(schedule.relocations)
+            and schedule.relocations[self._relocated] <= now < schedule.quantise
+        ):
+            self._relocated += 1
+            self._relocate_useless()
         if self._sorted < len(schedule.sorts) and now >= schedule.sorts[self._sorted]:
             self._sorted += 1
-            self._work.sort()
-        if now >= schedule.snap:
-            self._snap()
+            self._stroke_canvas.sort()
+        if now >= schedule.quantise:
+            self._quantise_colours()
         if self._repainted < len(schedule.repaints) and now >= schedule.repaints[self._repainted]:
             self._repainted += 1
             self._repaint()
         loss, parts, canvas = self._step(now)
         self._progress += self._stride
         self._taken += 1
-        return Progress(now, loss, parts, canvas, self.state)
+        return PlanProgress(now, loss, parts, canvas, self.state)
 
     def state(self) -> State:
         """All that the next step depends on."""
-        counts = (self._taken, self._sorted, self._respent, self._repainted)
+        counts = (self._taken, self._sorted, self._relocated, self._repainted)
         numbers = (self._progress, self._stride, self._style_weight, *counts)
-        judgement = {} if self._judgement is None else self._judgement.state()
-        chance = chance_state(self._rng, self._chance)
-        state = {"numbers": np.array(numbers), **self._work.state(), **self._descent.state(), **judgement, **chance}
+        surrogate = {} if self._surrogate is None else self._surrogate.state()
+        torch_rng = rng_state(self._rng, self._torch_rng)
+        state = {
+            "numbers": np.array(numbers),
+            **self._stroke_canvas.state(),
+            **self._descent.state(),
+            **surrogate,
+            **torch_rng,
+        }
         return {name: array.copy() for name, array in state.items()}
 
     def restore(self, state: State) -> None:
         """Go on from there."""
         self._progress, self._stride, self._style_weight, *counts = state["numbers"].tolist()
-        self._taken, self._sorted, self._respent, self._repainted = (int(count) for count in counts)
-        self._work.restore(state)
-        if "paints" in state and self._work.paints is None:
-            self._work.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
+        self._taken, self._sorted, self._relocated, self._repainted = (int(count) for count in counts)
+        self._stroke_canvas.restore(state)
+        if "paints" in state and self._stroke_canvas.paints is None:
+            self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
-        if self._judgement is not None and "slope" in state:  # there may have been no judges before
-            self._judgement.restore(state)
-        restore_chance(state, self._rng, self._chance)
+        if self._surrogate is not None and "slope" in state:  # there may have been no judges before
+            self._surrogate.restore(state)
+        restore_rng(state, self._rng, self._torch_rng)
 
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
         """One step of all strokes: the loss before it, its parts, and the canvas.
@@ -184,10 +195,10 @@ class _Planning:
         The style weighs more as long as the strokes are less likely than it allows, and less afterwards: it is held
         alike with a broad brush or a thin pen.
         """
-        strokes = self._work.strokes
-        canvas = self._work.render()
-        if self._judgement is not None and self._taken % self._options.ask_every == 0:
-            self._judgement.ask(canvas, self._chance)
+        strokes = self._stroke_canvas.strokes
+        canvas = self._stroke_canvas.render()
+        if self._surrogate is not None and self._taken % self._options.ask_every == 0:
+            self._surrogate.ask(canvas, self._torch_rng)
         loss, parts = self._loss(canvas, now)
         costs = self._style.cost(strokes.codes, strokes.press_knots)
         price = (costs * (1 + costs / self._allowed_cost)).mean()  # few that go far pay more than many that go a little
@@ -202,73 +213,77 @@ class _Planning:
         parts = {each.term.name: each.weight * each.term.loss(canvas, now) for each in self._asked.objectives}
         told = {name: part.item() for name, part in parts.items()}
         loss = sum(parts.values(), torch.zeros((), device=canvas.device))
-        if self._judgement is not None:
-            loss, told = loss + self._judgement.loss(canvas), told | self._judgement.parts
+        if self._surrogate is not None:
+            loss, told = loss + self._surrogate.loss(canvas), told | self._surrogate.parts
         return loss, told
 
     def _usual_cost(self) -> float:
         """Of as many strokes as are planned, when the style draws them by itself."""
-        chance, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
-        groups = [self._style.sample(count, chance) for _ in range(max(1, _JUDGED_BY // count))]
+        torch_rng, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
+        groups = [self._style.sample(count, torch_rng) for _ in range(max(1, _JUDGED_BY // count))]
         return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
 
-    def _view(self) -> View:
+    def _view(self) -> TargetView:
         """How the canvas is compared with the target, or where there is none with what the judges would rather see."""
         target = self._asked.target
         if target is None:
-            assert self._judgement is not None
-            target = self._judgement.proposal
-        return View(target, self._asked.weights, self._pool)
+            assert self._surrogate is not None
+            target = self._surrogate.proposal
+        return TargetView(target, self._asked.weights, self._pool)
 
-    def _respend(self) -> None:
+    def _relocate_useless(self) -> None:
         """Move the strokes that would be missed least to where the picture is furthest from the target."""
         costs, view = self._removal_costs(), self._view()
         count = max(1, int(_RESPENT * len(costs)))
         rows = torch.argsort(costs, stable=True)[:count]
         with torch.no_grad():
-            density = self._beginnings.amiss(view, self._work.render())
-        strokes, _ = self._beginnings.strokes(view.target, density, count, room=self._spacing)
+            density = self._initialiser.amiss(view, self._stroke_canvas.render())
+        strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
         self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:
         """By row."""
-        marks, colours = self._work.drawn()
-        return self._work.by_row(removal_costs(self._view(), self._asked.paper, marks, colours, self._chance))
+        marks, colours = self._stroke_canvas.drawn()
+        return self._stroke_canvas.by_row(
+            removal_costs(self._view(), self._asked.paper, marks, colours, self._torch_rng)
+        )
 
-    def _snap(self) -> None:
+    def _quantise_colours(self) -> None:
         """Turn free colours into paints: mixed ones, which go on adapting, or those that there are."""
-        if self._work.paints is not None:
+        if self._stroke_canvas.paints is not None:
             return
         options = self._options
         if options.paints is None:
             there = np.array(options.palette)
             paints = torch.tensor(there[np.argsort(-lightness(there), kind="stable")], dtype=torch.float32)
         else:
-            marks, colours = self._work.drawn()
-            shown = as_array(self._work.by_row(coverage(self._view(), self._asked.paper, marks, colours)))
-            free = as_array(self._work.strokes.colours)
+            marks, colours = self._stroke_canvas.drawn()
+            shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._asked.paper, marks, colours)))
+            free = as_array(self._stroke_canvas.strokes.colours)
             mixed = mix_paints(free, np.sqrt(shown.clip(min=1)), options.paints, options.seed)
             paints = torch.tensor(mixed, dtype=torch.float32)
-        self._work.snap(self._paints_to_use(paints), self._schedule.grouped)
+        self._stroke_canvas.quantise(self._paints_to_use(paints), self._schedule.grouped)
 
     @torch.no_grad()
     def _repaint(self) -> None:
         """Let strokes take other paints of those that there are, as many of them as make the picture better."""
-        work, grouped = self._work, self._schedule.grouped
-        if work.paints is None or len(work.paints) < 2 or self._options.paints is not None:
+        stroke_canvas, grouped = self._stroke_canvas, self._schedule.grouped
+        if stroke_canvas.paints is None or len(stroke_canvas.paints) < 2 or self._options.paints is not None:
             return
         with torch.enable_grad():
-            marks, colours = work.drawn()
-            costs = recolouring_costs(self._view(), self._asked.paper, marks, colours, work.paints, self._chance)
-        gains, better = (-work.by_row(costs)).max(dim=1)
+            marks, colours = stroke_canvas.drawn()
+            costs = recolouring_costs(
+                self._view(), self._asked.paper, marks, colours, stroke_canvas.paints, self._torch_rng
+            )
+        gains, better = (-stroke_canvas.by_row(costs)).max(dim=1)
         candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
-        before, was = self._loss(work.render(), self._progress)[0], work.paint_of
+        before, was = self._loss(stroke_canvas.render(), self._progress)[0], stroke_canvas.paint_of
         while len(candidates):
-            work.repaint(was.index_copy(0, candidates, better[candidates]), grouped)
-            if self._loss(work.render(), self._progress)[0] < before:
+            stroke_canvas.repaint(was.index_copy(0, candidates, better[candidates]), grouped)
+            if self._loss(stroke_canvas.render(), self._progress)[0] < before:
                 return
             candidates = candidates[: len(candidates) // 2]
-        work.repaint(was, grouped)
+        stroke_canvas.repaint(was, grouped)
 
     def _paints_to_use(self, paints: Tensor) -> Tensor:
         """Those (k, C), which go on adapting if they are still to be mixed."""
@@ -276,13 +291,15 @@ class _Planning:
             self._descent.add_paints(paints.requires_grad_())
         return paints
 
-    def finish(self) -> Plan:
+    def finish(self) -> PlanResult:
         """The plan in painting order, without the strokes that do nothing unless their number is to be exact."""
-        self._snap()
-        assert self._work.paints is not None
-        order = self._work.order
+        self._quantise_colours()
+        assert self._stroke_canvas.paints is not None
+        order = self._stroke_canvas.order
         kept = torch.from_numpy(order if self._options.exact else order[self._needed()[order]])
-        return Plan(self._work.strokes[kept], self._work.paints.detach(), self._work.paint_of[kept])
+        return PlanResult(
+            self._stroke_canvas.strokes[kept], self._stroke_canvas.paints.detach(), self._stroke_canvas.paint_of[kept]
+        )
 
     @torch.no_grad()
     def _needed(self) -> NDArray[np.bool_]:
@@ -290,12 +307,12 @@ class _Planning:
         with torch.enable_grad():
             costs = self._removal_costs().numpy()
         candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
-        before, _ = self._loss(self._work.render(), 1.0)
+        before, _ = self._loss(self._stroke_canvas.render(), 1.0)
         needed = np.ones(len(costs), dtype=bool)
         while len(candidates):
             needed[:] = True
             needed[candidates] = False
-            if self._loss(self._work.render(needed), 1.0)[0] <= before:
+            if self._loss(self._stroke_canvas.render(needed), 1.0)[0] <= before:
                 return needed
             candidates = candidates[: len(candidates) // 2]
         needed[:] = True

@@ -9,16 +9,16 @@ from torch import Tensor
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.planning.objectives import Judge, Objective
+from maulstick.planning.objectives import NetworkLoss, Objective
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 
 Colour = tuple[float, float, float]
-Term = TypeVar("Term", Objective, Judge)
+Term = TypeVar("Term", Objective, NetworkLoss)
 
 
 @dataclass(frozen=True)
-class PlanOptions:
+class PlannerSettings:
     """How to plan.
 
     strokes: at most so many; exactly so many with `exact`.
@@ -81,13 +81,13 @@ NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
 
 
 @dataclass(frozen=True)
-class Commission:
+class PlanningProblem:
     """What is to be painted, and with what.
 
     target: (3, H, W) of the canvas' pixels, sRGB in [0, 1], or None where there is no picture.  paper: (3, H, W), what
     is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the
     device that is to render.
-    objectives, judges: what the canvas should look like.
+    objectives, network_losses: what the canvas should look like.
     neighbours: what others paint on the same canvas.
     """
 
@@ -98,5 +98,5 @@ class Commission:
     brush: Brush
     style: Style
     objectives: tuple[Weighted[Objective], ...]
-    judges: tuple[Weighted[Judge], ...] = ()
+    network_losses: tuple[Weighted[NetworkLoss], ...] = ()
     neighbours: Neighbours = NO_NEIGHBOURS

@@ -35,15 +35,15 @@ def read_state(path: str | Path) -> tuple[State, dict[str, JsonValue]]:
     return state, task
 
 
-def chance_state(rng: np.random.Generator, chance: Generator) -> State:
+def rng_state(rng: np.random.Generator, torch_rng: Generator) -> State:
     """Where two sources of chance are."""
-    return {"rng": np.array(json.dumps(rng.bit_generator.state)), "chance": chance.get_state().numpy()}
+    return {"rng": np.array(json.dumps(rng.bit_generator.state)), "chance": torch_rng.get_state().numpy()}
 
 
-def restore_chance(state: State, rng: np.random.Generator, chance: Generator) -> None:
+def restore_rng(state: State, rng: np.random.Generator, torch_rng: Generator) -> None:
     """Put them where they were."""
     rng.bit_generator.state = json.loads(str(state["rng"]))
-    chance.set_state(torch.from_numpy(state["chance"]))
+    torch_rng.set_state(torch.from_numpy(state["chance"]))
 
 
 def optimiser_state(optimiser: torch.optim.Optimizer) -> State:

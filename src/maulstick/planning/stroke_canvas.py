@@ -19,7 +19,7 @@ from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from maulstick.style import Style
 
 
-class Work:
+class StrokeCanvas:
     """N strokes that keep their rows, M neighbours among them that nothing changes, and how they all are painted.
 
     Their parameters live with the processor, and the canvas wherever the paper (C, H, W) is.
@@ -89,7 +89,7 @@ class Work:
         if self.paints is None:
             self._order = light_to_dark(as_array(self.colours))
 
-    def snap(self, paints: Tensor, grouped: bool) -> None:
+    def quantise(self, paints: Tensor, grouped: bool) -> None:
         """Give every stroke the nearest of the paints (k, C), and if they are to be grouped, paint by paint."""
         self.paints = paints
         self.repaint(torch.from_numpy(nearest_paint(as_array(self.strokes.colours), as_array(paints))), grouped)

@@ -17,7 +17,7 @@ _PROBES = 8
 
 
 @dataclass(frozen=True)
-class View:
+class TargetView:
     """How a canvas is compared with the target (C, H, W).
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
@@ -33,7 +33,7 @@ class View:
         return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
 
 
-def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
+def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
     """How much the error would grow, (N,), if each stroke alone were not there.
 
     paper: (C, H, W).  marks and colours, (N, C), are in painting order.  The slope is exact; the curvature, a sum of
@@ -48,7 +48,7 @@ def removal_costs(view: View, paper: Tensor, marks: Marks, colours: Tensor, gene
 
 
 def recolouring_costs(
-    view: View, paper: Tensor, marks: Marks, colours: Tensor, paints: Tensor, generator: Generator
+    view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, paints: Tensor, generator: Generator
 ) -> Tensor:
     """How much the error would grow, (N, k), if each stroke alone took each of the paints (k, C).
 
@@ -61,7 +61,7 @@ def recolouring_costs(
     return (slope[:, None] * change + 0.5 * curvature[:, None] * change.square()).sum(dim=-1)
 
 
-def coverage(view: View, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
+def coverage(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
     """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
     colours = colours.detach().requires_grad_()
     (shown,) = torch.autograd.grad((_painted(paper, _detached(marks), colours) * view.weights).sum(), colours)

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from torch import Generator, Tensor
 
-from maulstick.planning.objectives import Judge
+from maulstick.planning.objectives import NetworkLoss
 from maulstick.planning.problem import Weighted
 from maulstick.planning.state import State
 from maulstick.rendering.threads import usual_torch_threads
@@ -17,7 +17,7 @@ _MEMORY = 0.8
 _RADIUS = 0.2
 
 
-class Judgement:
+class Surrogate:
     """What judges think of the canvas, by the slope that they gave when they were last asked.
 
     A call gives their loss v and its slope at a canvas c0. Until the next one, their loss is taken to be
@@ -28,20 +28,20 @@ class Judgement:
     the root of the mean square over all of them. Slopes are averaged over calls, since every call sees other views.
     """
 
-    def __init__(self, judges: Sequence[Weighted[Judge]], paper: Tensor) -> None:
-        self._judges = judges
-        self._views = min(judge.term.views for judge in judges)
+    def __init__(self, network_losses: Sequence[Weighted[NetworkLoss]], paper: Tensor) -> None:
+        self._network_losses = network_losses
+        self._views = min(network_loss.term.views for network_loss in network_losses)
         self._anchor = self._slope = torch.zeros_like(paper)
         self._value = 0.0
         self.calls = 0
         self.parts: dict[str, float] = {}
 
     @usual_torch_threads()
-    def ask(self, canvas: Tensor, chance: Generator) -> None:
+    def ask(self, canvas: Tensor, torch_rng: Generator) -> None:
         """Call all judges, each for some of its views of the canvas (C, H, W)."""
         canvas = canvas.detach().requires_grad_()
-        which = torch.randperm(self._views, generator=chance)[:_AT_ONCE].tolist()
-        parts = {each.term.name: each.weight * each.term.losses(canvas, which).mean() for each in self._judges}
+        which = torch.randperm(self._views, generator=torch_rng)[:_AT_ONCE].tolist()
+        parts = {each.term.name: each.weight * each.term.losses(canvas, which).mean() for each in self._network_losses}
         loss = torch.stack(list(parts.values())).sum()
         (slope,) = torch.autograd.grad(loss, canvas)
         self._slope = slope if self.calls == 0 else _MEMORY * self._slope + (1 - _MEMORY) * slope

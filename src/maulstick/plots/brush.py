@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from maulstick.painting.brush import Brush
-from maulstick.plots.sheet import FAINT, INK, PAPER, QUIET, Plate, length_text, round_length
+from maulstick.plots.sheet import FAINT, INK, PAPER, QUIET, Plot, length_text, round_length
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
 
@@ -25,68 +25,68 @@ _SHARES = (0.0, 0.5, 1.0)
 _PRESSES = ((0.0, "#b9b4aa"), (0.5, QUIET), (1.0, INK))
 
 
-def brush_plate(brush: Brush, title: str, px: int) -> bytes:
+def brush_plot(brush: Brush, title: str, px: int) -> bytes:
     """A PNG, `px` pixels high. The mark is drawn by the same renderer as paintings, on the axis of the chart below."""
-    plate = Plate(_PROPORTION * px, px)
-    margin, line = plate.margin, plate.line
-    right = plate.width - margin
-    plate.text(margin, margin + 1.2 * line, brush.name, INK, 1.7, room=right - margin)
+    plot = Plot(_PROPORTION * px, px)
+    margin, line = plot.margin, plot.line
+    right = plot.width - margin
+    plot.text(margin, margin + 1.2 * line, brush.name, INK, 1.7, room=right - margin)
     source = _shortened(brush.source, round((right - margin) / line * 2.2))
     for number, part in enumerate(source):
-        plate.text(margin, margin + (2.9 + 1.3 * number) * line, part, room=right - margin)
+        plot.text(margin, margin + (2.9 + 1.3 * number) * line, part, room=right - margin)
     top = margin + (3.2 + 1.3 * len(source)) * line
-    wide = plate.width - 2 * margin
-    scale = _mark(plate, brush, margin, top, wide, _MARK * line - top)
+    wide = plot.width - 2 * margin
+    scale = _mark(plot, brush, margin, top, wide, _MARK * line - top)
     inset = (wide - _LENGTH * 2 * brush.widest * scale) / 2
-    width_chart(plate, brush, margin + inset, _WIDTHS * line, wide - 2 * inset, _WIDTHS_HIGH * line)
+    width_chart(plot, brush, margin + inset, _WIDTHS * line, wide - 2 * inset, _WIDTHS_HIGH * line)
     high = (_END - _PROFILE) * line
-    profile_chart(plate, brush, margin + inset, _PROFILE * line, _PROFILE_WIDE * line, high)
+    profile_chart(plot, brush, margin + inset, _PROFILE * line, _PROFILE_WIDE * line, high)
     left = margin + inset + (_PROFILE_WIDE + 4) * line
-    _numbers(plate, brush, left, (_PROFILE - 0.8) * line, right - left)
-    base = plate.height - margin
-    plate.text(margin, base, title, room=0.7 * (right - margin))
-    bar = round_length(plate.width / 5 / scale)
-    plate.rule(right - bar * scale, base, bar * scale, INK)
-    plate.text(right, base - 0.5 * line, f"{length_text(bar)} of the mark", ha="right")
-    return plate.png()
+    _numbers(plot, brush, left, (_PROFILE - 0.8) * line, right - left)
+    base = plot.height - margin
+    plot.text(margin, base, title, room=0.7 * (right - margin))
+    bar = round_length(plot.width / 5 / scale)
+    plot.rule(right - bar * scale, base, bar * scale, INK)
+    plot.text(right, base - 0.5 * line, f"{length_text(bar)} of the mark", ha="right")
+    return plot.png()
 
 
-def width_chart(plate: Plate, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
+def width_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
     """Width over press, its upper left corner at (x, y), pixels; type is above, below and to the left of it."""
-    line, widest = plate.line, 2e3 * brush.widest
-    axes = plate.axes(x, y, wide, high, 1.0)
+    line, widest = plot.line, 2e3 * brush.widest
+    axes = plot.axes(x, y, wide, high, 1.0)
     press = np.linspace(0, 1, 201)
     width = 2e3 * brush.half_width(press).clip(min=0)
     axes.fill_between(press * wide, high - width / widest * high, high, color=PAPER, lw=0)
-    axes.plot(press * wide, high - width / widest * high, color=INK, lw=plate.points(0.1 * line), clip_on=False)
+    axes.plot(press * wide, high - width / widest * high, color=INK, lw=plot.points(0.1 * line), clip_on=False)
     for share in _SHARES:
-        _level(plate, axes, high * (1 - share), FAINT if share else QUIET)
-        plate.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{widest * share:.3g}", ha="right")
-        plate.text(x + share * wide, y + high + 1.4 * line, f"{share:g}", ha="center")
-    plate.text(x, y - 0.8 * line, "width, mm")
-    plate.text(x + wide - 1.2 * line, y + high + 1.4 * line, "press", ha="right")
+        _level(plot, axes, high * (1 - share), FAINT if share else QUIET)
+        plot.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{widest * share:.3g}", ha="right")
+        plot.text(x + share * wide, y + high + 1.4 * line, f"{share:g}", ha="center")
+    plot.text(x, y - 0.8 * line, "width, mm")
+    plot.text(x + wide - 1.2 * line, y + high + 1.4 * line, "press", ha="right")
 
 
-def profile_chart(plate: Plate, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
+def profile_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
     """Darkness across the mark at three presses, its upper left corner at (x, y), pixels; type as above."""
-    line, widest = plate.line, brush.widest
-    axes = plate.axes(x, y, wide, high, 1.0)
+    line, widest = plot.line, brush.widest
+    axes = plot.axes(x, y, wide, high, 1.0)
     for press, colour in _PRESSES:
         across = np.linspace(-1, 1, 401) * max(float(brush.half_width(np.array(press))), 0.0)
         places, darkness = (1 + across / widest) / 2 * wide, profile(brush, press, across)
         axes.fill_between(places, high * (1 - darkness), high, color=PAPER, lw=0)
-        axes.plot(places, high * (1 - darkness), color=colour, lw=plate.points(0.1 * line), clip_on=False)
+        axes.plot(places, high * (1 - darkness), color=colour, lw=plot.points(0.1 * line), clip_on=False)
     for share in _SHARES:
-        _level(plate, axes, high * (1 - share), FAINT if share else QUIET)
-        plate.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{share:g}", ha="right")
+        _level(plot, axes, high * (1 - share), FAINT if share else QUIET)
+        plot.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{share:g}", ha="right")
         distance = 1e3 * widest * abs(2 * share - 1)
-        plate.text(x + share * wide, y + high + 1.4 * line, f"{distance:.3g}", ha="center")
-    plate.text(x, y - 0.8 * line, "darkness over distance, mm, at press 0, 0.5 and 1", room=wide)
+        plot.text(x + share * wide, y + high + 1.4 * line, f"{distance:.3g}", ha="center")
+    plot.text(x, y - 0.8 * line, "darkness over distance, mm, at press 0, 0.5 and 1", room=wide)
 
 
-def _level(plate: Plate, axes: Axes, y: float, colour: str) -> None:
+def _level(plot: Plot, axes: Axes, y: float, colour: str) -> None:
     """A rule over what is filled and under the curves."""
-    axes.axhline(y, color=colour, lw=plate.points(0.08 * plate.line), zorder=1.5, clip_on=False)
+    axes.axhline(y, color=colour, lw=plot.points(0.08 * plot.line), zorder=1.5, clip_on=False)
 
 
 def profile(brush: Brush, press: float, distance: Floats) -> Floats:
@@ -104,7 +104,7 @@ def _shortened(text: str, letters: int) -> list[str]:
     return lines if len(lines) <= 3 else [*lines[:2], lines[2][: letters - 2] + " …"]
 
 
-def _mark(plate: Plate, brush: Brush, x: float, y: float, wide: float, high: float) -> float:
+def _mark(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> float:
     """Draw the mark in the middle of a piece of paper, pixels; returns pixels a metre."""
     in_place = brush.model_copy(update={"m_x": 1.0, "m_y": 1.0, "b_x": 0.0, "b_y": 0.0})
     length = _LENGTH * 2 * brush.widest
@@ -115,15 +115,15 @@ def _mark(plate: Plate, brush: Brush, x: float, y: float, wide: float, high: flo
     paper = torch.ones(3, max(1, round(high)), max(1, round(wide)))
     with torch.no_grad():
         image = paint(paper, path[None], torch.tensor([_COLOUR]), Traj2Stroke.of([in_place]), scale)
-    axes = plate.axes(x, y, wide, high, 1.0)
+    axes = plot.axes(x, y, wide, high, 1.0)
     axes.imshow(
         image.clamp(0, 1).permute(1, 2, 0).numpy(), extent=(0, wide, high, 0), aspect="auto", interpolation="nearest"
     )
-    axes.add_patch(Rectangle((0, 0), wide, high, fill=False, ec=FAINT, lw=plate.points(1), clip_on=False))
+    axes.add_patch(Rectangle((0, 0), wide, high, fill=False, ec=FAINT, lw=plot.points(1), clip_on=False))
     return scale
 
 
-def _numbers(plate: Plate, brush: Brush, x: float, y: float, wide: float) -> None:
+def _numbers(plot: Plot, brush: Brush, x: float, y: float, wide: float) -> None:
     """What the file of the brush says, lengths in mm, but for its curve and what is neutral beyond the paper."""
 
     def mm(*lengths: float) -> str:
@@ -148,8 +148,8 @@ def _numbers(plate: Plate, brush: Brush, x: float, y: float, wide: float) -> Non
     }
     fields = Brush.model_fields
     told += [(name, value) for name, value in beyond.items() if getattr(brush, name) != fields[name].default]
-    line, column = plate.line, wide / _COLUMNS
+    line, column = plot.line, wide / _COLUMNS
     for number, (name, value) in enumerate(told):
         left, top = x + number % _COLUMNS * column, y + number // _COLUMNS * _ROW * line
-        plate.text(left, top, name, room=column)
-        plate.text(left, top + 1.5 * line, value, INK, 1.1, room=column - 0.5 * line)
+        plot.text(left, top, name, room=column)
+        plot.text(left, top + 1.5 * line, value, INK, 1.1, room=column - 0.5 * line)

@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
 
-from maulstick.brush_fit.fit import Fit, View
+from maulstick.brush_fit.fit import Fit, HeldOutStroke
 from maulstick.brush_fit.window import Pixels
 from maulstick.painting.brush import Brush
 from maulstick.plots.brush import profile_chart, width_chart
 from maulstick.plots.rows import Row, largest_scale, rows_of
-from maulstick.plots.sheet import ACCENT, FAINT, INK, PAPER, Plate
+from maulstick.plots.sheet import ACCENT, FAINT, INK, PAPER, Plot
 
 _WIDTH, _HEIGHT, _LINES = 2016, 1440, 64  # pixels; lines in the height
 _CHART_TOP, _CHART_HIGH = 8.5, 10.0  # lines, as are all that follow
@@ -27,26 +27,26 @@ _DIFFERENCE = LinearSegmentedColormap.from_list("difference", [_DARKER, PAPER, A
 _LENGTHS = ("b_x", "b_y", "alpha", "beta", "lag", "touch")
 
 
-def fit_plate(fit: Fit) -> bytes:
+def fit_plot(fit: Fit) -> bytes:
     """A PNG, of one size for all fits."""
-    plate = Plate(_WIDTH, _HEIGHT, _LINES)
-    margin, line = plate.margin, plate.line
-    right = plate.width - margin
-    plate.text(margin, margin + 1.2 * line, fit.brush.name, INK, 1.7, room=right - margin)
-    plate.text(margin, margin + 2.9 * line, fit.brush.source, room=right - margin)
+    plot = Plot(_WIDTH, _HEIGHT, _LINES)
+    margin, line = plot.margin, plot.line
+    right = plot.width - margin
+    plot.text(margin, margin + 1.2 * line, fit.brush.name, INK, 1.7, room=right - margin)
+    plot.text(margin, margin + 2.9 * line, fit.brush.source, room=right - margin)
     x, y, high, wide = margin + 4 * line, _CHART_TOP * line, _CHART_HIGH * line, _CHART_WIDE * line
-    width_chart(plate, fit.brush, x, y, wide, high)
-    profile_chart(plate, fit.brush, x + wide + _BETWEEN * line, y, wide, high)
+    width_chart(plot, fit.brush, x, y, wide, high)
+    profile_chart(plot, fit.brush, x + wide + _BETWEEN * line, y, wide, high)
     left = x + 2 * wide + (_BETWEEN + 3.5) * line
-    _numbers(plate, fit, left, right - left)
-    scale = _views(plate, fit.views, _VIEWS_TOP * line, plate.height - plate.foot - _VIEWS_TOP * line)
+    _numbers(plot, fit, left, right - left)
+    scale = _views(plot, fit.views, _VIEWS_TOP * line, plot.height - plot.foot - _VIEWS_TOP * line)
     told = (
         f"mean error of a pixel {fit.l1:.4f}, with the paper's seven numbers {fit.l1_paper:.4f}; "
         f"marks scatter by {1e3 * fit.place_scatter:.2g} mm in place and {fit.ink_scatter:.0%} in darkness"
     )
     note = "difference: red where the prediction is too light, blue where it is too dark"
-    plate.caption(f"{len(fit.views)} of {fit.strokes} strokes", told, note, scale * fit.pixels_per_metre)
-    return plate.png()
+    plot.caption(f"{len(fit.views)} of {fit.strokes} strokes", told, note, scale * fit.pixels_per_metre)
+    return plot.png()
 
 
 def measured(fit: Fit) -> dict[str, str]:
@@ -68,19 +68,19 @@ def _with_error(value: float, error: float, factor: float) -> str:
     return f"{value:.{places}f} ± {error:.{places}f}"
 
 
-def _numbers(plate: Plate, fit: Fit, x: float, wide: float) -> None:
-    line = plate.line
+def _numbers(plot: Plot, fit: Fit, x: float, wide: float) -> None:
+    line = plot.line
     for number, (name, value) in enumerate(measured(fit).items()):
         y = (_NUMBERS_TOP + number * _NUMBER) * line
-        plate.text(x, y, name)
-        plate.text(x + _NAMES * line, y, value, INK, room=wide - _NAMES * line)
+        plot.text(x, y, name)
+        plot.text(x + _NAMES * line, y, value, INK, room=wide - _NAMES * line)
 
 
-def _views(plate: Plate, views: Sequence[View], y: float, high: float) -> float:
+def _views(plot: Plot, views: Sequence[HeldOutStroke], y: float, high: float) -> float:
     """Side by side, each view three times below itself, as large as there is room; returns their scale."""
-    line, gap = plate.line, _GAP * plate.line
-    left = plate.margin + _NAMES * line
-    wide = plate.width - plate.margin - left
+    line, gap = plot.line, _GAP * plot.line
+    left = plot.margin + _NAMES * line
+    wide = plot.width - plot.margin - left
     views = sorted(views, key=lambda view: -view.after.shape[0])  # rows of alike heights waste no room
     sizes = np.array([view.after.shape[:2] for view in views], dtype=np.float64)
 
@@ -95,21 +95,21 @@ def _views(plate: Plate, views: Sequence[View], y: float, high: float) -> float:
     for row, tall in laid(scale):
         y += _NAME * line
         for part, name in enumerate(_ROWS):
-            plate.text(left - line, y + part * (tall + gap) + tall / 2, name, ha="right")
+            plot.text(left - line, y + part * (tall + gap) + tall / 2, name, ha="right")
         for x, number in zip(left + row.left, row.strokes, strict=True):
             height, width = scale * sizes[number]
-            _draw(plate, views[number], x, y + (tall - height) / 2, width, height, tall + gap)
-            plate.text(x, y - 0.5 * line, views[number].name, room=width, size=0.9)
+            _draw(plot, views[number], x, y + (tall - height) / 2, width, height, tall + gap)
+            plot.text(x, y - 0.5 * line, views[number].name, room=width, size=0.9)
         y += 3 * (tall + gap)
     return scale
 
 
-def _draw(plate: Plate, view: View, x: float, y: float, wide: float, high: float, step: float) -> None:
+def _draw(plot: Plot, view: HeldOutStroke, x: float, y: float, wide: float, high: float, step: float) -> None:
     """The three pictures of a view, so many pixels of the plate below one another."""
     for part, picture in enumerate((_seen(view.after), _seen(view.predicted), _difference(view))):
-        axes = plate.axes(x, y + part * step, wide, high, 1.0)
+        axes = plot.axes(x, y + part * step, wide, high, 1.0)
         axes.imshow(picture, extent=(0, wide, high, 0), aspect="auto")
-        axes.add_patch(Rectangle((0, 0), wide, high, fill=False, ec=FAINT, lw=plate.points(1), clip_on=False))
+        axes.add_patch(Rectangle((0, 0), wide, high, fill=False, ec=FAINT, lw=plot.points(1), clip_on=False))
 
 
 def _seen(picture: Pixels) -> Pixels:
@@ -117,7 +117,7 @@ def _seen(picture: Pixels) -> Pixels:
     return picture.clip(0, 1) if picture.shape[2] == 3 else 1 - picture.clip(0, 1).repeat(3, axis=2)
 
 
-def _difference(view: View) -> Pixels:
+def _difference(view: HeldOutStroke) -> Pixels:
     """(h, w, 4) of how much lighter the prediction is than the photograph."""
     lighter = (_seen(view.predicted) - _seen(view.after)).mean(axis=2)
     return np.asarray(_DIFFERENCE(0.5 + lighter / 2 / _FULL), dtype=np.float32)

@@ -8,7 +8,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from maulstick.painting.raster import Canvas
-from maulstick.plots.sheet import FAINT, INK, Plate
+from maulstick.plots.sheet import FAINT, INK, Plot
 from maulstick.storage.arrays import Floats
 
 _PROPORTION = 1.6
@@ -26,23 +26,23 @@ class Panel:
     draw: Callable[[Canvas], NDArray[np.float32]]
 
 
-def compare_plate(panels: Sequence[Panel], title: str, told: str, note: str, px: int) -> bytes:
+def compare_plot(panels: Sequence[Panel], title: str, told: str, note: str, px: int) -> bytes:
     """A PNG, `px` pixels high: the panels in rows, as large as there is room, over what is told of them."""
-    plate = Plate(_PROPORTION * px, px)
-    room = plate.width - 2 * plate.margin, px - plate.foot - plate.margin
-    gap, above = _GAP * plate.line, _TITLE * plate.line
+    plot = Plot(_PROPORTION * px, px)
+    room = plot.width - 2 * plot.margin, px - plot.foot - plot.margin
+    gap, above = _GAP * plot.line, _TITLE * plot.line
     scale, rows = _rows(np.array([panel.size for panel in panels]), room, gap, above)
     heights = [scale * max(panels[number].size[1] for number in row) for row in rows]
-    y = plate.margin + (room[1] - sum(heights) - len(rows) * (above + gap) + gap) / 2
+    y = plot.margin + (room[1] - sum(heights) - len(rows) * (above + gap) + gap) / 2
     for row, height in zip(rows, heights, strict=True):
         widths = [scale * panels[number].size[0] for number in row]
-        x = (plate.width - sum(widths) - gap * (len(row) - 1)) / 2
+        x = (plot.width - sum(widths) - gap * (len(row) - 1)) / 2
         for number, width in zip(row, widths, strict=True):
-            _draw(plate, panels[number], x, y + above, scale)
+            _draw(plot, panels[number], x, y + above, scale)
             x += width + gap
         y += above + height + gap
-    plate.caption(title, told, note, scale)
-    return plate.png()
+    plot.caption(title, told, note, scale)
+    return plot.png()
 
 
 def _rows(sizes: Floats, room: tuple[float, float], gap: float, above: float) -> tuple[float, list[list[int]]]:
@@ -59,12 +59,12 @@ def _rows(sizes: Floats, room: tuple[float, float], gap: float, above: float) ->
     return max(found, key=lambda each: each[0])
 
 
-def _draw(plate: Plate, panel: Panel, x: float, y: float, scale: float) -> None:
+def _draw(plot: Plot, panel: Panel, x: float, y: float, scale: float) -> None:
     """Its upper left corner at (x, y), its name above it."""
     width, height = scale * panel.size[0], scale * panel.size[1]
-    plate.text(x, y - 2.1 * plate.line, panel.name, INK, 1.4, room=width)
-    plate.text(x, y - 0.7 * plate.line, panel.note, room=width)
-    axes = plate.axes(x, y, width, height, 1.0)
+    plot.text(x, y - 2.1 * plot.line, panel.name, INK, 1.4, room=width)
+    plot.text(x, y - 0.7 * plot.line, panel.note, room=width)
+    axes = plot.axes(x, y, width, height, 1.0)
     image = panel.draw(Canvas(*panel.size, scale))
     axes.imshow(image, extent=(0, width, height, 0), aspect="auto", interpolation="antialiased")
-    axes.add_patch(Rectangle((0, 0), width, height, fill=False, ec=FAINT, lw=plate.points(1), clip_on=False))
+    axes.add_patch(Rectangle((0, 0), width, height, fill=False, ec=FAINT, lw=plot.points(1), clip_on=False))

@@ -5,9 +5,9 @@ from math import ceil
 import numpy as np
 from matplotlib.axes import Axes
 
-from maulstick.plots.sheet import ACCENT, FAINT, INK, QUIET, Plate, round_length
+from maulstick.plots.sheet import ACCENT, FAINT, INK, QUIET, Plot, round_length
 from maulstick.recording.mocap.contact import Frames
-from maulstick.recording.mocap.drawing import Drawing
+from maulstick.recording.mocap.drawing import TakeInk
 from maulstick.storage.arrays import Floats
 
 _ROW_SECONDS = (2.0, 5.0, 10.0, 15.0, 20.0, 30.0)
@@ -21,7 +21,7 @@ _BINS = 150
 _TOUCH, _MERGED, _DROPPED, _BESIDE = "#b4e0d7", "#f5c669", "#ec93a6", "#d9d4ca"
 
 
-def contact_plate(drawing: Drawing) -> bytes:
+def contact_plot(drawing: TakeInk) -> bytes:
     """A PNG of the height in millimetres over time, and of how often each height was had.
 
     Time runs in rows, so that a second stays wide enough to see a stroke; what is far above the paper is cut off.
@@ -31,29 +31,29 @@ def contact_plate(drawing: Drawing) -> bytes:
     rows, each = rows_of(max(float(drawing.times[-1]), 1.0))
     high = _HIGH if rows <= _FEW_ROWS else _LOW
     lines = _TOP + rows * (high + _BETWEEN) + 2
-    plate = Plate(_WIDTH, ceil(lines * _LINE), lines)
-    line, margin = plate.line, plate.margin
-    crowd = plate.width - margin - _CROWD * line
+    plot = Plot(_WIDTH, ceil(lines * _LINE), lines)
+    line, margin = plot.line, plot.margin
+    crowd = plot.width - margin - _CROWD * line
     left, wide = margin + _LEFT * line, crowd - margin - (margin + _LEFT * line)
     told = f"threshold {contact.threshold * 1e3:.2f} mm, release {contact.release * 1e3:.2f} mm (dashed)"
-    plate.text(margin, margin + line, f"Height of the tip over the paper, in mm; {told}", INK, 1.2)
-    _legend(plate, drawing, left, (_TOP - 1.2) * line, wide)
+    plot.text(margin, margin + line, f"Height of the tip over the paper, in mm; {told}", INK, 1.2)
+    _legend(plot, drawing, left, (_TOP - 1.2) * line, wide)
     for number in range(rows):
         y = (_TOP + number * (high + _BETWEEN)) * line
-        axes = plate.paper(left, y, wide, high * line, 1.0)
-        _draw_row(plate, axes, drawing, number * each, (number + 1) * each, wide)
-        _finish(plate, axes, drawing, top)
+        axes = plot.paper(left, y, wide, high * line, 1.0)
+        _draw_row(plot, axes, drawing, number * each, (number + 1) * each, wide)
+        _finish(plot, axes, drawing, top)
         for share in np.linspace(0, 1, _TICKS + 1).tolist():
-            plate.text(left + share * wide, y + (high + 1.2) * line, f"{(number + share) * each:g} s", ha="center")
+            plot.text(left + share * wide, y + (high + 1.2) * line, f"{(number + share) * each:g} s", ha="center")
         for height in (0.0, round_length(top)):
             down = high * line * (top - height) / (1.25 * top)
-            plate.text(left - 0.6 * line, y + down + 0.3 * line, f"{height:g}", ha="right", size=0.9)
+            plot.text(left - 0.6 * line, y + down + 0.3 * line, f"{height:g}", ha="right", size=0.9)
     tall = min(_CROWDED, rows * (high + _BETWEEN) - _BETWEEN)
-    axes = plate.paper(crowd, _TOP * line, _CROWD * line, tall * line, 1.0)
+    axes = plot.paper(crowd, _TOP * line, _CROWD * line, tall * line, 1.0)
     _draw_crowd(axes, drawing.heights * 1e3, top)
-    _finish(plate, axes, drawing, top)
-    plate.text(crowd, (_TOP + tall + 1.2) * line, "how often (log)")
-    return plate.png()
+    _finish(plot, axes, drawing, top)
+    plot.text(crowd, (_TOP + tall + 1.2) * line, "how often (log)")
+    return plot.png()
 
 
 def rows_of(seconds: float) -> tuple[int, float]:
@@ -63,7 +63,7 @@ def rows_of(seconds: float) -> tuple[int, float]:
     return ceil(seconds / each), each
 
 
-def _legend(plate: Plate, drawing: Drawing, x: float, y: float, wide: float) -> None:
+def _legend(plot: Plot, drawing: TakeInk, x: float, y: float, wide: float) -> None:
     parts = [
         ("strokes", len(drawing.ink), _TOUCH),
         ("merged lifts", len(drawing.contact.merged), _MERGED),
@@ -72,11 +72,11 @@ def _legend(plate: Plate, drawing: Drawing, x: float, y: float, wide: float) -> 
     ]
     for number, (name, count, colour) in enumerate(parts):
         left = x + number * wide / len(parts)
-        plate.rule(left, y - 0.35 * plate.line, 2 * plate.line, colour, 0.9)
-        plate.text(left + 2.6 * plate.line, y, f"{name}: {count}", QUIET)
+        plot.rule(left, y - 0.35 * plot.line, 2 * plot.line, colour, 0.9)
+        plot.text(left + 2.6 * plot.line, y, f"{name}: {count}", QUIET)
 
 
-def _draw_row(plate: Plate, axes: Axes, drawing: Drawing, start: float, stop: float, wide: float) -> None:
+def _draw_row(plot: Plot, axes: Axes, drawing: TakeInk, start: float, stop: float, wide: float) -> None:
     first, last = np.searchsorted(drawing.times, (start, stop), side="right")
     first = max(0, int(first) - 1)
     for parts, colour in (
@@ -87,7 +87,7 @@ def _draw_row(plate: Plate, axes: Axes, drawing: Drawing, start: float, stop: fl
     ):
         _draw_parts(axes, drawing.times, parts[(parts[:, 1] > first) & (parts[:, 0] < last)], colour)
     times, heights = drawing.times[first : last + 1], drawing.heights[first : last + 1] * 1e3
-    axes.plot(*_outline(times, heights, round(wide)), color=INK, linewidth=plate.points(1.1))
+    axes.plot(*_outline(times, heights, round(wide)), color=INK, linewidth=plot.points(1.1))
     axes.set_xlim(start, stop)
 
 
@@ -114,9 +114,9 @@ def _draw_crowd(axes: Axes, heights: Floats, top: float) -> None:
     axes.set_xlim(0, 1.05 * np.log1p(counts.max(initial=1)))
 
 
-def _finish(plate: Plate, axes: Axes, drawing: Drawing, top: float) -> None:
+def _finish(plot: Plot, axes: Axes, drawing: TakeInk, top: float) -> None:
     for height in (0.0, round_length(top)):
-        axes.axhline(height, color=FAINT, linewidth=plate.points(1), zorder=1.5)  # under the curve
-    axes.axhline(drawing.contact.threshold * 1e3, color=ACCENT, linewidth=plate.points(1.4))
-    axes.axhline(drawing.contact.release * 1e3, color=ACCENT, linewidth=plate.points(1.4), linestyle=(0, (4, 3)))
+        axes.axhline(height, color=FAINT, linewidth=plot.points(1), zorder=1.5)  # under the curve
+    axes.axhline(drawing.contact.threshold * 1e3, color=ACCENT, linewidth=plot.points(1.4))
+    axes.axhline(drawing.contact.release * 1e3, color=ACCENT, linewidth=plot.points(1.4), linestyle=(0, (4, 3)))
     axes.set_ylim(-top / 4, top)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 
-from maulstick.plots.sheet import ACCENT, FOOT, INK, LINES, MARGIN, Plate
+from maulstick.plots.sheet import ACCENT, FOOT, INK, LINES, MARGIN, Plot
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import path_lengths, resample
@@ -21,14 +21,14 @@ _WIDEST = 3.0  # widths of a plate in its heights
 _NARROWEST = 0.75
 
 
-def ink_plate(ink: Ink, title: str, px: int) -> bytes:
+def ink_plot(ink: Ink, title: str, px: int) -> bytes:
     """A PNG, `px` pixels high: all strokes on their sheet, as wide as their press where it was recorded."""
     high, margins = (1 - FOOT / LINES) * px, 2 * MARGIN / LINES * px
     width, height = ink.size
     scale = min(high / height, (_WIDEST * px - margins) / width)
-    plate = Plate(max(width * scale + margins, _NARROWEST * px), px)
-    x, y = (plate.width - width * scale) / 2, plate.margin + (high - height * scale) / 2
-    axes = plate.paper(x, y, width * scale, height * scale, scale)
+    plot = Plot(max(width * scale + margins, _NARROWEST * px), px)
+    x, y = (plot.width - width * scale) / 2, plot.margin + (high - height * scale) / 2
+    axes = plot.paper(x, y, width * scale, height * scale, scale)
     thin = max(_WIDTH * scale, _THINNEST)
     segments, weights, dots, sizes = [], [], [], []
     for stroke in ink.strokes():
@@ -46,15 +46,15 @@ def ink_plate(ink: Ink, title: str, px: int) -> bytes:
     notes = []
     if 0 < len(ink) <= _MOST_STARTS:
         starts = [stroke[0, 1:3] for stroke in ink.strokes() if np.ptp(stroke[:, 1:3], axis=0).any()]
-        _discs(axes, starts, np.full(len(starts), max(2 * thin, 0.28 * plate.line) / scale), ACCENT)
+        _discs(axes, starts, np.full(len(starts), max(2 * thin, 0.28 * plot.line) / scale), ACCENT)
         notes.append("red where a stroke begins")
-    points = [plate.points(weight) for weight in weights]
+    points = [plot.points(weight) for weight in weights]
     axes.add_collection(LineCollection(segments, colors=INK, linewidths=points, capstyle="round"))
     _discs(axes, dots, np.array(sizes) / scale, INK)
     if off := sum(bool(((s[:, 1:3] < 0) | (s[:, 1:3] > ink.size)).any()) for s in ink.strokes()):
         notes.append(f"{off} of the strokes run off the sheet")
-    plate.caption(title, ink.summary(), "; ".join(notes), scale)
-    return plate.png()
+    plot.caption(title, ink.summary(), "; ".join(notes), scale)
+    return plot.png()
 
 
 def _pixels(press: Floats, scale: float) -> Floats:

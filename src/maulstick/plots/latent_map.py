@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
-from maulstick.plots.sheet import ACCENT, INK, Plate
+from maulstick.plots.sheet import ACCENT, INK, Plot
 from maulstick.storage.arrays import Floats
 from maulstick.style.store import Fitted
 
@@ -26,7 +26,7 @@ _LEGEND = 13  # lines: width of a column of it
 
 
 @dataclass(frozen=True)
-class Places:
+class MapPositions:
     """Where N strokes of some styles' hands lie on the map.
 
     whose: (N,), the number of the style.  rows: (N,), which stroke of its hand.
@@ -40,7 +40,7 @@ class Places:
     places: Floats
 
 
-def places_of(styles: Sequence[Fitted]) -> Places:
+def places_of(styles: Sequence[Fitted]) -> MapPositions:
     """Where strokes of the styles' hands lie, by the t-SNE of their codes in the first style.
 
     Strokes lie near each other where the style thinks them alike; directions and distances across the map mean
@@ -55,7 +55,7 @@ def places_of(styles: Sequence[Fitted]) -> Places:
     paths = np.concatenate([style.hand.paths[rows] for style, rows in zip(styles, chosen, strict=True)])
     whose = np.repeat(np.arange(len(styles)), [len(rows) for rows in chosen])
     places = _spread(_placed(styles[0].encode(torch.from_numpy(paths)).double().numpy()))
-    return Places(whose, np.concatenate(chosen), _glyphs(paths), places)
+    return MapPositions(whose, np.concatenate(chosen), _glyphs(paths), places)
 
 
 def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
@@ -64,10 +64,10 @@ def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
     Raises InputError where there are more styles than colours.
     """
     at = places_of(styles)
-    plate = Plate(_PROPORTION * px, px)
-    margin, line = plate.margin, plate.line
-    wide, high = plate.width - 2 * margin, px - plate.foot
-    axes = plate.paper(margin, margin, wide, high, 1.0)
+    plot = Plot(_PROPORTION * px, px)
+    margin, line = plot.margin, plot.line
+    wide, high = plot.width - 2 * margin, px - plot.foot
+    axes = plot.paper(margin, margin, wide, high, 1.0)
     size = min(_LARGEST * line, _CLOSE * float(np.sqrt(wide * high / len(at.whose))))
     room = np.array([wide, high]) - size - 2 * line
     drawn = at.glyphs * size + (at.places * room + np.array([wide, high]) / 2)[:, None]
@@ -75,13 +75,13 @@ def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
         LineCollection(
             list(drawn),
             colors=[COLOURS[number] for number in at.whose],
-            linewidths=plate.points(_WIDTH * line),
+            linewidths=plot.points(_WIDTH * line),
             capstyle="round",
             joinstyle="round",
         )
     )
-    _legend(plate, [style.name for style in styles], title, len(at.whose), sum(len(style.hand) for style in styles))
-    return plate.png()
+    _legend(plot, [style.name for style in styles], title, len(at.whose), sum(len(style.hand) for style in styles))
+    return plot.png()
 
 
 def _placed(codes: Floats) -> Floats:
@@ -109,16 +109,16 @@ def _glyphs(paths: Floats) -> Floats:
     return glyphs
 
 
-def _legend(plate: Plate, names: Sequence[str], title: str, shown: int, strokes: int) -> None:
-    line, base = plate.line, plate.height - plate.margin
+def _legend(plot: Plot, names: Sequence[str], title: str, shown: int, strokes: int) -> None:
+    line, base = plot.line, plot.height - plot.margin
     columns = -(-len(names) // 3) if len(names) > 1 else 0
     for number, name in enumerate(names[: 3 * columns]):
-        x = plate.width - plate.margin - (columns - 1 - number // 3) * _LEGEND * line
+        x = plot.width - plot.margin - (columns - 1 - number // 3) * _LEGEND * line
         y = base - (2.75, 1.35, 0)[number % 3] * line
-        plate.text(x, y, name, COLOURS[number], 1.2, room=(_LEGEND - 1) * line, ha="right")
-    room = plate.width - 2 * plate.margin - columns * _LEGEND * line
+        plot.text(x, y, name, COLOURS[number], 1.2, room=(_LEGEND - 1) * line, ha="right")
+    room = plot.width - 2 * plot.margin - columns * _LEGEND * line
     count = f"{shown} of {strokes}" if shown < strokes else f"{shown}"
-    plate.text(plate.margin, base - 2.75 * line, title, INK, 1.2, room)
+    plot.text(plot.margin, base - 2.75 * line, title, INK, 1.2, room)
     told = f"{count} strokes by hand; the nearer, the more alike to the style {names[0]} (t-SNE of their codes)"
-    plate.text(plate.margin, base - 1.3 * line, told, room=room)
-    plate.text(plate.margin, base, "a stroke that was four times as large is drawn twice as large", room=room)
+    plot.text(plot.margin, base - 1.3 * line, told, room=room)
+    plot.text(plot.margin, base, "a stroke that was four times as large is drawn twice as large", room=room)

@@ -36,7 +36,7 @@ def _missing_glyphs() -> Iterator[None]:
         yield
 
 
-class Plate:
+class Plot:
     """A figure measured in pixels from its upper left corner.
 
     width, height: pixels.  line: the size of its type.  margin: what is left free around it.  foot: what a caption

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from maulstick.plots.rows import Row, largest_scale, rows_of
-from maulstick.plots.sheet import ACCENT, FAINT, INK, Plate, length_text
+from maulstick.plots.sheet import ACCENT, FAINT, INK, Plot, length_text
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import Strokes
 
@@ -13,14 +13,14 @@ _PROPORTION = 1.4
 _LEAST_HEIGHT = 20e-3  # metres on the whole plate: what is smaller is not blown up further
 
 
-def strokes_plate(strokes: Strokes, title: str, px: int) -> bytes:
+def strokes_plot(strokes: Strokes, title: str, px: int) -> bytes:
     """A PNG, `px` pixels high: standardised strokes at one scale, the longest first, each on its line.
 
     Of more than 240 strokes every so-manieth is shown, by length.
     """
-    plate = Plate(_PROPORTION * px, px)
-    margin, line = plate.margin, plate.line
-    wide, high = plate.width - 4 * margin, px - plate.foot - 2 * margin
+    plot = Plot(_PROPORTION * px, px)
+    margin, line = plot.margin, plot.line
+    wide, high = plot.width - 4 * margin, px - plot.foot - 2 * margin
     order = np.argsort(-strokes.lengths, kind="stable")
     shown = order[np.linspace(0, len(order) - 1, min(len(order), _MOST)).round().astype(int)]
     paths = strokes.trajectories[shown, :, :2]
@@ -32,7 +32,7 @@ def strokes_plate(strokes: Strokes, title: str, px: int) -> bytes:
         return sum(sum(_reach(paths * scale, row)) + 0.6 * gap for row in rows) <= high
 
     scale = largest_scale(fits, min(high / _LEAST_HEIGHT, wide / max(widths.max(initial=0.0), 1e-9)))
-    axes = plate.paper(margin, margin, plate.width - 2 * margin, px - plate.foot, 1.0)
+    axes = plot.paper(margin, margin, plot.width - 2 * margin, px - plot.foot, 1.0)
     rows = rows_of(widths * scale, wide, gap)
     reaches = [_reach(paths * scale, row) for row in rows]
     free = (high - sum(map(sum, reaches))) / max(len(rows) - 1, 1)
@@ -51,14 +51,14 @@ def strokes_plate(strokes: Strokes, title: str, px: int) -> bytes:
             (starts if np.ptp(path, axis=0).any() else dots).append(start)
             lines.append(np.array([start, (start[0] + max(path[-1, 0], 0), start[1])]))
         y += fall + between
-    points = plate.points(0.085 * line)
-    axes.add_collection(LineCollection(lines, colors=FAINT, linewidths=plate.points(1)))
-    for places, size, colour in ((starts, plate.points(0.26 * line), ACCENT), (dots, 3 * points, INK)):
+    points = plot.points(0.085 * line)
+    axes.add_collection(LineCollection(lines, colors=FAINT, linewidths=plot.points(1)))
+    for places, size, colour in ((starts, plot.points(0.26 * line), ACCENT), (dots, 3 * points, INK)):
         axes.plot(*np.array(places).reshape(-1, 2).T, "o", ms=size, mfc=colour, mew=0)
     axes.add_collection(LineCollection(segments, colors=INK, linewidths=points, capstyle="round", joinstyle="round"))
     note = "red where a stroke begins, a grey line from there to where it ends" if len(shown) else ""
-    plate.caption(title, _told(strokes, len(shown)), note, scale)
-    return plate.png()
+    plot.caption(title, _told(strokes, len(shown)), note, scale)
+    return plot.png()
 
 
 def _told(strokes: Strokes, shown: int) -> str:

@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
 from maulstick.plots.rows import largest_scale, rows_of
-from maulstick.plots.sheet import ACCENT, INK, Plate, length_text
+from maulstick.plots.sheet import ACCENT, INK, Plot, length_text
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.pressure import press_along
@@ -21,14 +21,14 @@ _WIDTH = 0.09  # lines, without press
 _WIDTHS = 0.04, 0.18  # lines, at press 0 and at press 1
 
 
-def style_plate(style: Fitted, title: str, px: int) -> bytes:
+def style_plot(style: Fitted, title: str, px: int) -> bytes:
     """A PNG, `px` pixels high: as many strokes drawn by the style as are shown of its hand, all at one scale.
 
     Of more than 72 strokes every so-manieth is shown, by length. Strokes are as wide as their press where the hand's
     was recorded.
     """
-    plate = Plate(_PROPORTION * px, px)
-    margin, line = plate.margin, plate.line
+    plot = Plot(_PROPORTION * px, px)
+    margin, line = plot.margin, plot.line
     hand = style.hand
     lengths = path_lengths(hand.paths)
     shown = np.argsort(-lengths, kind="stable")[np.linspace(0, len(hand) - 1, min(len(hand), _MOST)).astype(int)]
@@ -40,34 +40,34 @@ def style_plate(style: Fitted, title: str, px: int) -> bytes:
         ("by the hand", hand.paths[shown], hand.press[shown]),
         ("by the style", drawn[longest], knots.double().numpy()[longest]),
     ]
-    high = (px - plate.foot - margin) / 2
-    room = plate.width - 4 * margin, high - 4.2 * line
+    high = (px - plot.foot - margin) / 2
+    room = plot.width - 4 * margin, high - 4.2 * line
     widths = np.ptp(np.concatenate([paths[..., 0] for _, paths, _ in parts]), axis=1)
 
     def fits(scale: float) -> bool:
-        return all(_shelves(paths * scale, room[0], _GAP * line)[2] <= room[1] for _, paths, _ in parts)
+        return all(_libraries(paths * scale, room[0], _GAP * line)[2] <= room[1] for _, paths, _ in parts)
 
     scale = largest_scale(fits, room[0] * min(1 / widths.max(), _LARGEST / max(float(np.median(widths)), 1e-9)))
     for number, (whose, paths, press) in enumerate(parts):
         y = margin + number * (high + margin)
-        axes = plate.paper(margin, y, plate.width - 2 * margin, high, 1.0)
-        plate.text(2 * margin, y + 1.9 * line, whose)
-        places, shelves, tall = _shelves(paths * scale, room[0], _GAP * line)
-        apart = min((room[1] - tall) / max(shelves.max(), 1), 1.5 * _GAP * line)
-        places += [margin, 2.7 * line + (room[1] - tall - apart * shelves.max()) / 2]
-        places[:, 1] += apart * shelves
-        _draw(plate, axes, paths * scale + places[:, None], press if pressed else None)
+        axes = plot.paper(margin, y, plot.width - 2 * margin, high, 1.0)
+        plot.text(2 * margin, y + 1.9 * line, whose)
+        places, libraries, tall = _libraries(paths * scale, room[0], _GAP * line)
+        apart = min((room[1] - tall) / max(libraries.max(), 1), 1.5 * _GAP * line)
+        places += [margin, 2.7 * line + (room[1] - tall - apart * libraries.max()) / 2]
+        places[:, 1] += apart * libraries
+        _draw(plot, axes, paths * scale + places[:, None], press if pressed else None)
     count = f"{len(shown)} of {len(hand)} strokes" if len(shown) < len(hand) else f"{len(hand)} strokes"
     middle, least, most = (length_text(f(lengths)) for f in (np.median, np.min, np.max))
     told = (
         f"{count} of the hand, {least} to {most}, median {middle}; under them as many drawn by the style {style.name}"
     )
     note = "red where a stroke begins" + ("; as wide as it was pressed" if pressed else "; press not recorded")
-    plate.caption(title, told, note, scale)
-    return plate.png()
+    plot.caption(title, told, note, scale)
+    return plot.png()
 
 
-def _shelves(paths: Floats, wide: float, gap: float) -> tuple[Floats, NDArray[np.int64], float]:
+def _libraries(paths: Floats, wide: float, gap: float) -> tuple[Floats, NDArray[np.int64], float]:
     """Where the origin of each path (N, n, 2) goes, (N, 2), on which shelf, (N,), and how high all are, pixels.
 
     The middle of each lies at the middle of its shelf.
@@ -83,7 +83,7 @@ def _shelves(paths: Floats, wide: float, gap: float) -> tuple[Floats, NDArray[np
     return places - low, on, y - gap
 
 
-def _draw(plate: Plate, axes: Axes, paths: Floats, knots: Floats | None) -> None:
+def _draw(plot: Plot, axes: Axes, paths: Floats, knots: Floats | None) -> None:
     """Draw paths (N, n, 2), pixels, each step as wide as its press knots (N, 4) say."""
     steps = np.stack([paths[:, :-1], paths[:, 1:]], axis=2)
     widths = np.full(steps.shape[:2], _WIDTH)
@@ -92,8 +92,8 @@ def _draw(plate: Plate, axes: Axes, paths: Floats, knots: Floats | None) -> None
         light, deep = _WIDTHS
         pressed = light + (deep - light) * (press[:, :-1] + press[:, 1:]) / 2
         widths = np.where(np.isnan(pressed), widths, pressed)
-    points = plate.points(plate.line) * widths
-    axes.plot(*paths[:, 0].T, "o", ms=plate.points(0.26 * plate.line), mfc=ACCENT, mew=0)
+    points = plot.points(plot.line) * widths
+    axes.plot(*paths[:, 0].T, "o", ms=plot.points(0.26 * plot.line), mfc=ACCENT, mew=0)
     axes.add_collection(
         LineCollection(list(steps.reshape(-1, 2, 2)), colors=INK, linewidths=list(points.ravel()), capstyle="round")
     )

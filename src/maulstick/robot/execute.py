@@ -10,13 +10,13 @@ import numpy as np
 
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import NOTHING, Action, Ask, Care, Draw, Hand, Motion, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
 
 _GLANCE = 0.05  # seconds
 
 
 @dataclass(frozen=True)
-class Progress:
+class PaintProgress:
     """Before an action, and once at the end: where painting is.
 
     action: what comes now, or None at the end.  drawn, metres: of stroke, so far and in all.
@@ -51,12 +51,12 @@ def execute(
     actions: Sequence[Action],
     robot: Robot,
     journal: Journal,
-    ask: Callable[[Ask], None],
-    watch: Callable[[Progress], None] = lambda progress: None,
+    ask: Callable[[Prompt], None],
+    watch: Callable[[PaintProgress], None] = lambda progress: None,
     pause: Pause | None = None,
-    hand: Hand = NOTHING,
+    load: PaintLoad = NOTHING,
     enough: Callable[[int], bool] = lambda painted: False,
-) -> Hand:
+) -> PaintLoad:
     """Do what a `routine` for this machine says; returns what the machine holds in the end.
 
     enough: asked after each stroke, with the number painted since the call; once it says so, it returns, and the others
@@ -72,30 +72,30 @@ def execute(
     index, painted = 0, 0
     _clear_all(actions, robot)
     for index, action in enumerate(actions):
-        watch(Progress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
+        watch(PaintProgress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
         if pause is not None:
             pause.wait()
         match action:
-            case Ask():
+            case Prompt():
                 ask(action)
-                hand = Hand(action.paint)
-            case Care(motion=motion):
+                load = PaintLoad(action.paint)
+            case TrayVisit(motion=motion):
                 _perform(motion, robot)
-                hand = Hand(action.paint) if action.what == "dip" else Hand()
+                load = PaintLoad(action.paint) if action.what == "dip" else PaintLoad()
             case Draw(motion=motion):
                 _perform(motion, robot, partial(journal.begin, action.stroke))
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
-                hand = Hand(action.paint, hand.painted + motion.length)
+                load = PaintLoad(action.paint, load.painted + motion.length)
                 if enough(painted):
                     break
-    watch(Progress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
-    return hand
+    watch(PaintProgress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
+    return load
 
 
 def _clear_all(actions: Sequence[Action], robot: Robot) -> None:
     """Lift the tip straight up to the height of the highest way, since nobody knows what it stands in."""
-    heights = [max(a.motion.above, a.motion.after) for a in actions if not isinstance(a, Ask)]
+    heights = [max(a.motion.above, a.motion.after) for a in actions if not isinstance(a, Prompt)]
     if heights and max(heights) > robot.place[2]:
         robot.lift(max(heights))
 

@@ -68,14 +68,14 @@ class Again(_Line):
     stroke: _Id
 
 
-class Words(_Line):
+class RunOptionsLine(_Line):
     """How the machine was asked to paint, in the words of whoever asked, so that nobody has to remember."""
 
     event: Literal["words"] = "words"
     words: dict[str, JsonValue]
 
 
-Line = Annotated[Revision | Words | Begin | End | Again, Field(discriminator="event")]
+Line = Annotated[Revision | RunOptionsLine | Begin | End | Again, Field(discriminator="event")]
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
@@ -143,7 +143,7 @@ class Journal:
     def tell(self, words: dict[str, JsonValue]) -> None:
         """How the machine is asked to paint from now on."""
         if words != self.words:
-            self._append(Words(words=words))
+            self._append(RunOptionsLine(words=words))
 
     def begin(self, stroke: int) -> None:
         """Before a stroke."""
@@ -203,7 +203,7 @@ class Journal:
                 self.revision = entry
                 self.revisions += 1
                 self.painted.update(entry.painted)
-            case Words(words=words):
+            case RunOptionsLine(words=words):
                 self.words = words
             case Begin(stroke=stroke):
                 self.unfinished = stroke

@@ -8,7 +8,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot
 
-WORDS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
+SPECS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
 
 
 def machine(word: str, easel: Easel | None) -> Robot:
@@ -19,9 +19,9 @@ def machine(word: str, easel: Easel | None) -> Robot:
     name, _, address = word.partition(":")
     limits = None if easel is None else easel.limits
     if name not in _MACHINES:
-        raise InputError(f"there is no machine {word!r}; there are: {WORDS}")
+        raise InputError(f"there is no machine {word!r}; there are: {SPECS}")
     if not address and name != "axidraw":
-        raise InputError(f"{word!r} does not say where the machine is; there are: {WORDS}")
+        raise InputError(f"{word!r} does not say where the machine is; there are: {SPECS}")
     return _MACHINES[name](address, easel, limits)
 
 

@@ -56,7 +56,7 @@ Visit = Literal["rinse", "wipe", "dip"]
 
 
 @dataclass(frozen=True)
-class Care:
+class TrayVisit:
     """A visit to the tray."""
 
     what: Visit
@@ -65,25 +65,25 @@ class Care:
 
 
 @dataclass(frozen=True)
-class Ask:
+class Prompt:
     """Something that a person has to do before the next action."""
 
     message: str
     paint: int
 
 
-Action = Draw | Care | Ask
+Action = Draw | TrayVisit | Prompt
 
 
 @dataclass(frozen=True)
-class Hand:
+class PaintLoad:
     """What the machine holds: a paint, or none yet, and the metres painted since it was taken up."""
 
     paint: int | None = None
     painted: float = 0.0
 
 
-NOTHING: Final = Hand()
+NOTHING: Final = PaintLoad()
 
 
 def routine(
@@ -94,7 +94,7 @@ def routine(
     *,
     speed: float | None = None,
     done: Collection[int] = (),
-    hand: Hand = NOTHING,
+    load: PaintLoad = NOTHING,
 ) -> list[Action]:
     """All that is still to be done, in order, when the strokes with the ids in `done` are painted.
 
@@ -114,15 +114,15 @@ def routine(
     for stroke in wanted:
         brush = painting.brushes[painting.paints[stroke.paint].brush]
         draw = Draw(stroke.id, stroke.paint, _motion(stroke, brush, easel, limits, speed))
-        if hand.paint != stroke.paint or _runs_dry(hand, draw.motion, tray):
-            taking_up = _taking_up(stroke.paint, hand, painting, tray, bool(painted), easel, limits)
+        if load.paint != stroke.paint or _runs_dry(load, draw.motion, tray):
+            taking_up = _taking_up(stroke.paint, load, painting, tray, bool(painted), easel, limits)
             if tray is not None:  # the way there and back is high
                 actions[-1:] = [_lifted(last, easel, tray) for last in actions[-1:]]
                 above = _height(easel, draw.motion.path[0], tray.clearance)
                 draw = replace(draw, motion=replace(draw.motion, above=above))
             actions += taking_up
-            hand = Hand(stroke.paint)
-        hand = replace(hand, painted=hand.painted + draw.motion.length)
+            load = PaintLoad(stroke.paint)
+        load = replace(load, painted=load.painted + draw.motion.length)
         actions.append(draw)
     _check_room(actions, limits)
     return actions
@@ -132,7 +132,7 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
     """Seconds (k,) that each action takes a machine of these limits whose tip is at `place` (3,), without people."""
     seconds = np.zeros(len(actions))
     for index, action in enumerate(actions):
-        if isinstance(action, Ask):
+        if isinstance(action, Prompt):
             continue
         motion = action.motion
         end = np.array([*motion.path[-1, :2], motion.after])
@@ -164,9 +164,9 @@ def _lowering(height: float, limits: Limits) -> float:
     return limits.lifting + _straight(np.zeros(3), np.array([0.0, 0.0, height]), limits)
 
 
-def _runs_dry(hand: Hand, motion: Motion, tray: Tray | None) -> bool:
+def _runs_dry(load: PaintLoad, motion: Motion, tray: Tray | None) -> bool:
     """Whether the paint in hand is less than a stroke needs, unless no dip could hold more."""
-    return tray is not None and hand.painted > 0 and hand.painted + motion.length > tray.reach
+    return tray is not None and load.painted > 0 and load.painted + motion.length > tray.reach
 
 
 def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: float | None) -> Motion:
@@ -224,7 +224,7 @@ def _check_room(actions: Sequence[Action], limits: Limits) -> None:
     """Raise InputError where an action leaves the workspace or is too fast, counting the others that do."""
     faults: list[str] = []
     for action in actions:
-        if isinstance(action, Ask):
+        if isinstance(action, Prompt):
             continue
         motion = action.motion
         name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
@@ -240,27 +240,27 @@ def _check_room(actions: Sequence[Action], limits: Limits) -> None:
 
 
 def _taking_up(
-    paint: int, hand: Hand, painting: Painting, tray: Tray | None, used: bool, easel: Easel, limits: Limits
-) -> list[Ask | Care]:
+    paint: int, load: PaintLoad, painting: Painting, tray: Tray | None, used: bool, easel: Easel, limits: Limits
+) -> list[Prompt | TrayVisit]:
     """What has to be done before a paint is in hand; used: whether what nobody knows in it may be dirty."""
     wanted = painting.paints[paint]
     if tray is None:
-        ask = Ask(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
+        ask = Prompt(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
         return [ask] if len(painting.paints) > 1 else []
-    asked: list[Ask] = []
+    asked: list[Prompt] = []
     visits: list[Visit] = ["dip"]
-    held = None if hand.paint is None else painting.paints[hand.paint].brush
+    held = None if load.paint is None else painting.paints[load.paint].brush
     if len(painting.brushes) > 1 and held != wanted.brush:
-        asked = [Ask(f"put in the {wanted.brush}, clean", paint)]
-    elif used if hand.paint is None else hand.paint != paint:
+        asked = [Prompt(f"put in the {wanted.brush}, clean", paint)]
+    elif used if load.paint is None else load.paint != paint:
         visits = ["rinse", "wipe", "dip"]
     places = {"rinse": tray.water, "wipe": tray.cloth, "dip": tray.wells_of(painting)[paint]}
-    return [*asked, *(Care(what, paint, _visit(places[what], tray, easel, limits)) for what in visits)]
+    return [*asked, *(TrayVisit(what, paint, _visit(places[what], tray, easel, limits)) for what in visits)]
 
 
 def _lifted(action: Action, easel: Easel, tray: Tray) -> Action:
     """The same, and then up to the height at which the tray is passed over."""
-    if isinstance(action, Ask):
+    if isinstance(action, Prompt):
         return action
     after = _height(easel, action.motion.path[-1], tray.clearance)
     return replace(action, motion=replace(action.motion, after=after))

@@ -8,15 +8,15 @@ import numpy as np
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
-from maulstick.robot.execute import Pause, Progress, execute
+from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import NOTHING, Action, Ask, Hand, routine
+from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 
-def _unseen(progress: Progress) -> None:
+def _unseen(progress: PaintProgress) -> None:
     """Nobody watches."""
 
 
@@ -31,13 +31,13 @@ class Workplace:
     robot: Robot
     easel: Easel
     journal: Journal
-    ask: Callable[[Ask], None]
-    watch: Callable[[Progress], None] = _unseen
+    ask: Callable[[Prompt], None]
+    watch: Callable[[PaintProgress], None] = _unseen
     pause: Pause = field(default_factory=Pause)
     tray: Tray | None = None
     speed: float | None = None
 
-    def left_of(self, painting: Painting, hand: Hand = NOTHING) -> list[Action]:
+    def left_of(self, painting: Painting, load: PaintLoad = NOTHING) -> list[Action]:
         """What is still to be done of a painting, checked; raises InputError as `routine` does."""
         return routine(
             painting,
@@ -46,7 +46,7 @@ class Workplace:
             self.tray,
             speed=self.speed,
             done=self.journal.painted,
-            hand=hand,
+            load=load,
         )
 
     def in_order(self, painting: Painting) -> Painting:
@@ -58,10 +58,10 @@ class Workplace:
         return painting.model_copy(update={"strokes": (*painted, *ordered.strokes)})
 
     def do(
-        self, actions: list[Action], hand: Hand = NOTHING, enough: Callable[[int], bool] = lambda painted: False
-    ) -> Hand:
+        self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
+    ) -> PaintLoad:
         """Do it, until that is `enough`; returns what the machine then holds, and raises as `execute` does."""
-        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, hand, enough)
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough)
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """The same with the sheet there; the tray stays where it stands."""

@@ -14,7 +14,7 @@ NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 
 
 @dataclass(frozen=True)
-class Shelf:
+class Library:
     """One JSON a thing, NAME.json, in two folders.
 
     what: one of the things, for people.  folder: of the user's own ones, within the user's data.

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import Name
 from maulstick.storage.files import atomic_write, file_to_read, read_whole
-from maulstick.storage.library import NAME, Shelf
+from maulstick.storage.library import NAME, Library
 from maulstick.storage.records import read_record, write_record
 
 VERSION: Final = 1
@@ -21,7 +21,7 @@ LARGEST = 256 * 2**20
 
 BUILT_IN = Path(__file__).with_name("built_in")
 _FREE = "free"
-STYLES = Shelf("style", "styles", BUILT_IN, taken=_FREE)
+STYLES = Library("style", "styles", BUILT_IN, taken=_FREE)
 
 _StyleName = Annotated[str, Field(pattern=f"^{NAME}$")]
 

@@ -45,19 +45,19 @@ class Comparison:
     told: str
 
     @classmethod
-    def of(cls, first: Floats, second: Floats, chance: np.random.Generator) -> Self:
+    def of(cls, first: Floats, second: Floats, rng: np.random.Generator) -> Self:
         """Of the paths (N, n, 2) and (M, n, 2), metres; distances are between descriptions standardised over both."""
         of_first, of_second = ({path.tobytes() for path in paths} for paths in (first, second))
         described = [describe(paths) for paths in (first, second)]
         together = np.concatenate(described)
         spread = together.std(axis=0)
         a, b = ((each - together.mean(axis=0)) / np.where(spread > 0, spread, 1) for each in described)
-        accuracy = nearest_neighbour_accuracy(a, b, chance)
+        accuracy = nearest_neighbour_accuracy(a, b, rng)
         ratio = float(np.exp(described[1][:, _LENGTH].mean() - described[0][:, _LENGTH].mean()))
         return cls(
             len(of_first & of_second) / len(of_first | of_second),
             energy_distance(a, b),
-            _of_halves(a, chance),
+            _of_halves(a, rng),
             accuracy,
             _in_words(a, b, ratio),
         )
@@ -136,9 +136,9 @@ def distance_to_nearest(a: Floats, b: Floats) -> float:
     return float(cdist(a, b).min(axis=1).mean())
 
 
-def _of_halves(described: Floats, chance: np.random.Generator) -> float:
+def _of_halves(described: Floats, rng: np.random.Generator) -> float:
     """Energy distance of one half of the strokes to the other, on average over several ways to halve them."""
-    halves = [np.array_split(described[chance.permutation(len(described))], 2) for _ in range(_HALVINGS)]
+    halves = [np.array_split(described[rng.permutation(len(described))], 2) for _ in range(_HALVINGS)]
     return float(np.mean([energy_distance(*pair) for pair in halves]))
 
 

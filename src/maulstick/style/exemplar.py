@@ -37,7 +37,7 @@ _SURE = 2.0
 
 
 @dataclass(frozen=True)
-class Hands:
+class PooledHands:
     """What many hands have in common (of strokes that may ship; see NOTICE).
 
     covariance: (17, 17), within a hand, of a stroke's gist and of how large its residual is (`gist_and_roughness`).
@@ -66,12 +66,12 @@ class Exemplar(Style):
 
     called: str
     hand: Hand
-    hands: Hands
+    hands: PooledHands
     freedom: float
     held: float = 1.5
 
     @classmethod
-    def fit(cls, name: str, hand: Hand, hands: Hands) -> Self:
+    def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
         """With the most freedom that leaves samples as bent, as rough and as wavy as the hand's strokes on average."""
         seen = describe(hand.paths)[:, CURVINESS]
         allowed = _SURE * seen.std(axis=0, ddof=1) / np.sqrt(len(seen)) + 1e-9
@@ -203,14 +203,14 @@ def gist_and_roughness(numbers: Tensor) -> Tensor:
     return torch.cat([numbers[:, :GIST], (residual + _LEAST_RESIDUAL**2).log() / 2], dim=1)
 
 
-def pool(hands: list[Hand]) -> Hands:
+def pool(hands: list[Hand]) -> PooledHands:
     """What these hands have in common; each counts by its strokes, but no more than by sixty."""
     numbers = [shape.encode(torch.from_numpy(hand.paths)) for hand in hands]
     weights = np.array([min(len(hand), 60) for hand in hands], dtype=np.float64)
     spreads = [np.cov(gist_and_roughness(each).numpy(), rowvar=False) for each in numbers]
     residuals = [each[:, GIST:].square().mean(0).numpy() for each in numbers]
     covariance = np.average(spreads, axis=0, weights=weights)
-    return Hands(covariance, np.sqrt(np.average(residuals, axis=0, weights=weights)))
+    return PooledHands(covariance, np.sqrt(np.average(residuals, axis=0, weights=weights)))
 
 
 def _straight() -> Floats:

@@ -15,7 +15,7 @@ from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
-from maulstick.style.exemplar import Exemplar, Hands
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
@@ -83,13 +83,13 @@ def read_style(path: Path) -> Fitted:
         raise InputError(f"{beside} does not hold a style: {_printable(str(error))}") from error
 
 
-def write_hands(hands: Hands, folder: Path) -> Path:
+def write_hands(hands: PooledHands, folder: Path) -> Path:
     """Write what many hands have in common into a folder, for `load_hands`; the path of the file."""
     atomic_write(folder / "hands.safetensors", save({field: getattr(hands, field) for field in _HANDS}))
     return folder / "hands.safetensors"
 
 
-def load_hands() -> Hands:
+def load_hands() -> PooledHands:
     """What many hands have in common, as it comes with Maulstick."""
     return _hands(_arrays(read_whole(BUILT_IN / "hands.safetensors", "style", LARGEST)))
 
@@ -124,8 +124,8 @@ def _hand(arrays: Arrays, strokes: int) -> Hand:
     return hand
 
 
-def _hands(arrays: Arrays) -> Hands:
-    hands = Hands(*(_array(arrays, name, shape) for name, shape in _HANDS.items()))
+def _hands(arrays: Arrays) -> PooledHands:
+    hands = PooledHands(*(_array(arrays, name, shape) for name, shape in _HANDS.items()))
     if not (np.isfinite(hands.residual).all() and (hands.residual > 0).all()):
         raise ValueError("residual must be finite and above 0")
     covariance = hands.covariance

@@ -21,7 +21,7 @@ from maulstick.errors import InputError
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style import shape
 from maulstick.style.density import Density, kernel
-from maulstick.style.exemplar import Exemplar, Hands
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.style import Style
@@ -105,7 +105,7 @@ class TrajVAE(Style):
 
     @cached_property
     def _exemplar(self) -> Exemplar:
-        hands = Hands(*(self.weights[f"hands.{field}"].double().numpy() for field in ("covariance", "residual")))
+        hands = PooledHands(*(self.weights[f"hands.{field}"].double().numpy() for field in ("covariance", "residual")))
         return Exemplar(self.called, self.hand, hands, 0, self.held)
 
     @cached_property

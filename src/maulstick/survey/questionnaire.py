@@ -37,7 +37,7 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Hand(_Part):
+class SurveyHand(_Part):
     """A person who drew, and what machines drew in their style.
 
     by_machine: the same motifs in the same order for every hand of a survey.
@@ -54,7 +54,7 @@ class Match(_Part):
     asked: how many of the hands one participant is asked about.
     """
 
-    hands: Annotated[tuple[Hand, ...], Field(min_length=2, max_length=10)]
+    hands: Annotated[tuple[SurveyHand, ...], Field(min_length=2, max_length=10)]
     asked: Annotated[int, Field(ge=1)] = 1
 
     @model_validator(mode="after")
@@ -175,7 +175,7 @@ def _renamed(match: Match | None, sources: dict[Path, Path]) -> Match | None:
         by_hand = Path(f"hand-{number}.png")
         by_machine = {Path(f"hand-{number}-machine-{row}.png"): path for row, path in enumerate(hand.by_machine, 1)}
         sources |= {by_hand: hand.by_hand} | by_machine
-        hands.append(Hand(name=hand.name, by_hand=by_hand, by_machine=tuple(by_machine)))
+        hands.append(SurveyHand(name=hand.name, by_hand=by_hand, by_machine=tuple(by_machine)))
     return Match(hands=tuple(hands), asked=match.asked)
 
 

@@ -48,24 +48,24 @@ class Question:
 
 def questions(survey: Survey, seed: int) -> tuple[Question, ...]:
     """All questions for the participant with this seed: first those that match hands, then the opinions."""
-    chance = Random(seed)
-    matches = () if survey.match is None else _matches(survey.match, chance)
-    opinions = () if survey.opinions is None else _opinions(survey.opinions, chance)
+    rng = Random(seed)
+    matches = () if survey.match is None else _matches(survey.match, rng)
+    opinions = () if survey.opinions is None else _opinions(survey.opinions, rng)
     return (*matches, *opinions)
 
 
-def _matches(match: Match, chance: Random) -> Iterator[Question]:
+def _matches(match: Match, rng: Random) -> Iterator[Question]:
     """A random hand beside one motif in the style of every hand: a random row of the paper's figure."""
-    for hand in chance.sample(match.hands, match.asked):
-        motif = chance.randrange(len(hand.by_machine))
+    for hand in rng.sample(match.hands, match.asked):
+        motif = rng.randrange(len(hand.by_machine))
         choices = tuple(Choice(each.name, each.by_machine[motif]) for each in match.hands)
-        yield Question("match", SAME_HAND, hand.name, hand.by_hand, tuple(chance.sample(choices, len(choices))))
+        yield Question("match", SAME_HAND, hand.name, hand.by_hand, tuple(rng.sample(choices, len(choices))))
 
 
-def _opinions(opinions: Opinions, chance: Random) -> Iterator[Question]:
+def _opinions(opinions: Opinions, rng: Random) -> Iterator[Question]:
     """The questions about a pair follow each other, and its sides stay: else one would look for what changed."""
-    for pair in chance.sample(opinions.pairs, opinions.asked):
+    for pair in rng.sample(opinions.pairs, opinions.asked):
         looks = [Choice(system, look) for system, look in zip(opinions.systems, pair.looks, strict=True)]
-        sides = tuple(chance.sample(looks, len(looks)))
-        for asks in chance.sample(list(OPINIONS), len(OPINIONS)):
+        sides = tuple(rng.sample(looks, len(looks)))
+        for asks in rng.sample(list(OPINIONS), len(OPINIONS)):
             yield Question("opinion", asks, pair.reference.name, pair.reference, sides)

@@ -31,7 +31,7 @@ class Tally:
 
     count: int
     of: int
-    chance: float
+    rng: float
 
     @property
     def share(self) -> float:
@@ -55,7 +55,7 @@ class Tally:
             return 1.0
         from scipy.stats import binomtest
 
-        return float(binomtest(self.count, self.of, self.chance).pvalue)
+        return float(binomtest(self.count, self.of, self.rng).pvalue)
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ class Matching:
     @property
     def right(self) -> tuple[Tally, ...]:
         """The right answers about each hand."""
-        chance = 1 / len(self.hands)
-        return tuple(Tally(int(row[i]), int(row.sum()), chance) for i, row in enumerate(self.counts))
+        rng = 1 / len(self.hands)
+        return tuple(Tally(int(row[i]), int(row.sum()), rng) for i, row in enumerate(self.counts))
 
     @property
     def all_right(self) -> Tally:

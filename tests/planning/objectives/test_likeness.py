@@ -21,10 +21,10 @@ def tiny(target: Tensor = TARGET, **options: object) -> Likeness:
 
 @pytest.mark.parametrize("grey", [False, True])
 def test_the_picture_itself_costs_nothing_in_any_view(grey: bool) -> None:
-    judge = tiny(grey=grey)
-    assert (judge.name, judge.views) == ("likeness", 6)
-    assert judge.losses(TARGET.clone(), range(6)).tolist() == pytest.approx([0] * 6, abs=FLOAT32_VALUE)
-    assert (judge.losses(CANVAS, range(6)) > 0.01).all()
+    network_loss = tiny(grey=grey)
+    assert (network_loss.name, network_loss.views) == ("likeness", 6)
+    assert network_loss.losses(TARGET.clone(), range(6)).tolist() == pytest.approx([0] * 6, abs=FLOAT32_VALUE)
+    assert (network_loss.losses(CANVAS, range(6)) > 0.01).all()
 
 
 def test_it_is_one_minus_the_cosine_of_every_place_and_of_the_embedding() -> None:
@@ -39,39 +39,39 @@ def test_it_is_one_minus_the_cosine_of_every_place_and_of_the_embedding() -> Non
 
 
 def test_each_view_has_a_loss_of_its_own_whatever_it_is_asked_with() -> None:
-    judge = tiny()
-    together = judge.losses(CANVAS, range(6))
+    network_loss = tiny()
+    together = network_loss.losses(CANVAS, range(6))
     assert together.unique().numel() == 6
     for view in range(6):
-        assert torch.allclose(judge.losses(CANVAS, [view])[0], together[view])
-    assert torch.allclose(judge.losses(CANVAS, [4, 1, 4]), together[[4, 1, 4]])
+        assert torch.allclose(network_loss.losses(CANVAS, [view])[0], together[view])
+    assert torch.allclose(network_loss.losses(CANVAS, [4, 1, 4]), together[[4, 1, 4]])
 
 
 def test_the_target_is_looked_at_once_a_view_and_only_when_asked() -> None:
     network = TinyNetwork()
-    judge = Likeness(network, TARGET, VIEWS, PAPER)
+    network_loss = Likeness(network, TARGET, VIEWS, PAPER)
     assert network.shown == 0
-    judge.losses(CANVAS, [0, 2])
+    network_loss.losses(CANVAS, [0, 2])
     assert network.shown == 4
-    judge.losses(CANVAS, [2, 0])
+    network_loss.losses(CANVAS, [2, 0])
     assert network.shown == 6
-    judge.losses(CANVAS, [2, 5])
+    network_loss.losses(CANVAS, [2, 5])
     assert network.shown == 9
 
 
 def test_nothing_but_the_canvas_is_differentiated() -> None:
-    judge = tiny(TARGET.clone().requires_grad_())
-    assert not judge.losses(CANVAS, [0, 1]).requires_grad
+    network_loss = tiny(TARGET.clone().requires_grad_())
+    assert not network_loss.losses(CANVAS, [0, 1]).requires_grad
     canvas = CANVAS.clone().requires_grad_()
-    judge.losses(canvas, [0, 1]).sum().backward()
+    network_loss.losses(canvas, [0, 1]).sum().backward()
     assert canvas.grad is not None
     assert (canvas.grad != 0).float().mean() > 0.9
 
 
 @pytest.mark.parametrize("grey", [False, True])
 def test_gradients_are_those_of_finite_differences(grey: bool) -> None:
-    judge = tiny(grey=grey)
-    check_gradient(lambda canvas: judge.losses(canvas, [0, 3]).sum(), CANVAS)
+    network_loss = tiny(grey=grey)
+    check_gradient(lambda canvas: network_loss.losses(canvas, [0, 3]).sum(), CANVAS)
 
 
 def test_seen_in_grey_colour_does_not_matter() -> None:
@@ -94,10 +94,10 @@ def test_features_that_are_all_0_have_a_gradient() -> None:
 
 def test_a_sketch_asks_deep_layers_and_the_embedding() -> None:
     network = TinyNetwork()
-    judge = sketch(network, TARGET, VIEWS, PAPER)
-    assert judge.name == "sketch"
-    assert torch.equal(judge.losses(CANVAS, [1]), tiny(layers=[0, 1], semantics=1.0).losses(CANVAS, [1]))
-    assert judge.losses(TARGET, [1, 2]).max().item() < 1e-12
+    network_loss = sketch(network, TARGET, VIEWS, PAPER)
+    assert network_loss.name == "sketch"
+    assert torch.equal(network_loss.losses(CANVAS, [1]), tiny(layers=[0, 1], semantics=1.0).losses(CANVAS, [1]))
+    assert network_loss.losses(TARGET, [1, 2]).max().item() < 1e-12
 
 
 def square(photograph: Tensor) -> Tensor:
@@ -113,9 +113,9 @@ def test_a_real_network_ranks_canvases_as_a_person_would() -> None:
     rough = interpolate(avg_pool2d(target[None], 4), scale_factor=4.0, mode="bilinear")[0]
     views = torch.cat([whole(128, 128), random_views(1, 128, 128, Generator().manual_seed(0))])
     network = EfficientNetLite0()
-    for judge in (Likeness(network, target, views, PAPER), sketch(network, target, views, PAPER)):
+    for network_loss in (Likeness(network, target, views, PAPER), sketch(network, target, views, PAPER)):
         same, near, mixed, other, blank = (
-            judge.losses(canvas, [0, 1]).mean().item()
+            network_loss.losses(canvas, [0, 1]).mean().item()
             for canvas in (target, rough, shuffled, cat, torch.ones_like(target))
         )
         assert same == pytest.approx(0, abs=FLOAT32_VALUE)

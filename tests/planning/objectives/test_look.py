@@ -19,10 +19,10 @@ def tiny(picture: Tensor = PICTURE, network: TinyNetwork | None = None, seed: in
 
 
 def test_the_picture_itself_costs_nothing() -> None:
-    judge = tiny()
-    assert (judge.name, judge.views) == ("look", 5)
-    assert judge.losses(PICTURE.clone(), [0]).item() == pytest.approx(0, abs=1e-12)
-    assert judge.losses(CANVAS, [0]).item() > 0.01
+    network_loss = tiny()
+    assert (network_loss.name, network_loss.views) == ("look", 5)
+    assert network_loss.losses(PICTURE.clone(), [0]).item() == pytest.approx(0, abs=1e-12)
+    assert network_loss.losses(CANVAS, [0]).item() > 0.01
 
 
 def test_where_things_are_does_not_matter() -> None:
@@ -30,9 +30,9 @@ def test_where_things_are_does_not_matter() -> None:
     network = TinyNetwork()
     for layer in network._layers.children():
         layer.weight.data = layer.weight.data.mean(dim=(2, 3), keepdim=True).expand_as(layer.weight).clone()
-    judge = tiny(network=network)
+    network_loss = tiny(network=network)
     turned = PICTURE.rot90(1, (1, 2))
-    assert judge.losses(turned, [0]).item() < 0.1 * judge.losses(1 - PICTURE, [0]).item()
+    assert network_loss.losses(turned, [0]).item() < 0.1 * network_loss.losses(1 - PICTURE, [0]).item()
 
 
 def test_the_distance_of_two_crowds_is_what_the_paper_says() -> None:
@@ -60,11 +60,11 @@ def test_it_counts_what_is_missing_and_what_is_too_much() -> None:
 
 def test_the_picture_is_looked_at_once_and_only_when_asked() -> None:
     network = TinyNetwork()
-    judge = tiny(noise(0, 3, 40, 70), network)
+    network_loss = tiny(noise(0, 3, 40, 70), network)
     assert network.shown == 0
-    judge.losses(CANVAS, [0, 1])
+    network_loss.losses(CANVAS, [0, 1])
     assert network.shown == 4, "two squares of the picture, two views of the canvas"
-    judge.losses(CANVAS, [2, 3])
+    network_loss.losses(CANVAS, [2, 3])
     assert network.shown == 6
 
 
@@ -93,9 +93,9 @@ def test_of_a_canvas_that_is_narrower_than_any_place_the_nearest_are_looked_at()
 
 
 def test_nothing_but_the_canvas_is_differentiated() -> None:
-    judge = tiny(PICTURE.clone().requires_grad_())
-    assert not judge.losses(CANVAS, [0, 1]).requires_grad
-    check_gradient(lambda canvas: judge.losses(canvas, [0, 3]).sum(), CANVAS, step=1e-6)
+    network_loss = tiny(PICTURE.clone().requires_grad_())
+    assert not network_loss.losses(CANVAS, [0, 1]).requires_grad
+    check_gradient(lambda canvas: network_loss.losses(canvas, [0, 3]).sum(), CANVAS, step=1e-6)
 
 
 def test_a_real_network_tells_the_look_of_grass_from_that_of_bricks() -> None:
@@ -103,9 +103,11 @@ def test_a_real_network_tells_the_look_of_grass_from_that_of_bricks() -> None:
     face = torch.from_numpy(astronaut()).permute(2, 0, 1) / 255
     network, view = EfficientNetLite0(), whole(256, 256)
     for kind, (picture, other) in enumerate([textures, textures[::-1]]):
-        judge = Look(network, picture[:, :256, :256], view, PAPER, Generator().manual_seed(kind), layers=[1, 2, 3])
+        network_loss = Look(
+            network, picture[:, :256, :256], view, PAPER, Generator().manual_seed(kind), layers=[1, 2, 3]
+        )
         same, different, portrait, blank = (
-            judge.losses(canvas[:, -256:, -256:], [0]).item()
+            network_loss.losses(canvas[:, -256:, -256:], [0]).item()
             for canvas in (picture, other, face, torch.ones_like(picture))
         )
         assert same < 0.8 * different

@@ -5,7 +5,7 @@ from torch.nn.functional import cosine_similarity
 
 from maulstick.errors import InputError
 from maulstick.planning.features.views import random_views, through
-from maulstick.planning.objectives import Words
+from maulstick.planning.objectives import TextMatch
 from tests.support.planning.tiny_network import TinyNetwork, check_gradient, noise
 from tests.support.tolerances import FLOAT32_VALUE
 
@@ -16,21 +16,21 @@ CANVAS = noise(1, 3, 30, 40)
 
 def test_it_is_one_minus_the_cosine_of_what_is_seen_and_said() -> None:
     network = TinyNetwork()
-    judge = Words(network, "a cat", VIEWS, PAPER)
-    assert (judge.name, judge.views) == ("words", 4)
+    network_loss = TextMatch(network, "a cat", VIEWS, PAPER)
+    assert (network_loss.name, network_loss.views) == ("words", 4)
     _, seen = network.features(through(CANVAS, VIEWS[[3, 1]], network.side, PAPER))
     wanted = 1 - cosine_similarity(seen, network.embed_text(["a cat"]))
-    assert torch.allclose(judge.losses(CANVAS, [3, 1]), wanted, atol=FLOAT32_VALUE)
-    other = Words(network, "a sailing boat", VIEWS, PAPER)
+    assert torch.allclose(network_loss.losses(CANVAS, [3, 1]), wanted, atol=FLOAT32_VALUE)
+    other = TextMatch(network, "a sailing boat", VIEWS, PAPER)
     assert not torch.allclose(other.losses(CANVAS, [3, 1]), wanted, atol=0.01)
 
 
 def test_going_down_its_gradient_brings_the_canvas_nearer_to_the_words() -> None:
-    judge, canvas = Words(TinyNetwork(), "a cat", VIEWS, PAPER), CANVAS.clone()
+    network_loss, canvas = TextMatch(TinyNetwork(), "a cat", VIEWS, PAPER), CANVAS.clone()
     losses = []
     for _ in range(20):
         canvas.requires_grad_()
-        loss = judge.losses(canvas, range(4)).mean()
+        loss = network_loss.losses(canvas, range(4)).mean()
         (gradient,) = torch.autograd.grad(loss, canvas)
         canvas = (canvas.detach() - 0.02 * gradient.sign()).clamp(0, 1)
         losses.append(loss.item())
@@ -39,10 +39,10 @@ def test_going_down_its_gradient_brings_the_canvas_nearer_to_the_words() -> None
 
 def test_only_the_canvas_is_looked_at_and_differentiated() -> None:
     network = TinyNetwork()
-    judge = Words(network, "a cat", VIEWS, PAPER)
-    assert not judge.losses(CANVAS, [0, 1]).requires_grad
+    network_loss = TextMatch(network, "a cat", VIEWS, PAPER)
+    assert not network_loss.losses(CANVAS, [0, 1]).requires_grad
     assert network.shown == 2
-    check_gradient(lambda canvas: judge.losses(canvas, [2, 0]).sum(), CANVAS)
+    check_gradient(lambda canvas: network_loss.losses(canvas, [2, 0]).sum(), CANVAS)
 
 
 @pytest.mark.parametrize("text", ["", " \n"])
@@ -50,4 +50,4 @@ def test_an_empty_text_is_refused(text: str) -> None:
     with pytest.raises(
         InputError, match=r"^the text is empty; say what the painting should show, as in 'a sailing boat'$"
     ):
-        Words(TinyNetwork(), text, VIEWS, PAPER)
+        TextMatch(TinyNetwork(), text, VIEWS, PAPER)

@@ -27,8 +27,6 @@ from tests.rendering.kernels.conftest import (
 from tests.support import tolerances
 
 DEVICE = "cuda" if torch.cuda.is_available() else "cpu"
-if DEVICE == "cpu":  # read when Triton is imported, and at each launch
-    os.environ["TRITON_INTERPRET"] = "1"
 pytest.importorskip("triton")  # which comes with torch on Linux, and on no other system
 
 from maulstick.rendering.kernels import cpu, gpu, gpu_programs, render  # noqa: E402

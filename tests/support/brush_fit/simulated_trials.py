@@ -59,16 +59,16 @@ def draw_trials(
 
     press: what becomes of presses in [0, 1] before they are drawn.  shape: height and width of the photographs.
     """
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     trials = []
     sheet = before = np.empty(0, dtype=np.float32)
     for i in range(count):
         if i % sheet_of == 0:
             sheet = np.broadcast_to(np.float32(PAPER), (*shape, 3))
-            before = _photograph(sheet, chance, faults)
-        path = _path(chance, press, shape)
-        sheet = _drawn(sheet, path, brush, INK, chance, faults)
-        after = _photograph(sheet, chance, faults)
+            before = _photograph(sheet, rng, faults)
+        path = _path(rng, press, shape)
+        sheet = _drawn(sheet, path, brush, INK, rng, faults)
+        after = _photograph(sheet, rng, faults)
         trials.append(Trial(f"stroke {i + 1}", path, before, after))
         before = after
     return trials
@@ -76,32 +76,32 @@ def draw_trials(
 
 def draw_darkness(brush: Brush, count: int, seed: int, faults: Faults = CLEAN) -> list[Trial]:
     """The same strokes, each alone and known by its darkness."""
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     empty = np.zeros((*SHAPE, 1), dtype=np.float32)
     trials = []
     for i in range(count):
-        path = _path(chance, lambda press: press, SHAPE)
-        after = _drawn(empty, path, brush, (1.0,), chance, faults)
-        noisy = after + chance.normal(0, faults.noise, after.shape) if faults.noise else after
+        path = _path(rng, lambda press: press, SHAPE)
+        after = _drawn(empty, path, brush, (1.0,), rng, faults)
+        noisy = after + rng.normal(0, faults.noise, after.shape) if faults.noise else after
         trials.append(Trial(f"stroke {i + 1}", path, empty, noisy.clip(0, 1).astype(np.float32)))
     return trials
 
 
-def _path(chance: np.random.Generator, press: Callable[[Floats], Floats], shape: tuple[int, int]) -> Floats:
+def _path(rng: np.random.Generator, press: Callable[[Floats], Floats], shape: tuple[int, int]) -> Floats:
     low, high = np.full(2, _MARGIN), np.array(shape[::-1]) / SCALE - _MARGIN
-    while np.hypot(*(ends := chance.uniform(low, high, (2, 2)))[0] - ends[1]) < (high - low).min() / 2:
+    while np.hypot(*(ends := rng.uniform(low, high, (2, 2)))[0] - ends[1]) < (high - low).min() / 2:
         continue
     along = np.linspace(0, 1, _POINTS)[:, None]
-    bend = chance.normal(0, 3e-3, 2) * np.sin(np.pi * along)
-    pressed = press((chance.uniform(0, 1) + chance.normal(0, 0.3) * along).clip(0, 1))
+    bend = rng.normal(0, 3e-3, 2) * np.sin(np.pi * along)
+    pressed = press((rng.uniform(0, 1) + rng.normal(0, 0.3) * along).clip(0, 1))
     return np.hstack([(ends[0] + (ends[1] - ends[0]) * along + bend).clip(low, high), pressed])
 
 
 def _drawn(
-    sheet: Picture, path: Floats, brush: Brush, ink: tuple[float, ...], chance: np.random.Generator, faults: Faults
+    sheet: Picture, path: Floats, brush: Brush, ink: tuple[float, ...], rng: np.random.Generator, faults: Faults
 ) -> Picture:
-    beside = np.append(faults.place * chance.normal(size=2), 0)
-    opacity = float(np.clip(brush.opacity * (1 + faults.ink * chance.normal()), 0.05, 1))
+    beside = np.append(faults.place * rng.normal(size=2), 0)
+    opacity = float(np.clip(brush.opacity * (1 + faults.ink * rng.normal()), 0.05, 1))
     stroke = Traj2Stroke.of([brush.model_copy(update={"opacity": opacity})])
     marks = stroke.bare(torch.tensor((path + beside)[None], dtype=torch.float32), SCALE)
     canvas = torch.tensor(np.ascontiguousarray(sheet.transpose(2, 0, 1)))
@@ -109,14 +109,14 @@ def _drawn(
     return np.ascontiguousarray(painted.numpy().transpose(1, 2, 0))
 
 
-def _photograph(sheet: Picture, chance: np.random.Generator, faults: Faults) -> Picture:
+def _photograph(sheet: Picture, rng: np.random.Generator, faults: Faults) -> Picture:
     y, x = np.mgrid[-1 : 1 : sheet.shape[0] * 1j, -1 : 1 : sheet.shape[1] * 1j]
-    exposure, right, down = faults.light * chance.normal(size=3)
+    exposure, right, down = faults.light * rng.normal(size=3)
     # Brighter than white is lost, so the light only ever falls from full.
     light = np.exp(exposure + right * x + down * y)
     light /= max(1.0, float(light.max()))
     seen = sheet * light[..., None]
-    for row, column in zip(*(chance.integers(2, side - 2, faults.specks) for side in sheet.shape[:2]), strict=True):
+    for row, column in zip(*(rng.integers(2, side - 2, faults.specks) for side in sheet.shape[:2]), strict=True):
         seen[row - 1 : row + 2, column - 1 : column + 2] *= 0.4
-    noisy = seen + chance.normal(0, faults.noise, seen.shape) if faults.noise else seen
+    noisy = seen + rng.normal(0, faults.noise, seen.shape) if faults.noise else seen
     return noisy.clip(0, 1).astype(np.float32)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.calibration.camera import View, locate
+from maulstick.calibration.camera import CameraView, locate
 from maulstick.calibration.chart import CHART
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.tag_frame import TagFrame
@@ -23,7 +23,7 @@ class Studio:
         self.sheet = sheet
         self.camera = SimulatedCamera(lambda: self.sheet, CANVAS, np.random.default_rng(seed), optics)
 
-    def look(self, margin: float = 0.0) -> tuple[Image, View, Image]:
+    def look(self, margin: float = 0.0) -> tuple[Image, CameraView, Image]:
         photo = self.camera.photograph()
         view = locate(photo, TAGS)
         return photo, view, view.rectify(photo, CANVAS, margin)

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
-from maulstick.planning.objectives import Judge
+from maulstick.planning.objectives import NetworkLoss
 
 
-class Shifted(Judge):
+class Shifted(NetworkLoss):
     """Wants the target, which each of its views sees moved a little further to the right. It counts its calls."""
 
     def __init__(self, target: Tensor, views: int = 6) -> None:

@@ -12,10 +12,10 @@ from tests.support.tolerances import FINITE_DIFFERENCE
 
 class TinyNetwork(ReadingNetwork):
     def __init__(self) -> None:
-        chance = Generator().manual_seed(5)
+        torch_rng = Generator().manual_seed(5)
         self._layers = nn.ModuleList([nn.Conv2d(3, 6, 3, stride=2), nn.Conv2d(6, 8, 3, stride=2)]).double()
         for parameter in self._layers.parameters():
-            parameter.data = torch.randn(parameter.shape, generator=chance, dtype=torch.float64) / 2
+            parameter.data = torch.randn(parameter.shape, generator=torch_rng, dtype=torch.float64) / 2
         self._layers.requires_grad_(False)
         self.shown = 0
 

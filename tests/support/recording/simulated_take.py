@@ -74,14 +74,14 @@ def wacom_strokes(source: str) -> list[Floats]:
 
 def loops_and_lines(number: int = 12) -> list[Floats]:
     """Made-up strokes: loops 3 to 12 mm wide, arcs and hooks."""
-    chance = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     strokes = []
     for i in range(number):
         turn, along = np.linspace(0, (6.0, 2.0, 9.0)[i % 3], 200), np.linspace(0, (0.01, 0.03, 0.02)[i % 3], 200)
-        radius = chance.uniform(1.5e-3, 6e-3)
+        radius = rng.uniform(1.5e-3, 6e-3)
         path = np.stack([radius * np.cos(turn) + along, radius * np.sin(turn)], axis=1)
-        heading = Rotation.from_euler("z", chance.uniform(0, 6.28)).as_matrix()[:2, :2]
-        strokes.append(_paced(path @ heading.T + chance.uniform((0.05, 0.05), (0.19, 0.14))))
+        heading = Rotation.from_euler("z", rng.uniform(0, 6.28)).as_matrix()[:2, :2]
+        strokes.append(_paced(path @ heading.T + rng.uniform((0.05, 0.05), (0.19, 0.14))))
     return strokes
 
 
@@ -127,41 +127,41 @@ def simulate(
     corner: which of the corners has the right angle's marker, clockwise from the upper left one.
     marker_heights: metres that the markers' centres lie over the paper.  bump: metres that the board is pushed, once.
     """
-    chance, faults = np.random.default_rng(seed), faults or Faults()
-    places = _way(strokes, chance)
+    rng, faults = np.random.default_rng(seed), faults or Faults()
+    places = _way(strokes, rng)
     frames = len(places)
     times = np.arange(frames) / RATE
     up = np.array([1, -1, -1])  # from the canvas's frame, with z into the paper, to one with z up
     lean = Rotation.from_euler("x", 90, degrees=True)  # the pen's own axis y points up
-    angles = np.stack([_drift(times, chance, *of) for of in ((-40, 40), (20, 40), (-30, 30))], axis=1)
+    angles = np.stack([_drift(times, rng, *of) for of in ((-40, 40), (20, 40), (-30, 30))], axis=1)
     poses = Rotation.from_euler("ZXZ", angles, degrees=True) * lean
     pen = (poses.as_matrix() @ (MARKERS - TIP).T).swapaxes(1, 2) + (places * up)[:, None]
     width, height = SHEET
     corners = np.array([(0, 0), (width, 0), (width, height), (0, height)])[np.arange(corner - 1, corner + 2) % 4]
     canvas = np.concatenate([corners, -np.array(marker_heights)[:, None]], axis=1) * up
-    canvas = np.tile(canvas[chance.permutation(3)], (frames, 1, 1))
+    canvas = np.tile(canvas[rng.permutation(3)], (frames, 1, 1))
     pushed = bump * expit((times - times[-1] / 2) / 0.02)[:, None, None] * np.array([0.8, 0.6, 0])
-    world, away = Rotation.random(random_state=seed), chance.uniform(-2, 2, 3)
+    world, away = Rotation.random(random_state=seed), rng.uniform(-2, 2, 3)
     pen, canvas = (world.apply((m + pushed).reshape(-1, 3)).reshape(m.shape) + away for m in (pen, canvas))
-    pen += chance.normal(0, faults.noise, pen.shape)
-    canvas += chance.normal(0, faults.noise, canvas.shape)
-    positions, rotations, pen = _seen(pen, faults, chance)
-    for rows in _events(chance, frames, faults.canvas_swapped, 50):
-        canvas[rows] = canvas[rows][:, _two_swapped(3, chance)]
-    for rows in _events(chance, frames, faults.canvas_lost, 200):
-        canvas[rows, chance.integers(3)] = np.nan
+    pen += rng.normal(0, faults.noise, pen.shape)
+    canvas += rng.normal(0, faults.noise, canvas.shape)
+    positions, rotations, pen = _seen(pen, faults, rng)
+    for rows in _events(rng, frames, faults.canvas_swapped, 50):
+        canvas[rows] = canvas[rows][:, _two_swapped(3, rng)]
+    for rows in _events(rng, frames, faults.canvas_lost, 200):
+        canvas[rows, rng.integers(3)] = np.nan
     return Simulated(Take(times, positions, rotations, pen, canvas), strokes)
 
 
 def pivot_take(seed: int, lean: float = 30.0, faults: Faults | None = None) -> Take:
     """A take of the pen turned about its tip, leaning by up to `lean` degrees."""
-    chance, faults = np.random.default_rng(seed), faults or Faults()
+    rng, faults = np.random.default_rng(seed), faults or Faults()
     times = np.arange(round(10 * RATE)) / RATE
-    turning = np.stack([360 * times / 5, lean * np.sin(times) ** 2, _drift(times, chance, -lean, lean)], axis=1)
+    turning = np.stack([360 * times / 5, lean * np.sin(times) ** 2, _drift(times, rng, -lean, lean)], axis=1)
     poses = Rotation.from_euler("YXY", turning, degrees=True)
-    pen = (poses.as_matrix() @ (MARKERS - TIP).T).swapaxes(1, 2) + chance.uniform(-1, 1, 3)
-    pen += chance.normal(0, faults.noise, pen.shape)
-    positions, rotations, pen = _seen(pen, faults, chance)
+    pen = (poses.as_matrix() @ (MARKERS - TIP).T).swapaxes(1, 2) + rng.uniform(-1, 1, 3)
+    pen += rng.normal(0, faults.noise, pen.shape)
+    positions, rotations, pen = _seen(pen, faults, rng)
     return Take(times, positions, rotations, pen, np.tile(np.eye(3) * 0.2, (len(times), 1, 1)))
 
 
@@ -177,15 +177,15 @@ def way_of(strokes: list[Floats], seed: int) -> Floats:
     return _way(strokes, np.random.default_rng(seed))
 
 
-def _way(strokes: list[Floats], chance: np.random.Generator) -> Floats:
+def _way(strokes: list[Floats], rng: np.random.Generator) -> Floats:
     """Places (F, 3) of the tip in the frame of the canvas: each stroke, and the lifts between, before and after."""
     ends = [strokes[0][:1] - (0.03, 0.02), *strokes, np.add(strokes[-1][-1:], (0.02, 0.03))]
     parts = []
     for number, (stroke, following) in enumerate(pairwise(ends)):
         parts.append(np.pad(stroke, ((0, 0), (0, 1)))[: len(stroke) * (number > 0)])
         far = float(np.hypot(*(following[0] - stroke[-1])))
-        seconds = float(np.clip(0.1 + far / 0.4 + chance.uniform(0, 0.1), 0.1, 0.4))
-        high = 1.5e-3 + min(1.0, far / 0.05) * chance.uniform(0, 6.5e-3)
+        seconds = float(np.clip(0.1 + far / 0.4 + rng.uniform(0, 0.1), 0.1, 0.4))
+        high = 1.5e-3 + min(1.0, far / 0.05) * rng.uniform(0, 6.5e-3)
         wanted = np.arange(1, round(seconds * RATE)) / RATE
         speeds = [(path[-1] - path[0]) * RATE / max(1, len(path) - 1) for path in (stroke[-4:], following[:4])]
         travel = CubicHermiteSpline([0, seconds], [stroke[-1], following[0]], speeds)(wanted)
@@ -196,33 +196,33 @@ def _way(strokes: list[Floats], chance: np.random.Generator) -> Floats:
     return np.concatenate(parts)
 
 
-def _drift(times: Floats, chance: np.random.Generator, least: float, most: float) -> Floats:
-    waves = [np.sin(times * chance.uniform(0.3, 2.5) + chance.uniform(0, 6.28)) for _ in range(3)]
+def _drift(times: Floats, rng: np.random.Generator, least: float, most: float) -> Floats:
+    waves = [np.sin(times * rng.uniform(0.3, 2.5) + rng.uniform(0, 6.28)) for _ in range(3)]
     drift: Floats = least + (most - least) * (0.5 + np.sum(waves, axis=0) / 6)
     return drift
 
 
-def _events(chance: np.random.Generator, frames: int, a_minute: float, longest: int) -> list[slice]:
+def _events(rng: np.random.Generator, frames: int, a_minute: float, longest: int) -> list[slice]:
     """Stretches of 1 to `longest` frames, with a third of a second between them."""
-    starts = np.sort(chance.integers(0, frames, chance.poisson(a_minute * frames / RATE / 60)))
+    starts = np.sort(rng.integers(0, frames, rng.poisson(a_minute * frames / RATE / 60)))
     starts = starts[np.diff(starts, prepend=-frames) > longest + RATE / 3]
-    return [slice(start, start + chance.integers(1, longest + 1)) for start in starts]
+    return [slice(start, start + rng.integers(1, longest + 1)) for start in starts]
 
 
-def _two_swapped(number: int, chance: np.random.Generator) -> list[int]:
+def _two_swapped(number: int, rng: np.random.Generator) -> list[int]:
     order = list(range(number))
-    i, j = chance.choice(number, 2, replace=False)
+    i, j = rng.choice(number, 2, replace=False)
     order[i], order[j] = order[j], order[i]
     return order
 
 
-def _seen(markers: Floats, faults: Faults, chance: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+def _seen(markers: Floats, faults: Faults, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """Positions (F, 3), quaternions (F, 4) and markers (F, 4, 3) of the pen, with markers swapped, or with it lost."""
     markers = markers.copy()
     lost = []
-    for rows in _events(chance, len(markers), faults.pen_swapped + faults.pen_lost, 24):
-        if chance.random() * (faults.pen_swapped + faults.pen_lost) < faults.pen_swapped:
-            markers[rows] = markers[rows][:, _two_swapped(4, chance)]
+    for rows in _events(rng, len(markers), faults.pen_swapped + faults.pen_lost, 24):
+        if rng.random() * (faults.pen_swapped + faults.pen_lost) < faults.pen_swapped:
+            markers[rows] = markers[rows][:, _two_swapped(4, rng)]
         else:
             lost.append(rows)
     positions, rotations = _rigid_body(markers)

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from tests.support.nominal import nominal
 
 WIDTH, HEIGHT = 0.06, 0.04
@@ -44,7 +44,7 @@ def painting_of(
     colours = [RED, BLUE]
     return Painting(
         canvas=Sheet(width=size[0], height=size[1]),
-        made=Making(version="1"),
+        made=Provenance(version="1"),
         brushes={brush.name: brush for brush in tools},
         paints=tuple(Paint(colour=colours[i % 2], brush=tools[i % len(tools)].name) for i in range(needed)),
         strokes=strokes,

@@ -4,7 +4,7 @@ import asyncio
 import sys
 from pathlib import Path
 
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run
@@ -16,7 +16,7 @@ async def paint(root: Path, plan: str, machine: str, easel: Path) -> None:
     with Folder.opened(root) as folder:
         desk = Desk()
         run = Run(folder, desk, Mixing(folder, desk))
-        await run.begin(plan, Asked(robot=machine, easel=easel))
+        await run.begin(plan, PaintOptions(robot=machine, easel=easel))
         while run.state.going is None or run.state.going.stroke < 3:
             await asyncio.sleep(0.02)
         assert run._process is not None

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.options import PlanRequest
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.storage.files import file_sum
@@ -25,7 +25,7 @@ def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = Tr
     folder.mkdir(parents=True)
     photo = None if painting.made.image is None else root / "pictures" / name / "picture.png"
     write_painting(painting, folder / "painting.json")
-    (folder / "job.json").write_text(json.dumps(_job(photo).as_json()))
+    (folder / "job.json").write_text(json.dumps(_request(photo).as_json()))
     (folder / "preview.png").write_bytes(encode_png(np.ones((40, 60, 3), dtype=np.float32)))
     if mixed:
         write_record(Mixed(paints=tuple(sorted({paint.label for paint in painting.paints}))), folder / "mixed.json")
@@ -42,8 +42,8 @@ def put_plan_of_a_picture(root: Path, name: str) -> Path:
     return put_plan(root, name, planned().model_copy(update={"made": made}))
 
 
-def _job(photo: Path | None) -> Job:
-    return Job(
+def _request(photo: Path | None) -> PlanRequest:
+    return PlanRequest(
         photo=photo,
         text=None if photo is not None else "lines",
         look=None,

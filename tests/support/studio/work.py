@@ -116,10 +116,10 @@ def task_that_leaves() -> NoReturn:
     sys.exit(0)
 
 
-def never_stop(line: Line, *errand: object) -> None:
+def never_stop(line: Line, *request: object) -> None:
     """As a driver does that hangs."""
-    from maulstick.jobs.paint.estimate import Outlook
+    from maulstick.jobs.paint.estimate import Estimate
 
-    line.say(Outlook(1, 1.0, 1.0, 0, 1))
+    line.say(Estimate(1, 1.0, 1.0, 0, 1))
     for _ in line.hear():
         pass

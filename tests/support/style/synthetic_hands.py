@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maulstick.strokes.strokes import POINTS, Strokes, resample, standardise
-from maulstick.style.exemplar import Exemplar, Hands, pool
+from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ def hand_of(paths: Floats) -> Hand:
     return Hand.of(strokes_of(paths))
 
 
-def all_hands() -> Hands:
+def all_hands() -> PooledHands:
     """What the hands above have in common."""
     return pool([hand_of(drawn(one, 40, seed)) for seed, one in enumerate((circle, zigzag, line, arc))])
 

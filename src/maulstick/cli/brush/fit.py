@@ -29,7 +29,7 @@ def fit(
         Path, typer.Argument(metavar="TRIALS", help="The folder of strokes drawn once each, with their photographs.")
     ],
     name: Annotated[str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")],
-    plate: Annotated[
+    plot: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="A picture of the fit, too: a PNG with photographs beside predictions."),
     ] = None,
@@ -42,8 +42,8 @@ def fit(
     It is kept among your own brushes, and maulstick paint --brush NAME paints with it.
     """
     BRUSHES.check_own_name(name, overwrite)
-    if plate is not None:
-        _check_plate(plate, overwrite)
+    if plot is not None:
+        _check_plot(plot, overwrite)
     drawn = Trials.open(trials)
     started = time.monotonic()
     console = Console(stderr=True, markup=False, highlight=False)
@@ -58,20 +58,20 @@ def fit(
         console.print(f"note: {warning}", soft_wrap=True)
     _say_left_out(console, found.left_out)
     _print_summary(found, seconds, path)
-    if plate is not None:
-        from maulstick.plots.brush_fit import fit_plate
+    if plot is not None:
+        from maulstick.plots.brush_fit import fit_plot
 
-        atomic_write(plate, fit_plate(found))
-        print(plate, flush=True)
+        atomic_write(plot, fit_plot(found))
+        print(plot, flush=True)
     print(f"maulstick paint photo.jpg --brush {name}", flush=True)
 
 
-def _check_plate(plate: Path, overwrite: bool) -> None:
-    if plate.suffix.lower() != ".png":
-        raise InputError(f"--plate is {plate}; a picture is written as PNG, so let its name end in .png")
-    if not plate.parent.is_dir():
-        raise OutputError(f"cannot write {plate}: its folder does not exist; make the folder first")
-    check_absent(plate, "--plate", overwrite)
+def _check_plot(plot: Path, overwrite: bool) -> None:
+    if plot.suffix.lower() != ".png":
+        raise InputError(f"--plate is {plot}; a picture is written as PNG, so let its name end in .png")
+    if not plot.parent.is_dir():
+        raise OutputError(f"cannot write {plot}: its folder does not exist; make the folder first")
+    check_absent(plot, "--plate", overwrite)
 
 
 def _source(trials: Trials) -> str:

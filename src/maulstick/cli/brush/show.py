@@ -23,7 +23,7 @@ def show(
     path = out or Path(f"{called}.png")
     check_picture(path, px, overwrite)
     brush = load_brush(name)
-    from maulstick.plots.brush import brush_plate  # loads torch
+    from maulstick.plots.brush import brush_plot  # loads torch
 
-    atomic_write(path, brush_plate(brush, called, px))
+    atomic_write(path, brush_plot(brush, called, px))
     print(path, flush=True)

@@ -7,17 +7,17 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.brush.fit import fit as fit_trials
-from maulstick.cli.paint.operator import Operator, confirm
+from maulstick.cli.paint.operator import TerminalOperator, confirm
 from maulstick.errors import InputError, MachineError, OutputError
-from maulstick.jobs.paint.machine_lock import driven_alone
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.machine_lock import machine_lock
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import BRUSHES, Brush, load_brush
 from maulstick.painting.painting import Painting, Sheet, read_painting, write_painting
 from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.machines import WORDS, machine
+from maulstick.robot.machines import SPECS, machine
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.folders import all_or_nothing
 
@@ -35,7 +35,7 @@ def brush(
     name: Annotated[
         str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")
     ] = "calibrated",
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{WORDS}.")] = "sim",
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{SPECS}.")] = "sim",
     camera: Annotated[
         str | None, typer.Option(metavar="CAMERA", show_default="the easel's, with sim", help="usb:0, or folder:PATH.")
     ] = None,
@@ -76,7 +76,7 @@ def brush(
         raise InputError.of_range("--strokes", strokes, f"{_FEWEST} to {_MOST}")
     if photographs not in _PHOTOGRAPHS:
         raise InputError.of_choice("way to photograph", photographs, _PHOTOGRAPHS)
-    asked = Asked(
+    asked = PaintOptions(
         robot=robot,
         easel=easel,
         speed=None if speed is None else speed * 1e-3,
@@ -124,7 +124,7 @@ def _sheet(
     return sheet
 
 
-def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *, each: bool) -> None:
+def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | None", *, each: bool) -> None:
     """Draw what is left, take the photographs, and cut the trials out of them."""
     from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
@@ -136,7 +136,7 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
     console = Console(stderr=True, markup=False, highlight=False)
 
     def look() -> "NDArray[np.float32]":
-        with operator.beside_a_machine_that_rests():
+        with operator.interruptible():
             sight = eye.look()
         for note in sight.notes:
             operator.note(note)
@@ -153,7 +153,7 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
     robot = machine(asked.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.canvas.width, sheet.canvas.height)
     seeing = open_camera(asked.camera or "") if simulation is None else simulation.camera(tags)
-    with driven_alone(asked.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
+    with machine_lock(asked.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         if journal.revision is None:
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
@@ -167,7 +167,7 @@ def _collect(sheet: Painting, out: Path, asked: Asked, place: "Easel | None", *,
         else:
             eye = Eye.opened(seeing, canvas, tags, view=view)
             eye.write(kept)
-        operator = Operator(console, sheet, robot, len(journal.painted), "the same words go on")
+        operator = TerminalOperator(console, sheet, robot, len(journal.painted), "the same words go on")
         ask = operator.ask if simulation is None else simulation.ask
         workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=asked.speed)
         with operator.on_duty():

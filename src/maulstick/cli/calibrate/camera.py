@@ -16,7 +16,7 @@ from maulstick.storage.files import atomic_write
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from maulstick.calibration.camera import View
+    from maulstick.calibration.camera import CameraView
     from maulstick.robot.camera.tag_frame import TagFrame
 
 
@@ -71,7 +71,7 @@ def camera(
     print(path, flush=True)
 
 
-def view_of(picture: "NDArray[np.float32]", frame: "TagFrame", corners: str | None) -> "View":
+def view_of(picture: "NDArray[np.float32]", frame: "TagFrame", corners: str | None) -> "CameraView":
     """By the tags, or by the words of four corners."""
     from maulstick.calibration.camera import locate, view_of_corners
 

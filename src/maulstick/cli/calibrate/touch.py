@@ -12,10 +12,10 @@ from rich.console import Console
 
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.jobs.paint.machine_lock import driven_alone
+from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot.easel import write_easel
-from maulstick.robot.machines import WORDS, machine
+from maulstick.robot.machines import SPECS, machine
 
 if TYPE_CHECKING:
     from maulstick.robot.easel import Easel
@@ -27,7 +27,7 @@ _ENTER = ("c-m", "c-j")  # as terminals send it
 
 
 def touch(
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{WORDS}.")],
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{SPECS}.")],
     size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
     force: Annotated[
         bool, typer.Option("--force", metavar="", help="Go down by itself until it feels the paper, if it can feel.")
@@ -57,7 +57,7 @@ def touch(
         "lower left": (0.0, height),
     }
     keys = _keyboard()
-    with driven_alone(robot), machine(robot, None) as arm:
+    with machine_lock(robot), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from maulstick.errors import InputError
-from maulstick.robot.machines import WORDS
+from maulstick.robot.machines import SPECS
 
 UNFINISHED = {"painted": True, "again": False}
 """What became of the stroke that was under the brush when an earlier run was cut off: whether it is painted."""
@@ -14,7 +14,7 @@ UNFINISHED = {"painted": True, "again": False}
 
 def run(
     painting: Annotated[Path, typer.Argument(help="The painting.json to paint.")],
-    robot: Annotated[str | None, typer.Option(metavar="MACHINE", show_default="sim", help=f"{WORDS}.")] = None,
+    robot: Annotated[str | None, typer.Option(metavar="MACHINE", show_default="sim", help=f"{SPECS}.")] = None,
     easel: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch; arms need it."),
@@ -77,8 +77,8 @@ def run(
     if unfinished is not None and unfinished not in UNFINISHED:
         raise InputError.of_choice("answer to --unfinished", unfinished, UNFINISHED)
     from maulstick.cli.paint.run import Job, paint
-    from maulstick.jobs.paint.options import Asked
-    from maulstick.jobs.paint.session import Errand
+    from maulstick.jobs.paint.options import PaintOptions
+    from maulstick.jobs.paint.session import PaintRequest
 
     words = {
         "robot": robot,
@@ -93,7 +93,7 @@ def run(
         "tag": None if tag is None else tag * 1e-3,
         "colours": colours,
     }
-    asked = Asked.model_validate({name: word for name, word in words.items() if word is not None})
-    asked.check()
+    options = PaintOptions.model_validate({name: word for name, word in words.items() if word is not None})
+    options.check()
     answer = None if unfinished is None else UNFINISHED[unfinished]
-    paint(Job(Errand(painting, asked, from_stroke, resume, anew), dry_run, answer))
+    paint(Job(PaintRequest(painting, options, from_stroke, resume, anew), dry_run, answer))

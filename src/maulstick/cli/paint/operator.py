@@ -16,18 +16,18 @@ from typer import Exit
 
 from maulstick.cli.exit_codes import STOPPED
 from maulstick.errors import InputError, MachineError
-from maulstick.jobs.paint.estimate import Outlook
-from maulstick.jobs.paint.operator import Person
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.operator import Operator
 from maulstick.painting.painting import Painting
-from maulstick.robot.execute import Progress
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
-from maulstick.robot.routine import Ask, Care, Draw
+from maulstick.robot.routine import Draw, Prompt, TrayVisit
 
 _LOOK = 0.05  # seconds between two looks at the keyboard
 
 
 @final
-class Operator(Person):
+class TerminalOperator(Operator):
     """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses.
 
     painted: strokes that are there already.  what_next: what they are told where it ends early.
@@ -50,13 +50,13 @@ class Operator(Person):
         self._bars = Bars(*columns, console=console)
         self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
 
-    def expect(self, outlook: Outlook) -> None:
-        """As in `Person`."""
-        self.say(in_words(outlook))
+    def expect(self, estimate: Estimate) -> None:
+        """As in `Operator`."""
+        self.say(in_words(estimate))
 
     @contextmanager
     def on_duty(self) -> Iterator[None]:
-        """As in `Person`: there is a progress bar, and keys and signals reach the machine.
+        """As in `Operator`: there is a progress bar, and keys and signals reach the machine.
 
         Where it ends early, they are told what is next; where they wanted that, the command ends there.
         """
@@ -81,15 +81,15 @@ class Operator(Person):
             for number, handler in before.items():
                 signal.signal(number, handler)
 
-    def watch(self, progress: Progress) -> None:
-        """As in `Person`."""
+    def watch(self, progress: PaintProgress) -> None:
+        """As in `Operator`."""
         match progress.action:
             case Draw():
                 self._strokes += 1
                 doing = f"stroke {self._strokes}"
-            case Care(what=what):
+            case TrayVisit(what=what):
                 doing = what
-            case Ask():
+            case Prompt():
                 doing = "waiting"
             case None:
                 doing = "painted"
@@ -107,12 +107,12 @@ class Operator(Person):
             paint=following,
         )
 
-    def ask(self, action: Ask) -> None:
+    def ask(self, action: Prompt) -> None:
         """Say what is to be done, and wait for Enter; s stops."""
         self._bars.stop()
         self._asking = True
         try:
-            with self.beside_a_machine_that_rests(), self._keyboard:
+            with self.interruptible(), self._keyboard:
                 self.say(f"{action.message}, and press Enter")
                 answer = sys.stdin.readline()
             if not answer:
@@ -128,7 +128,7 @@ class Operator(Person):
         self._console.print(sentence, soft_wrap=True)
 
     def note(self, sentence: str) -> None:
-        """As in `Person`."""
+        """As in `Operator`."""
         self.say(f"note: {sentence}")
 
     def show(self, photograph: Path) -> None:
@@ -138,7 +138,7 @@ class Operator(Person):
         """A terminal shows lengths."""
 
     def leave(self, photograph: Path) -> None:
-        """As in `Person`."""
+        """As in `Operator`."""
         print(photograph, flush=True)
 
     def wants_a_look(self) -> bool:
@@ -168,13 +168,13 @@ class Operator(Person):
                 self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
 
 
-def in_words(outlook: Outlook) -> str:
+def in_words(estimate: Estimate) -> str:
     """What a run will come to."""
-    if not outlook.strokes:
+    if not estimate.strokes:
         return "all strokes are painted"
-    what = f"{_counted(outlook.strokes, 'stroke')}, {1e3 * outlook.metres:.0f} mm"
-    painted = f"; {outlook.painted} are painted" if outlook.painted else ""
-    return f"{what}, {_counted(outlook.paints, 'paint')}, about {ceil(outlook.seconds / 60)} min{painted}"
+    what = f"{_counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
+    painted = f"; {estimate.painted} are painted" if estimate.painted else ""
+    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}"
 
 
 def _counted(number: int, what: str) -> str:

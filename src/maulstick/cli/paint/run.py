@@ -5,17 +5,17 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from maulstick.cli.paint.operator import Operator, confirm, in_words
+from maulstick.cli.paint.operator import TerminalOperator, confirm, in_words
 from maulstick.jobs.paint import session
-from maulstick.jobs.paint.session import Errand
-from maulstick.jobs.paint.setup import Scene
+from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.setup import PaintSetup
 
 
 @dataclass(frozen=True)
 class Job:
     """What is to be done; unfinished: whether the stroke under the brush was painted, where that is known."""
 
-    errand: Errand
+    request: PaintRequest
     dry_run: bool
     unfinished: bool | None
 
@@ -24,7 +24,7 @@ def paint(job: Job) -> None:
     """Paint, go on painting, or say what would be painted."""
     console = Console(stderr=True, markup=False, highlight=False)
     if job.dry_run:
-        console.print(in_words(session.rehearse(job.errand)), soft_wrap=True)
+        console.print(in_words(session.rehearse(job.request)), soft_wrap=True)
         return
 
     def is_painted(stroke: int) -> bool:
@@ -33,8 +33,8 @@ def paint(job: Job) -> None:
             return confirm(console, question, "add --unfinished painted, or --unfinished again")
         return job.unfinished
 
-    def person_beside(scene: Scene, painted: Collection[int]) -> Operator:
-        what_next = f"maulstick run {job.errand.painting} --resume goes on"
-        return Operator(console, scene.plan, scene.robot, len(painted), what_next)
+    def operator_for(setup: PaintSetup, painted: Collection[int]) -> TerminalOperator:
+        what_next = f"maulstick run {job.request.painting} --resume goes on"
+        return TerminalOperator(console, setup.plan, setup.robot, len(painted), what_next)
 
-    session.paint(job.errand, is_painted, person_beside)
+    session.paint(job.request, is_painted, operator_for)

@@ -9,10 +9,10 @@ import typer
 
 from maulstick.cli.folder import check_free
 from maulstick.errors import InputError, OutputError
-from maulstick.jobs.plan.options import Job, state_files
+from maulstick.jobs.plan.options import PlanRequest, state_files
 from maulstick.painting.picture import FITS
 from maulstick.painting.raster import parse_size
-from maulstick.painting.video import Film
+from maulstick.painting.video import Video
 
 _PAINTS = 12
 _MOST_STROKES, _MOST_STEPS, _MOST_SEED, _MOST_TRIES = 100_000, 1_000_000, 2**32 - 1, 64
@@ -119,7 +119,7 @@ def paint(
         go_on(resume)
         return
     _check("--strokes", strokes, 1, _MOST_STROKES)
-    job = Job(
+    request = PlanRequest(
         photo=_picture_path(photo, demo, text),
         text=_a_text(text),
         look=_whole(look),
@@ -146,7 +146,7 @@ def paint(
         tries=tries,
         frames=frames,
     )
-    _check_words(job)
+    _check_words(request)
     if state_files(out) and not overwrite:
         raise OutputError(
             f"the folder {out} holds a plan that was cut off; go on with maulstick paint --resume {out}, "
@@ -155,31 +155,31 @@ def paint(
     check_free(out, overwrite)
     from maulstick.cli.plan.run import begin  # loads torch
 
-    begin(job, out)
+    begin(request, out)
 
 
-def _check_words(job: Job) -> None:
+def _check_words(request: PlanRequest) -> None:
     """Whatever can be refused without reading a file."""
     from maulstick.colour.palette import parse_colour  # takes a moment
 
-    parse_size(job.size)
-    parse_colour(job.paper)
-    if job.ink is not None:
-        parse_colour(job.ink)
-    if job.press is not None and not 0 <= job.press <= 1:
-        raise InputError.of_range("--press", job.press, "from 0, just touching, to 1, as deep as the brush goes")
-    if job.fit not in FITS:
-        raise InputError.of_choice("fit", job.fit, FITS)
-    _check("--steps", job.steps, 1, _MOST_STEPS)
-    _check("--ask-every", job.ask_every, 1, _MOST_STEPS)
-    _check("--px", job.px, _FEWEST_PX, _MOST_PX)
-    _check("--tries", job.tries, 1, _MOST_TRIES)
-    _check("--seed", job.seed, 0, _MOST_SEED + 1 - job.tries)
-    if job.frames is not None:
-        Film(job.frames)
-        if job.tries > 1:
+    parse_size(request.size)
+    parse_colour(request.paper)
+    if request.ink is not None:
+        parse_colour(request.ink)
+    if request.press is not None and not 0 <= request.press <= 1:
+        raise InputError.of_range("--press", request.press, "from 0, just touching, to 1, as deep as the brush goes")
+    if request.fit not in FITS:
+        raise InputError.of_choice("fit", request.fit, FITS)
+    _check("--steps", request.steps, 1, _MOST_STEPS)
+    _check("--ask-every", request.ask_every, 1, _MOST_STEPS)
+    _check("--px", request.px, _FEWEST_PX, _MOST_PX)
+    _check("--tries", request.tries, 1, _MOST_TRIES)
+    _check("--seed", request.seed, 0, _MOST_SEED + 1 - request.tries)
+    if request.frames is not None:
+        Video(request.frames)
+        if request.tries > 1:
             raise InputError("--frames films one plan, and --tries makes several; leave one of them out")
-    if job.canvas is not None and parse_colour(job.paper) != (1.0, 1.0, 1.0):
+    if request.canvas is not None and parse_colour(request.paper) != (1.0, 1.0, 1.0):
         raise InputError("--canvas shows the sheet as it is, and --paper its colour; leave one of them out")
 
 

@@ -9,23 +9,23 @@ from typer import Exit
 from maulstick.cli.exit_codes import STOPPED
 from maulstick.cli.plan.summary import print_summary
 from maulstick.cli.plan.tries import plan_in_processes
-from maulstick.cli.progress import Camera, progress_bar, stop_on_interrupt
+from maulstick.cli.progress import VideoRecorder, progress_bar, stop_on_interrupt
 from maulstick.errors import InputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.options import Job, state_files
+from maulstick.jobs.plan.options import PlanRequest, state_files
 from maulstick.jobs.plan.prepare import Prepared, prepare
 from maulstick.jobs.plan.results import write_results
-from maulstick.painting.video import Film
-from maulstick.planning.planner import Progress
+from maulstick.painting.video import Video
+from maulstick.planning.planner import PlanProgress
 from maulstick.planning.state import read_state
 from maulstick.rendering.preview import preview
 from maulstick.storage.folders import made_folder
 
 
-def begin(job: Job, out: Path) -> None:
+def begin(request: PlanRequest, out: Path) -> None:
     """Plan what is asked, and write it into the folder `out`."""
-    console, prepared = _console(), prepare(job)
-    if job.frames is not None and prepared.mural is not None:
+    console, prepared = _console(), prepare(request)
+    if request.frames is not None and prepared.mural is not None:
         raise InputError("--frames films one canvas, and this one is planned in windows; leave it out, or --px smaller")
     _note_pale_lines(prepared, console)
     with made_folder(out):
@@ -42,33 +42,33 @@ def go_on(out: Path) -> None:
     files = state_files(out) if out.is_dir() else []
     if not files:
         raise InputError(f"there is no unfinished plan in {out}; name the folder that --out named when it began")
-    job = Job.from_json(read_state(files[0])[1], files[0])
-    prepared = prepare(job)
-    job.check_unchanged(prepared.job.sums)
+    request = PlanRequest.from_json(read_state(files[0])[1], files[0])
+    prepared = prepare(request)
+    request.check_unchanged(prepared.request.sums)
     _run(prepared, out, _console())
 
 
 def _run(prepared: Prepared, out: Path, console: Console) -> None:
-    film = Film(prepared.job.frames) if prepared.job.frames is not None else None
+    video = Video(prepared.request.frames) if prepared.request.frames is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted:
-        with progress_bar(console, prepared.job.strokes) as show:
-            if prepared.job.tries > 1:
-                painting = plan_in_processes(prepared.job, out, show, wanted)
+        with progress_bar(console, prepared.request.strokes) as show:
+            if prepared.request.tries > 1:
+                painting = plan_in_processes(prepared.request, out, show, wanted)
             else:
-                camera = Camera(film, prepared.job.steps) if film is not None else None
+                recorder = VideoRecorder(video, prepared.request.steps) if video is not None else None
 
-                def watch(step: Progress) -> bool:
+                def watch(step: PlanProgress) -> bool:
                     show(step.done, step.loss, step.parts)
-                    if camera is not None:
-                        camera.watch(step)
+                    if recorder is not None:
+                        recorder.watch(step)
                     return wanted()
 
-                painting = plan_with(prepared, out, prepared.job, watch)
+                painting = plan_with(prepared, out, prepared.request, watch)
         seconds = time.monotonic() - started
-        if film is not None:
-            film.add(preview(painting, prepared.layout.canvas))
-        written = write_results(painting, out, film)
+        if video is not None:
+            video.add(preview(painting, prepared.layout.canvas))
+        written = write_results(painting, out, video)
         stopped = not wanted()
     print_summary(painting, seconds, out, written)
     if not stopped:

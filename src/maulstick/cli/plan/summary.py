@@ -12,16 +12,16 @@ from maulstick.planning.losses import STRENGTHS
 
 def print_summary(painting: Painting, seconds: float, out: Path, written: list[str]) -> None:
     """What was planned, what each term of the loss comes to in the end, and where it is."""
-    figures = painting.made.figures
+    metrics = painting.made.metrics
     rows = {
         "strokes": f"{len(painting.strokes)}",
         "drawn": f"{painting.metres_of_paints().sum():.1f} m",
         "paints": f"{len(painting.paints)} (changes: {painting.paint_changes()})",
     }
-    if "psnr" in figures:
-        structure = f", {figures['ssim']:.2f} SSIM" if "ssim" in figures else ""  # a tiny picture has none
-        rows["beside the picture"] = f"{figures['psnr']:.1f} dB PSNR{structure}"
-    terms = {name: figures[name] for name in STRENGTHS if name in figures}
+    if "psnr" in metrics:
+        structure = f", {metrics['ssim']:.2f} SSIM" if "ssim" in metrics else ""  # a tiny picture has none
+        rows["beside the picture"] = f"{metrics['psnr']:.1f} dB PSNR{structure}"
+    terms = {name: metrics[name] for name in STRENGTHS if name in metrics}
     whole = sum(terms.values()) or 1.0
     rows["loss"] = ", ".join(f"{name} {part:.5f} ({part / whole:.0%})" for name, part in terms.items())
     rows |= {"planned in": f"{seconds:.0f} s", "files": ", ".join(written)}

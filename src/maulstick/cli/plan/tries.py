@@ -16,25 +16,28 @@ from queue import Empty
 
 from maulstick.errors import OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.options import PlanRequest
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.painting.painting import Painting
-from maulstick.planning.planner import Progress
+from maulstick.planning.planner import PlanProgress
 
 _TOLD_EVERY = 0.2  # seconds between two words of a process
 
 
 def plan_in_processes(
-    job: Job, out: Path, show: Callable[[float, float, Mapping[str, float]], None], wanted: Callable[[], bool]
+    request: PlanRequest,
+    out: Path,
+    show: Callable[[float, float, Mapping[str, float]], None],
+    wanted: Callable[[], bool],
 ) -> Painting:
     """The best of as many plans as are to be tried, each from a seed of its own and in a process of its own."""
-    seeds = range(job.seed, job.seed + job.tries)
+    seeds = range(request.seed, request.seed + request.tries)
     context = get_context("spawn")
     words, stop = context.Queue(), context.Event()
     said = dict.fromkeys(seeds, (0.0, float("inf")))
-    with ProcessPoolExecutor(min(job.tries, os.cpu_count() or 1), context, _listen, (words, stop)) as pool:
+    with ProcessPoolExecutor(min(request.tries, os.cpu_count() or 1), context, _listen, (words, stop)) as pool:
         with _deaf_to_interrupts():
-            tries = [pool.submit(_try, job, out, seed) for seed in seeds]
+            tries = [pool.submit(_try, request, out, seed) for seed in seeds]
         try:
             while not all(each.done() for each in tries):
                 with suppress(Empty):
@@ -52,7 +55,7 @@ def plan_in_processes(
             for process in active_children():
                 process.terminate()
             raise
-    return min(paintings, key=lambda painting: painting.made.figures["loss"])
+    return min(paintings, key=lambda painting: painting.made.metrics["loss"])
 
 
 @contextmanager
@@ -75,11 +78,11 @@ def _listen(words: "Queue[tuple[int, float, float]]", stop: Event) -> None:
     _words, _stop = words, stop
 
 
-def _try(job: Job, out: Path, seed: int) -> Painting:
+def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
     told, parent = 0.0, parent_process()
     assert parent is not None
 
-    def watch(progress: Progress) -> bool:
+    def watch(progress: PlanProgress) -> bool:
         nonlocal told
         if not parent.is_alive():  # killed: there is nobody to plan for
             os._exit(1)
@@ -88,4 +91,4 @@ def _try(job: Job, out: Path, seed: int) -> Painting:
             _words.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
-    return plan_with(prepare(replace(job, seed=seed)), out, job, watch)
+    return plan_with(prepare(replace(request, seed=seed)), out, request, watch)

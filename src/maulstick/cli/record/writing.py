@@ -10,7 +10,7 @@ from maulstick.strokes.ink import Ink, write_ink
 from maulstick.strokes.strokes import Strokes, write_strokes
 
 if TYPE_CHECKING:
-    from maulstick.recording.mocap.drawing import Drawing
+    from maulstick.recording.mocap.drawing import TakeInk
 
 _INK, _STROKES = ".ink.npz", ".strokes.npz"
 
@@ -49,13 +49,13 @@ def write_result(ink: Ink, out: Path, overwrite: bool) -> None:
         write_ink(ink, out)
 
 
-def write_drawing(drawing: "Drawing", out: Path, plot: Path, overwrite: bool) -> None:
+def write_drawing(drawing: "TakeInk", out: Path, plot: Path, overwrite: bool) -> None:
     """Write the ink and the plot, and say what was decided and where they are.
 
     Raises OutputError where they cannot be written.
     """
-    from maulstick.plots.contact import contact_plate  # loads matplotlib
+    from maulstick.plots.contact import contact_plot  # loads matplotlib
 
     write_result(drawing.ink, out, overwrite)
-    atomic_write(plot, contact_plate(drawing))
+    atomic_write(plot, contact_plot(drawing))
     print(*drawing.summary, out, plot, sep="\n", flush=True)

@@ -36,12 +36,12 @@ def show(
     check_picture(path, px, overwrite)
     from maulstick.cli.style.reading import read_fitted  # these load torch
     from maulstick.plots.latent_map import latent_map
-    from maulstick.plots.style import style_plate
+    from maulstick.plots.style import style_plot
 
     styles = read_fitted(names)
     if on_map:
         picture = latent_map(styles, called if len(styles) == 1 else f"{len(styles)} styles", px)
     else:
-        picture = style_plate(styles[0], called, px)
+        picture = style_plot(styles[0], called, px)
     atomic_write(path, picture)
     print(path, flush=True)

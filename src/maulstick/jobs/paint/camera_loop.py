@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Making, Paint, Painting, Sheet, Stroke, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import as_painting, commission_of
+from maulstick.planning.from_picture import as_painting, problem_of
 from maulstick.planning.layout import LONGEST_PX, canvas_for, lay_out_for
-from maulstick.planning.losses import Wishes
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlanOptions
+from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.schedule import AGAIN
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
@@ -45,8 +45,8 @@ def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: in
     brush: about as wide as what is to be learned.  Where it presses, all presses come alike, from the lightest on.
     Raises InputError where so many do not fit on the sheet.
     """
-    chance = torch.Generator().manual_seed(seed)
-    codes, knots = style.sample(strokes, chance)
+    torch_rng = torch.Generator().manual_seed(seed)
+    codes, knots = style.sample(strokes, torch_rng)
     paths = style.decode(codes).detach().double().numpy()
     press = press_along(knots).double().numpy()
     ranks = np.searchsorted(np.sort(press.ravel()), press, side="right") / press.size
@@ -55,7 +55,7 @@ def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: in
     placed = spread_apart(whole, (sheet.width, sheet.height), room_of(brush))
     return Painting(
         canvas=sheet,
-        made=Making(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
+        made=Provenance(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
         brushes={brush.name: brush},
         paints=(Paint(colour=(0.0, 0.0, 0.0), brush=brush.name),),
         strokes=tuple(
@@ -107,9 +107,9 @@ def replanned(
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
-    asked = PlanOptions(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
-    commission = commission_of(layout, brush, style, asked, Wishes(weights=weights))
-    planned = plan(commission, asked, schedule=AGAIN, start=_parameters(left, painting))
+    asked = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
+    problem = problem_of(layout, brush, style, asked, LossOptions(weights=weights))
+    planned = plan(problem, asked, schedule=AGAIN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.made)
     return _joined(painting, painted, again)
 

@@ -11,7 +11,7 @@ from maulstick.storage.arrays import Floats
 
 
 @dataclass(frozen=True)
-class Outlook:
+class Estimate:
     """What a run will come to.
 
     strokes, metres, seconds: that are left, without what people have to do.  painted: strokes that are there already.

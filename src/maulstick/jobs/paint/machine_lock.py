@@ -12,7 +12,7 @@ from maulstick.storage.files import held
 
 
 @contextmanager
-def driven_alone(word: str) -> Iterator[None]:
+def machine_lock(word: str) -> Iterator[None]:
     """While it lasts no other process drives the machine of that word; there are as many simulated ones as one likes.
 
     Raises InputError where another drives it, OutputError where that cannot be written down.

@@ -6,13 +6,13 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import final
 
-from maulstick.jobs.paint.estimate import Outlook
-from maulstick.robot.execute import Pause, Progress
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.robot.execute import PaintProgress, Pause
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import Ask
+from maulstick.robot.routine import Prompt
 
 
-class Person(ABC):
+class Operator(ABC):
     """What they are told and asked, and how they stop and hold the machine.
 
     pause: holds it between two strokes.  stopped: whether they stopped it.
@@ -26,7 +26,7 @@ class Person(ABC):
         self.resting = False
 
     @abstractmethod
-    def expect(self, outlook: Outlook) -> None:
+    def expect(self, estimate: Estimate) -> None:
         """Tell them what will be painted."""
 
     @abstractmethod
@@ -34,11 +34,11 @@ class Person(ABC):
         """While it lasts the machine may move, and they can stop it."""
 
     @abstractmethod
-    def watch(self, progress: Progress) -> None:
+    def watch(self, progress: PaintProgress) -> None:
         """Show them where painting is."""
 
     @abstractmethod
-    def ask(self, action: Ask) -> None:
+    def ask(self, action: Prompt) -> None:
         """Say what is to be done, and return once it is, or once they have stopped the machine."""
 
     @abstractmethod
@@ -63,7 +63,7 @@ class Person(ABC):
 
     @final
     @contextmanager
-    def beside_a_machine_that_rests(self) -> Iterator[None]:
+    def interruptible(self) -> Iterator[None]:
         """While it lasts a stop interrupts what is done; raises KeyboardInterrupt where it was stopped before."""
         self.resting = True
         try:

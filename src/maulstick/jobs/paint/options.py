@@ -11,7 +11,7 @@ _TAG = 0.02  # metres
 _SLOWEST, _FASTEST = 1e-4, 10.0  # metres a second
 
 
-class Asked(BaseModel):
+class PaintOptions(BaseModel):
     """The words that were said; lengths in metres. One that is not given was not said; None that is given says "none".
 
     replan: strokes between two photographs, 0 for none any more.  look: whether a person may ask for one at any time.
@@ -38,10 +38,10 @@ class Asked(BaseModel):
         if self.replan is not None and self.replan < 0:
             raise InputError.of_range("--replan", self.replan, "at least 1 stroke, or 0 for never again")
 
-    def after(self, words: Mapping[str, JsonValue]) -> "Asked":
+    def after(self, words: Mapping[str, JsonValue]) -> "PaintOptions":
         """What is said now, and where nothing is, what was asked before. Raises InputError for another machine."""
         try:
-            before = Asked.model_validate(words)
+            before = PaintOptions.model_validate(words)
         except ValidationError as error:
             raise InputError(
                 f"the journal's words are damaged: {validation_fault(error)}; start again with --anew"

@@ -13,8 +13,8 @@ from maulstick.calibration.camera import read_view
 from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
 from maulstick.errors import InputError
-from maulstick.jobs.paint.operator import Person
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.operator import Operator
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_png, read_picture
@@ -32,7 +32,7 @@ _READ_PX = 4096
 
 
 @dataclass(frozen=True)
-class Watching:
+class Replanning:
     """camera: its word, None for the simulated easel's.
 
     every: strokes between two photographs, 0 for those alone that a person asks for.
@@ -48,22 +48,27 @@ class Watching:
     colours: Path | None
 
     @classmethod
-    def of(cls, asked: Asked) -> Self | None:
+    def of(cls, options: PaintOptions) -> Self | None:
         """How the sheet is looked at on the way, if it is. Raises InputError where words for that are missing."""
-        if not (asked.replan or asked.look):
-            if asked.replan is None and (asked.camera, asked.picture, asked.view, asked.colours) != (None,) * 4:
+        if not (options.replan or options.look):
+            if (
+                options.replan is None
+                and (options.camera, options.picture, options.view, options.colours) != (None,) * 4
+            ):
                 raise InputError(
                     "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
                 )
             return None
-        if asked.picture is None:
+        if options.picture is None:
             raise InputError("--replan goes by the picture that the painting is of; name it with --picture")
-        if asked.simulated:
-            if asked.camera is not None:
+        if options.simulated:
+            if options.camera is not None:
                 raise InputError("the simulated easel has a camera of its own; leave out --camera")
-        elif asked.camera is None:
+        elif options.camera is None:
             raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
-        return cls(asked.camera, asked.replan or 0, asked.picture, asked.view, asked.tag_side, asked.colours)
+        return cls(
+            options.camera, options.replan or 0, options.picture, options.view, options.tag_side, options.colours
+        )
 
     def check(self, plan: Painting) -> None:
         """Raise InputError where the picture is not the one that was planned, or it cannot be planned again."""
@@ -95,7 +100,7 @@ class Watching:
         """What it saw of the bare sheet, for whoever goes on."""
         eye.write(_eye_of(journal))
 
-    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, person: Person) -> None:
+    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator) -> None:
         """Paint what is left of the plan, and plan again on the way."""
         from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
 
@@ -103,23 +108,23 @@ class Watching:
         journal, first = workplace.journal, workplace.easel
 
         def look() -> tuple[Image, Easel]:
-            with person.beside_a_machine_that_rests():
-                sight = eye.look()
-            for note in sight.notes:
-                person.note(note)
+            with operator.interruptible():
+                seen = eye.look()
+            for note in seen.notes:
+                operator.note(note)
             photograph = _beside(journal, f".r{journal.revisions}.png")
-            atomic_write(photograph, encode_png(sight.image))
-            person.show(photograph)
-            return sight.image, sight.easel(first, eye.canvas)
+            atomic_write(photograph, encode_png(seen.image))
+            operator.show(photograph)
+            return seen.image, seen.easel(first, eye.canvas)
 
         def again(painting: Painting, photograph: Image) -> Painting:
-            with person.beside_a_machine_that_rests():
+            with operator.interruptible():
                 painting = replanned(painting, journal.painted, photograph, picture)
-            person.expect_strokes(len(painting.strokes))
+            operator.expect_strokes(len(painting.strokes))
             return painting
 
         def enough(painted: int) -> bool:
-            return painted == self.every or person.wants_a_look()
+            return painted == self.every or operator.wants_a_look()
 
         paint_by_eye(plan, workplace, look, again, enough)
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from maulstick.errors import InputError, OutputError
-from maulstick.jobs.paint.estimate import Outlook
-from maulstick.jobs.paint.machine_lock import driven_alone
-from maulstick.jobs.paint.operator import Person
-from maulstick.jobs.paint.options import Asked
-from maulstick.jobs.paint.setup import Scene
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.machine_lock import machine_lock
+from maulstick.jobs.paint.operator import Operator
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import StoppedError
@@ -23,7 +23,7 @@ from maulstick.robot.workplace import Workplace
 
 
 @dataclass(frozen=True)
-class Errand:
+class PaintRequest:
     """What is to be painted, and how.
 
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
@@ -31,71 +31,73 @@ class Errand:
     """
 
     painting: Path
-    asked: Asked
+    options: PaintOptions
     from_stroke: int | None = None
     resume: bool = False
     anew: bool = False
 
 
-def rehearse(errand: Errand) -> Outlook:
+def rehearse(request: PaintRequest) -> Estimate:
     """Everything but motion: the machine is asked for its limits. Raises what `paint` would."""
-    plan = _plan_of(errand)
-    if not errand.resume:
-        scene = Scene.of(errand.asked, plan)
-        return _rehearsed(scene, scene.first(errand.from_stroke))
-    with _reopened(errand) as (scene, journal):
-        return _rehearsed(scene, journal.painted)
+    plan = _plan_of(request)
+    if not request.resume:
+        setup = PaintSetup.of(request.options, plan)
+        return _rehearsed(setup, setup.first(request.from_stroke))
+    with _reopened(request) as (setup, journal):
+        return _rehearsed(setup, journal.painted)
 
 
 def paint(
-    errand: Errand, is_painted: Callable[[int], bool], person_beside: Callable[[Scene, Collection[int]], Person]
+    request: PaintRequest,
+    is_painted: Callable[[int], bool],
+    operator_for: Callable[[PaintSetup, Collection[int]], Operator],
 ) -> None:
     """Paint, or go on painting, until nothing is left or somebody stops it.
 
     is_painted: whether the stroke with this id, which was under the brush when an earlier run ended, is on the paper.
-    person_beside: the machine of a scene on which these strokes are painted.
+    operator_for: the machine of a scene on which these strokes are painted.
     Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
     """
-    plan = _plan_of(errand)
-    if not errand.resume:
-        scene = Scene.of(errand.asked, plan)
-        with driven_alone(errand.asked.machine):
-            _see_that_it_may_begin(errand)
-            _paint(errand, scene, None, person_beside)
+    plan = _plan_of(request)
+    if not request.resume:
+        setup = PaintSetup.of(request.options, plan)
+        with machine_lock(request.options.machine):
+            _see_that_it_may_begin(request)
+            _paint(request, setup, None, operator_for)
         return
-    with _reopened(errand) as (scene, journal), driven_alone(scene.asked.machine):
+    with _reopened(request) as (setup, journal), machine_lock(setup.options.machine):
         if (stroke := journal.unfinished) is not None:
             (journal.end if is_painted(stroke) else journal.again)(stroke)
-        _paint(errand, scene, journal, person_beside)
+        _paint(request, setup, journal, operator_for)
 
 
-def _plan_of(errand: Errand) -> Painting:
-    plan, number = read_painting(errand.painting), errand.from_stroke
+def _plan_of(request: PaintRequest) -> Painting:
+    plan, number = read_painting(request.painting), request.from_stroke
     if not plan.strokes:
-        raise InputError(f"{errand.painting} has no strokes; plan it again with more")
+        raise InputError(f"{request.painting} has no strokes; plan it again with more")
     if number is not None and not 1 <= number <= len(plan.strokes):
         raise InputError.of_range("--from-stroke", number, f"1 to the {len(plan.strokes)} strokes")
     return plan
 
 
 @contextmanager
-def _reopened(errand: Errand) -> Iterator[tuple[Scene, Journal]]:
-    path = journal_of(errand.painting)
+def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
+    path = journal_of(request.painting)
     if not path.exists():
         raise InputError(f"there is no journal {path}; nothing was begun, so leave out --resume")
     with Journal.open(path) as journal:
         if journal.revision is None:
             raise InputError(f"the journal {path} is empty; nothing was begun, so leave out --resume")
-        yield Scene.of(errand.asked.after(journal.words), read_painting(journal.painting())), journal
+        yield PaintSetup.of(request.options.after(journal.words), read_painting(journal.painting())), journal
 
 
 def _was_begun(path: Path) -> bool:
     return path.exists() and path.stat().st_size > 0
 
 
-def _see_that_it_may_begin(errand: Errand) -> None:
-    path = journal_of(errand.painting)
-    if _was_begun(path) and not errand.anew:
+def _see_that_it_may_begin(request: PaintRequest) -> None:
+    path = journal_of(request.painting)
+    if _was_begun(path) and not request.anew:
         raise InputError(
             f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --anew"
         )
@@ -125,53 +127,55 @@ def _make_room(path: Path, stem: str) -> None:
             raise OutputError(f"cannot move {path} to {kept}: {error.strerror}; do, and run again") from error
 
 
-def _rehearsed(scene: Scene, done: Collection[int]) -> Outlook:
-    with driven_alone(scene.asked.machine):
-        scene.robot.ask_limits()
-    actions = routine(scene.plan, scene.easel, scene.robot.limits, scene.tray, speed=scene.asked.speed, done=done)
-    start = scene.easel.canvas_to_machine(np.zeros(3))
-    return Outlook.of(actions, scene.plan, scene.robot.limits, start)
+def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
+    with machine_lock(setup.options.machine):
+        setup.robot.ask_limits()
+    actions = routine(setup.plan, setup.easel, setup.robot.limits, setup.tray, speed=setup.options.speed, done=done)
+    start = setup.easel.canvas_to_machine(np.zeros(3))
+    return Estimate.of(actions, setup.plan, setup.robot.limits, start)
 
 
 def _paint(
-    errand: Errand,
-    scene: Scene,
+    request: PaintRequest,
+    setup: PaintSetup,
     before: Journal | None,
-    person_beside: Callable[[Scene, Collection[int]], Person],
+    operator_for: Callable[[PaintSetup, Collection[int]], Operator],
 ) -> None:
     """before: the journal that is gone on with; without, a new one takes its place once the machine is connected."""
-    first = scene.first(errand.from_stroke)
+    first = setup.first(request.from_stroke)
     done = {*first, *(() if before is None else before.painted)}
-    scene.paint_again(done)
-    person = person_beside(scene, done)
+    setup.paint_again(done)
+    operator = operator_for(setup, done)
     with ExitStack() as stack:
-        with person.beside_a_machine_that_rests():
+        with operator.interruptible():
             eye = (
                 None
-                if scene.watching is None
-                else stack.enter_context(scene.watching.opened(scene.plan, scene.simulation, before))
+                if setup.replanning is None
+                else stack.enter_context(setup.replanning.opened(setup.plan, setup.simulation, before))
             )
-        robot = stack.enter_context(scene.robot)
-        actions = routine(scene.plan, scene.easel, robot.limits, scene.tray, speed=scene.asked.speed, done=done)
-        person.expect(Outlook.of(actions, scene.plan, robot.limits, robot.place))
+        robot = stack.enter_context(setup.robot)
+        actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=setup.options.speed, done=done)
+        operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
             return
-        if person.stopped:
+        if operator.stopped:
             raise StoppedError
-        journal = before or stack.enter_context(_new_journal(errand.painting))
+        journal = before or stack.enter_context(_new_journal(request.painting))
         if before is None:
-            if scene.watching is not None and eye is not None:
-                scene.watching.keep(eye, journal)
-            journal.revise(errand.painting, painted=first)
-        journal.tell(scene.asked.words)
-        ask = person.ask if scene.simulation is None else scene.simulation.ask
-        place = Workplace(robot, scene.easel, journal, ask, person.watch, person.pause, scene.tray, scene.asked.speed)
+            if setup.replanning is not None and eye is not None:
+                setup.replanning.keep(eye, journal)
+            journal.revise(request.painting, painted=first)
+        journal.tell(setup.options.words)
+        ask = operator.ask if setup.simulation is None else setup.simulation.ask
+        place = Workplace(
+            robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed
+        )
         try:
-            with person.on_duty():
-                if scene.watching is None or eye is None:
+            with operator.on_duty():
+                if setup.replanning is None or eye is None:
                     place.do(actions)
                 else:
-                    scene.watching.paint(scene.plan, place, eye, person)
+                    setup.replanning.paint(setup.plan, place, eye, operator)
         finally:
-            if scene.simulation is not None:
-                person.leave(scene.simulation.write_photograph(errand.painting))
+            if setup.simulation is not None:
+                operator.leave(setup.simulation.write_photograph(request.painting))

@@ -3,8 +3,8 @@
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from maulstick.jobs.paint.options import Asked
-from maulstick.jobs.paint.replanning import Watching
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
@@ -15,30 +15,30 @@ from maulstick.robot.tray import Tray, read_tray
 
 
 @dataclass(frozen=True)
-class Scene:
+class PaintSetup:
     """All that was named, read and found; nothing is connected. simulation: where the machine is the simulated one."""
 
-    asked: Asked
+    options: PaintOptions
     plan: Painting
     robot: Robot
     easel: Easel
     tray: Tray | None
     simulation: Simulation | None
-    watching: Watching | None
+    replanning: Replanning | None
 
     @classmethod
-    def of(cls, asked: Asked, plan: Painting) -> "Scene":
+    def of(cls, options: PaintOptions, plan: Painting) -> "PaintSetup":
         """Read what the words name. Raises InputError where something of it cannot be used."""
-        watching = Watching.of(asked)
-        if watching is not None:
-            watching.check(plan)
-        easel = read_easel(asked.easel) if asked.easel is not None else None
-        tray = read_tray(asked.tray) if asked.tray is not None else None
+        replanning = Replanning.of(options)
+        if replanning is not None:
+            replanning.check(plan)
+        easel = read_easel(options.easel) if options.easel is not None else None
+        tray = read_tray(options.tray) if options.tray is not None else None
         plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
-        simulation = Simulation.of(asked.machine, plan, easel, tray) if asked.simulated else None
-        robot = machine(asked.machine, easel) if simulation is None else simulation.robot
+        simulation = Simulation.of(options.machine, plan, easel, tray) if options.simulated else None
+        robot = machine(options.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.canvas.width, plan.canvas.height)
-        return cls(asked, plan, robot, easel, tray, simulation, watching)
+        return cls(options, plan, robot, easel, tray, simulation, replanning)
 
     def first(self, from_stroke: int | None) -> tuple[int, ...]:
         """Ids of the strokes before that one, counted from 1."""

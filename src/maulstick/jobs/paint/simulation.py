@@ -12,8 +12,8 @@ from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
-from maulstick.robot.machines import WORDS
-from maulstick.robot.routine import Ask, Draw, routine
+from maulstick.robot.machines import SPECS
+from maulstick.robot.routine import Draw, Prompt, routine
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
 from maulstick.robot.simulated.sheets import sheet_for
@@ -38,7 +38,7 @@ class Simulation:
         The sheet lies where the easel says, and the easel may narrow the limits.
         """
         if word not in _PACES:
-            raise InputError(f"there is no machine {word!r}; there are: {WORDS}")
+            raise InputError(f"there is no machine {word!r}; there are: {SPECS}")
         if len(painting.brushes) > 1:
             names = ", ".join(sorted(painting.brushes))
             raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
@@ -57,7 +57,7 @@ class Simulation:
         robot.hold(painting.paints[0].colour)
         return cls(robot, painting)
 
-    def ask(self, action: Ask) -> None:
+    def ask(self, action: Prompt) -> None:
         """It helps itself."""
         self.robot.hold(self.painting.paints[action.paint].colour)
 

@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.painting.painting import read_painting
 from maulstick.robot.journal import Journal, journal_of
 
 
 @dataclass(frozen=True)
-class Standing:
-    """strokes, painted: how many there are, and on the sheet.  asked: what was asked of the machine at last.
+class PaintStatus:
+    """strokes, painted: how many there are, and on the sheet.  options: what was asked of the machine at last.
 
     unfinished: the stroke, by its id, that was under the brush when it ended.
     """
@@ -18,7 +18,7 @@ class Standing:
     strokes: int
     painted: int
     unfinished: int | None
-    asked: Asked
+    options: PaintOptions
 
     @property
     def is_over(self) -> bool:
@@ -26,7 +26,7 @@ class Standing:
         return self.painted == self.strokes
 
 
-def standing_of(painting: Path) -> Standing | None:
+def status_of(painting: Path) -> PaintStatus | None:
     """How far the painting in that file is; None where it was not begun.
 
     Raises InputError where its journal, or what it was begun with, cannot be read.
@@ -39,4 +39,4 @@ def standing_of(painting: Path) -> Standing | None:
         return None
     strokes = read_painting(journal.painting()).strokes
     painted = sum(stroke.id in journal.painted for stroke in strokes)
-    return Standing(len(strokes), painted, journal.unfinished, Asked().after(journal.words))
+    return PaintStatus(len(strokes), painted, journal.unfinished, PaintOptions().after(journal.words))

@@ -5,17 +5,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from maulstick.jobs.plan.options import Job, state_file
+from maulstick.jobs.plan.options import PlanRequest, state_file
 from maulstick.jobs.plan.prepare import Prepared
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, with_figures
-from maulstick.planning.planner import Progress
+from maulstick.planning.from_picture import as_painting, with_metrics
+from maulstick.planning.planner import PlanProgress
 from maulstick.planning.state import State, read_state, write_state
 
 _EVERY = 15.0  # seconds between two states on the disk, at least
 _SHARE = 20  # times as long as writing one takes
 
-Watch = Callable[[Progress], bool]
+Watch = Callable[[PlanProgress], bool]
 
 
 class _Reweighed(Exception):  # noqa: N818  nothing is wrong
@@ -28,7 +28,7 @@ class _Reweighed(Exception):  # noqa: N818  nothing is wrong
 def plan_with(
     prepared: Prepared,
     out: Path,
-    asked: Job,
+    asked: PlanRequest,
     watch: Watch,
     reweighed: Callable[[], Mapping[str, float] | None] = lambda: None,
 ) -> Painting:
@@ -42,7 +42,7 @@ def plan_with(
     state = read_state(file)[0] if file.is_file() else None
     due, going = time.monotonic() + _EVERY, True
 
-    def keep(progress: Progress) -> bool:
+    def keep(progress: PlanProgress) -> bool:
         nonlocal due, going
         wanted = watch(progress)
         if going and (not wanted or time.monotonic() > due):
@@ -63,4 +63,4 @@ def plan_with(
             prepared, state = prepared.weighed(change.weights), change.state
             asked = replace(asked, weigh=dict(change.weights))
     painting = as_painting(planned, prepared.layout, prepared.brush, prepared.style, prepared.made, prepared.names)
-    return with_figures(painting, prepared.layout, prepared.commission)
+    return with_metrics(painting, prepared.layout, prepared.problem)

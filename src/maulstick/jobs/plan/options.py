@@ -14,7 +14,7 @@ from maulstick.storage.files import file_sum
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid"))
-class Job:
+class PlanRequest:
     """The words of the command line, checked as far as they can be by themselves; files as absolute paths."""
 
     photo: Path | None
@@ -49,13 +49,13 @@ class Job:
         """Whether networks are asked to be CLIP, by any of its words."""
         return any(word is not None for word in (self.clip, self.clip_weights, self.clip_layers))
 
-    def with_sums(self, more: dict[str, str]) -> "Job":
+    def with_sums(self, more: dict[str, str]) -> "PlanRequest":
         """The same, knowing what is in its files, and `more` by which anything else is known."""
-        return Job(**{**vars(self), "sums": {**{str(path): file_sum(path) for path in self._files()}, **more}})
+        return PlanRequest(**{**vars(self), "sums": {**{str(path): file_sum(path) for path in self._files()}, **more}})
 
     def as_json(self) -> dict[str, JsonValue]:
         """For a file."""
-        plain: dict[str, JsonValue] = TypeAdapter(Job).dump_python(self, mode="json")
+        plain: dict[str, JsonValue] = TypeAdapter(PlanRequest).dump_python(self, mode="json")
         return plain
 
     @classmethod

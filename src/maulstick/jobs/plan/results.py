@@ -8,7 +8,7 @@ from maulstick.painting.painting import Painting, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.painting.svg import painting_svg
-from maulstick.painting.video import FORMATS, Film
+from maulstick.painting.video import FORMATS, Video
 from maulstick.rendering.preview import preview
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import all_or_nothing
@@ -16,15 +16,15 @@ from maulstick.storage.folders import all_or_nothing
 _PREVIEW_PX, _WIDEST_PX = 1024, 4096
 
 
-def write_results(painting: Painting, out: Path, film: Film | None) -> list[str]:
+def write_results(painting: Painting, out: Path, video: Video | None) -> list[str]:
     """Write all files; their names. A film of an earlier plan goes, since it would not be of this one."""
     with all_or_nothing(out) as folder:
         write_painting(painting, folder / "painting.json")
         atomic_write(folder / "painting.svg", painting_svg(painting).encode())
         atomic_write(folder / "preview.png", _preview(painting))
         atomic_write(folder / "palette.png", _palette(painting))
-        if film is not None:
-            atomic_write(folder / f"progress.{film.kind}", film.encode())
+        if video is not None:
+            atomic_write(folder / f"progress.{video.kind}", video.encode())
         names = sorted(path.name for path in folder.iterdir())
     for kind in FORMATS:
         if (older := f"progress.{kind}") not in names:

@@ -30,17 +30,17 @@ def squares(height: int, width: int) -> Tensor:
     return _scaled(shares.expand(count, 2), middles)
 
 
-def random_views(count: int, height: int, width: int, chance: Generator) -> Tensor:
+def random_views(count: int, height: int, width: int, torch_rng: Generator) -> Tensor:
     """Random perspectives (V, 3, 3) of all of a canvas of so many pixels, cropped at random.
 
     Source: Vinker et al., CLIPasso, its augmentations: a perspective whose corners move up to half way to the middle,
     then a square, here of 0.7 to 1 of the area.
     """
     corners = torch.tensor([[-1.0, -1], [1, -1], [1, 1], [-1, 1]], dtype=torch.float64)
-    moved = corners * (1 - _DISTORTION * torch.rand(count, 4, 2, generator=chance, dtype=torch.float64))
-    area = _LEAST_AREA + (1 - _LEAST_AREA) * torch.rand(count, generator=chance, dtype=torch.float64)
+    moved = corners * (1 - _DISTORTION * torch.rand(count, 4, 2, generator=torch_rng, dtype=torch.float64))
+    area = _LEAST_AREA + (1 - _LEAST_AREA) * torch.rand(count, generator=torch_rng, dtype=torch.float64)
     shares = area.sqrt()[:, None].expand(count, 2)
-    middles = (1 - shares) * (2 * torch.rand(count, 2, generator=chance, dtype=torch.float64) - 1)
+    middles = (1 - shares) * (2 * torch.rand(count, 2, generator=torch_rng, dtype=torch.float64) - 1)
     return (whole(height, width).double() @ _homographies(moved, corners) @ _scaled(shares, middles)).float()
 
 

@@ -9,13 +9,13 @@ from torch.nn.functional import normalize
 from maulstick.planning.features.network import Network
 from maulstick.planning.features.views import through
 from maulstick.planning.objectives.luminance import luminance
-from maulstick.planning.objectives.objective import Judge
+from maulstick.planning.objectives.objective import NetworkLoss
 
 _FAINTEST = 1e-3  # features that are shorter have no direction to speak of
 _DEEP = (-2, -1)
 
 
-class Likeness(Judge):
+class Likeness(NetworkLoss):
     """One minus the cosine between what a network says of the canvas and of the target (3, H, W), view by view.
 
     views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it.

@@ -8,17 +8,17 @@ from torch.nn.functional import normalize
 
 from maulstick.planning.features.network import Network
 from maulstick.planning.features.views import on_canvas, squares, through
-from maulstick.planning.objectives.objective import Judge
+from maulstick.planning.objectives.objective import NetworkLoss
 
 _PLACES = 512
 _FAINTEST = 1e-3  # as a share of the usual feature: shorter ones have no direction to speak of
 
 
-class Look(Judge):
+class Look(NetworkLoss):
     """How far the features of the canvas are, as a crowd, from those of another picture (3, h, w), layer by layer.
 
     views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it; places there are not looked at.
-    chance: chooses which places of a map are looked at, the same ones for good.
+    torch_rng: chooses which places of a map are looked at, the same ones for good.
     layers: which of the network's maps count, alike; all when left out.
 
     The distance is the relaxed earth mover's, with one minus the cosine for its cost, and the mean difference of the
@@ -32,13 +32,13 @@ class Look(Judge):
         picture: Tensor,
         views: Tensor,
         paper: Tensor,
-        chance: Generator,
+        torch_rng: Generator,
         *,
         layers: Sequence[int] | None = None,
     ) -> None:
         self._network, self._picture, self._views, self._paper = network, picture, views, paper
         self._layers = layers
-        self._picture_seed, *self._seeds = torch.randint(2**31, (len(views) + 1,), generator=chance).tolist()
+        self._picture_seed, *self._seeds = torch.randint(2**31, (len(views) + 1,), generator=torch_rng).tolist()
         self._wanted: list[tuple[Tensor, Tensor]] = []
 
     @property

@@ -19,7 +19,7 @@ class Objective(ABC):
         """A scalar, smaller for a better canvas (C, H, W); progress in [0, 1] tells how far planning has come."""
 
 
-class Judge(ABC):
+class NetworkLoss(ABC):
     """A term of the loss that asks a network, and so is asked seldom.
 
     It has a number of views of the canvas (perspectives and crops, the same ones for good), and is asked through some

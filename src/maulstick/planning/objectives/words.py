@@ -8,10 +8,10 @@ from torch.nn.functional import cosine_similarity
 from maulstick.errors import InputError
 from maulstick.planning.features.network import ReadingNetwork
 from maulstick.planning.features.views import through
-from maulstick.planning.objectives.objective import Judge
+from maulstick.planning.objectives.objective import NetworkLoss
 
 
-class Words(Judge):
+class TextMatch(NetworkLoss):
     """One minus the cosine between what a network says of a view of the canvas, and of a text.
 
     views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it.

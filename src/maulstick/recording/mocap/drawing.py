@@ -7,7 +7,7 @@ import numpy as np
 from maulstick.errors import InputError
 from maulstick.recording.mocap.contact import Contact, ContactOptions, Frames, find_contact
 from maulstick.recording.mocap.frames import CanvasPath, canvas_path
-from maulstick.recording.mocap.plane import Paper, find_paper
+from maulstick.recording.mocap.plane import SheetPlane, find_paper
 from maulstick.recording.mocap.take import Take
 from maulstick.recording.mocap.tip import GAP, TipPath, tip_path
 from maulstick.storage.arrays import Floats
@@ -19,7 +19,7 @@ _DOUBTFUL = 3e-3  # metres between the paper and the plane of the markers
 
 
 @dataclass(frozen=True)
-class Drawing:
+class TakeInk:
     """What a take shows.
 
     ink: its strokes; without press.
@@ -38,7 +38,7 @@ class Drawing:
 
 def drawing_of(
     take: Take, tip: Floats, options: ContactOptions | None = None, corner: str = "upper-left", source: str = ""
-) -> Drawing:
+) -> TakeInk:
     """The drawing that the take shows, made by the tip at `tip` (3,), metres in the frame of the pen's rigid body.
 
     corner: in which corner of the sheet the canvas's marker at the right angle sits.  source: for people.
@@ -71,7 +71,7 @@ def drawing_of(
         _drawn(strokes),
     ]
     ink = Ink.of(strokes, canvas.size, source)
-    return Drawing(ink, times, heights, contact, contact.touches[~drawn], summary)
+    return TakeInk(ink, times, heights, contact, contact.touches[~drawn], summary)
 
 
 def _seen(take: Take, canvas: CanvasPath, path: TipPath) -> list[str]:
@@ -88,7 +88,7 @@ def _seen(take: Take, canvas: CanvasPath, path: TipPath) -> list[str]:
     ]
 
 
-def _where(paper: Paper) -> str:
+def _where(paper: SheetPlane) -> str:
     doubt = ": is the pen's length measured well?" if abs(paper.level) > _DOUBTFUL else ""
     return (
         f"the paper lies {abs(paper.level) * 1e3:.1f} mm {'over' if paper.level > 0 else 'under'} the plane of the "

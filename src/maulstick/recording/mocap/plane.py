@@ -19,7 +19,7 @@ _FARTHEST, _STEEPEST = 0.01, np.radians(3.0)
 
 
 @dataclass(frozen=True)
-class Paper:
+class SheetPlane:
     """A plane in the frame of the canvas: its height over that of the markers.
 
     level: metres, in the middle of the sheet.  slope: (2,), how it rises along x and y.  middle: (2,), metres.
@@ -35,7 +35,7 @@ class Paper:
         return over
 
 
-def find_paper(times: Floats, places: Floats, heights: Floats, size: tuple[float, float]) -> Paper:
+def find_paper(times: Floats, places: Floats, heights: Floats, size: tuple[float, float]) -> SheetPlane:
     """The paper on a sheet of this size (width, height), metres, from where the tip (F, 2), (F,) rests.
 
     The tip draws where it neither rises nor sinks, at the lowest height that it often has; the paper is the plane
@@ -66,7 +66,7 @@ def find_paper(times: Floats, places: Floats, heights: Floats, size: tuple[float
         normal = (apart.T * weights) @ apart / weights.sum() + _NARROW**2 * np.eye(2)
         slope = np.linalg.solve(normal, (apart.T * weights) @ rise / weights.sum())
         level = level_there - float(mean @ slope)
-    return Paper(level, slope, np.array(size) / 2)
+    return SheetPlane(level, slope, np.array(size) / 2)
 
 
 def _lowest_mode(heights: Floats) -> float:

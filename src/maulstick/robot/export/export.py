@@ -11,7 +11,7 @@ from maulstick.robot.easel import Pen
 from maulstick.robot.export.gcode import Dialect, Gcode
 from maulstick.robot.export.hpgl import hpgl
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Ask, Care, Draw
+from maulstick.robot.routine import Action, Draw, Prompt, TrayVisit
 
 
 def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: Pen | None) -> str:
@@ -21,11 +21,13 @@ def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: P
     Raises InputError where a motion leaves the limits.
     """
     writer = Gcode(dialect, limits, pen)
-    highest = max((action.motion.above for action in actions if not isinstance(action, Ask)), default=limits.upper[2])
+    highest = max(
+        (action.motion.above for action in actions if not isinstance(action, Prompt)), default=limits.upper[2]
+    )
     place = np.array([*limits.lower[:2], highest])
     lines = [*writer.begin(), *writer.lift(place)]
     for action in actions:
-        if isinstance(action, Ask):
+        if isinstance(action, Prompt):
             lines += writer.pause(action.message)
             continue
         motion = action.motion
@@ -37,7 +39,7 @@ def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: P
 
 def as_hpgl(actions: Sequence[Action], limits: Limits) -> str:
     """HPGL: strokes, a pen a paint. Raises InputError where it would need a tray, or leave the limits."""
-    if any(isinstance(action, Care) for action in actions):
+    if any(isinstance(action, TrayVisit) for action in actions):
         raise InputError("HPGL knows pens and no wells; leave out the tray, or export gcode")
     return hpgl([(action.paint, action.motion.path) for action in actions if isinstance(action, Draw)], limits)
 
@@ -48,7 +50,7 @@ def as_json(actions: Sequence[Action]) -> str:
 
 
 def _entry(action: Action) -> dict[str, Any]:
-    if isinstance(action, Ask):
+    if isinstance(action, Prompt):
         return {"do": "ask", "paint": action.paint, "message": action.message}
     motion = action.motion
     entry = {

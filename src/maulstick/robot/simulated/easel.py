@@ -55,7 +55,7 @@ class SimulatedEasel(Robot):
         *,
         offset: tuple[float, float] = (0.0, 0.0),
         scatter: float = 0.0,
-        chance: np.random.Generator | None = None,
+        rng: np.random.Generator | None = None,
         wells: Sequence[tuple[float, float, Colour]] = (),
         pace: float = float("inf"),
         limits: Limits = WEIGHTLESS,
@@ -66,7 +66,7 @@ class SimulatedEasel(Robot):
         self.colour: Colour = (0.0, 0.0, 0.0)
         self._truth = truth or self.easel(sheet.canvas.width, sheet.canvas.height)
         self._offset, self._scatter = np.array(offset), scatter
-        self._chance = chance or np.random.default_rng(0)
+        self._rng = rng or np.random.default_rng(0)
         self._wells, self._pace = wells, pace
         self._at = _REST
 
@@ -99,7 +99,7 @@ class SimulatedEasel(Robot):
 
     def _stroke(self, path: Floats, speed: Floats) -> Floats:
         self._move(path[0])
-        shift = self._offset + self._scatter * self._chance.standard_normal(2)
+        shift = self._offset + self._scatter * self._rng.standard_normal(2)
         profile = Profile.of(path, speed, self.limits)
         start = self.seconds
         try:

@@ -69,7 +69,7 @@ _SIGNATURES = {
 }
 
 
-class Paper:
+class MyPaintPaper:
     """A white sheet that libmypaint draws on."""
 
     def __init__(self, canvas: Canvas) -> None:

@@ -11,7 +11,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
-from maulstick.robot.simulated.mypaint import Paper
+from maulstick.robot.simulated.mypaint import MyPaintPaper
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths, resample
 
@@ -61,12 +61,12 @@ class InkedSheet(ABC):
 
 @final
 class MyPaintSheet(InkedSheet):
-    """A sheet of libmypaint's. medium, radius: as in `mypaint.Paper.draw`."""
+    """A sheet of libmypaint's. medium, radius: as in `mypaint.MyPaintPaper.draw`."""
 
     def __init__(self, canvas: Canvas, medium: str, radius: float, depth: float) -> None:
         """Raises InputError where libmypaint is not installed."""
         self.canvas, self.depth, self._medium, self._radius = canvas, depth, medium, radius
-        self._paper, self._speed = Paper(canvas), max(_SLOWLY * radius, 1e-3)
+        self._paper, self._speed = MyPaintPaper(canvas), max(_SLOWLY * radius, 1e-3)
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""

@@ -15,7 +15,14 @@ from maulstick.storage.files import atomic_write
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.hands import Hands
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.drawn_sheet import MOST_POINTS, MOST_STROKES, Sheet, Stroke, read_sheet, sheet_json
+from maulstick.studio.workers.drawn_sheet import (
+    MOST_POINTS,
+    MOST_STROKES,
+    DrawnSheet,
+    DrawnStroke,
+    read_sheet,
+    sheet_json,
+)
 from maulstick.studio.workers.hand_work import DRAWING
 
 USUAL_SHEET = 0.21, 0.148  # metres; A5, as most screens lie
@@ -31,7 +38,7 @@ class _Step:
 
     came: bool
     id: int
-    stroke: Stroke
+    stroke: DrawnStroke
     place: int
 
 
@@ -47,7 +54,7 @@ class Drawing:
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed, self.renewed = Event[[]](), Event[[]]()
-        self.added, self.removed = Event[[int, Stroke]](), Event[[int]]()
+        self.added, self.removed = Event[[int, DrawnStroke]](), Event[[int]]()
         self.hands = Hands(folder, desk)
         self.trouble = ""
         self._folder, self._desk = folder, desk
@@ -70,12 +77,12 @@ class Drawing:
         return bool(self._undone)
 
     def add(self, id: object, numbers: object) -> None:
-        """Put a stroke onto the sheet. numbers: see `Stroke.of`. Raises InputError where it cannot be there."""
+        """Put a stroke onto the sheet. numbers: see `DrawnStroke.of`. Raises InputError where it cannot be there."""
         if type(id) is not int or not 0 <= id < _LARGEST_ID or id in self.strokes:
             raise InputError("that stroke is on the sheet already, or has no number of its own; draw it again")
         if len(self.strokes) >= MOST_STROKES or self._points >= MOST_POINTS:
             raise InputError("the sheet is full; begin a new one")
-        self._do(_Step(True, id, Stroke.of(numbers, self.size), len(self.strokes)))
+        self._do(_Step(True, id, DrawnStroke.of(numbers, self.size), len(self.strokes)))
 
     def rub_out(self, id: object) -> None:
         """Take a stroke from the sheet; it may be gone already, by somebody else's hand."""
@@ -96,7 +103,7 @@ class Drawing:
 
     async def begin(self, size: tuple[float, float]) -> None:
         """Put this sheet to the others and take a new one. size: (width, height), metres."""
-        await self._turn_to(Sheet(size, ()), None)
+        await self._turn_to(DrawnSheet(size, ()), None)
 
     async def open(self, name: str) -> None:
         """Put this sheet to the others and go on with that one. Raises InputError where it cannot be drawn on."""
@@ -139,18 +146,18 @@ class Drawing:
     def _has_folder(self) -> bool:
         return self._had_folder and self._path.is_dir()  # another page may have thrown it away
 
-    def _last(self) -> tuple[Sheet, str | None]:
+    def _last(self) -> tuple[DrawnSheet, str | None]:
         drawn = [path / DRAWING for path in map(self.hands.path, self.hands.names()) if (path / DRAWING).is_file()]
         if not drawn:
-            return Sheet(USUAL_SHEET, ()), None
+            return DrawnSheet(USUAL_SHEET, ()), None
         last = max(drawn, key=lambda path: path.stat().st_mtime)
         try:
             return read_sheet(last), last.parent.name
         except InputError as error:
             self.trouble = str(error)
-            return Sheet(USUAL_SHEET, ()), None
+            return DrawnSheet(USUAL_SHEET, ()), None
 
-    def _lay(self, sheet: Sheet, name: str | None) -> None:
+    def _lay(self, sheet: DrawnSheet, name: str | None) -> None:
         self.name, self.size = name or self._folder.free_name("hands", "my-hand"), sheet.size
         self._had_folder = name is not None
         self.strokes = {next(self._ids): stroke for stroke in sheet.strokes}
@@ -158,7 +165,7 @@ class Drawing:
         self._done: deque[_Step] = deque(maxlen=_STEPS)
         self._undone: deque[_Step] = deque(maxlen=_STEPS)
 
-    async def _turn_to(self, sheet: Sheet, name: str | None) -> None:
+    async def _turn_to(self, sheet: DrawnSheet, name: str | None) -> None:
         async with self._turning:
             await self._write()  # after which nothing is awaited until the other sheet lies there
             before = self.name if self._has_folder else None
@@ -226,5 +233,5 @@ class Drawing:
             self.changed.emit()
 
 
-def _write_sheet(path: Path, size: tuple[float, float], strokes: list[Stroke]) -> None:
+def _write_sheet(path: Path, size: tuple[float, float], strokes: list[DrawnStroke]) -> None:
     atomic_write(path / DRAWING, sheet_json(size, strokes))

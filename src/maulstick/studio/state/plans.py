@@ -13,7 +13,7 @@ from typing import final
 from nicegui import Event
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import Job, state_files
+from maulstick.jobs.plan.options import PlanRequest, state_files
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
@@ -45,18 +45,18 @@ class Plan:
     """One of them.
 
     asked: its words.  curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG, and `seen` how many came.
-    left: seconds, as far as one can tell.  figures: once it is planned.  why: it failed.
+    left: seconds, as far as one can tell.  metrics: once it is planned.  why: it failed.
     stepped: at every word from its process.
     """
 
-    def __init__(self, name: str, folder: Path, asked: Job) -> None:
+    def __init__(self, name: str, folder: Path, asked: PlanRequest) -> None:
         self.name, self.folder, self.asked = name, folder, asked
         self.stepped = Event[[]]()
         self.phase = Phase.WAITING
         self.curve: list[tuple[float, Mapping[str, float]]] = []
         self.canvas, self.seen = b"", 0
         self.left: float | None = None
-        self.figures: tuple[str, ...] = ()
+        self.metrics: tuple[str, ...] = ()
         self.why = ""
         self._began: tuple[float, float] | None = None
 
@@ -91,7 +91,7 @@ class Plan:
 
     def keep_story(self) -> None:
         """Let its folder know how planning went, for a studio that is opened later."""
-        story = {"figures": self.figures, "curve": [[done, dict(parts)] for done, parts in self.curve]}
+        story = {"figures": self.metrics, "curve": [[done, dict(parts)] for done, parts in self.curve]}
         atomic_write(self.folder / _STORY, json.dumps(story).encode())
 
     def begin(self) -> None:
@@ -131,7 +131,7 @@ class Plans:
             return ""
         return f"planning {going[0].name}" if len(going) == 1 else f"planning {len(going)} pictures"
 
-    def add(self, asked: Job) -> Plan:
+    def add(self, asked: PlanRequest) -> Plan:
         """Plan what is asked, at once or when others are finished."""
         wish = asked.photo.parent.name if asked.photo is not None else asked.text or "plan"
         name = self._folder.free_name("plans", wish)
@@ -219,9 +219,9 @@ class Plans:
                 case Step():
                     made.take(word)
                     made.stepped.emit()
-                case Planned(figures=figures):
+                case Planned(metrics=metrics):
                     outcome = Phase.STOPPED if state_files(made.folder) else Phase.PLANNED
-                    made.figures = figures
+                    made.metrics = metrics
                     made.keep_story()
                 case Failed(why=why):
                     outcome, made.why = Phase.FAILED, why
@@ -241,11 +241,11 @@ def _found(name: str, folder: Path) -> Plan | None:
     """A plan that an earlier studio left, if that is what is in the folder."""
     path = folder / _WORDS
     try:
-        plan = Plan(name, folder, Job.from_json(json.loads(path.read_bytes()), path))
+        plan = Plan(name, folder, PlanRequest.from_json(json.loads(path.read_bytes()), path))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick
         return None
     with suppress(OSError, ValueError, KeyError):  # without it there is less to see
         story = json.loads((folder / _STORY).read_bytes())
-        plan.figures, plan.curve = tuple(story["figures"]), [(done, parts) for done, parts in story["curve"]]
+        plan.metrics, plan.curve = tuple(story["figures"]), [(done, parts) for done, parts in story["curve"]]
     plan.phase = Phase.PLANNED if plan.is_painting and not state_files(folder) else Phase.STOPPED
     return plan

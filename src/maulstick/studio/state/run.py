@@ -9,17 +9,17 @@ from typing import Any, Literal, final
 from nicegui import Event
 
 from maulstick.errors import InputError
-from maulstick.jobs.paint.estimate import Outlook
-from maulstick.jobs.paint.options import Asked
-from maulstick.jobs.paint.session import Errand
-from maulstick.jobs.paint.status import Standing, standing_of
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.status import PaintStatus, status_of
 from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.machine_names import on_the_page, told_on_the_page
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.messages import PLANNING, Asking, Done, Ended, Going, Note, Photograph, Wish
+from maulstick.studio.workers.messages import PLANNING, Asking, Command, Done, Ended, Going, Note, Photograph
 from maulstick.studio.workers.painter import paint_in_process, rehearse_in_process
 from maulstick.studio.workers.planned_paints import PlannedPaint
 from maulstick.studio.workers.process import Failed, Process
@@ -37,7 +37,7 @@ Phase = Literal["idle", "checking", "starting", "painting", "stopping", "ended"]
 class State:
     """What is known of the run that is on, or of the last one.
 
-    plan: what it is or was of.  asked: of the machine.  outlook: what it will come to.  going: where it is.
+    plan: what it is or was of.  options: of the machine.  estimate: what it will come to.  going: where it is.
     photograph: the sheet as it was last seen, a JPEG, the `seen`-th one of this studio.
     question: what a person has to do before it goes on, the `asked_for`-th thing in this run.
     held: whether it waits after this stroke.  silent: whether it was stopped and does not answer.
@@ -47,8 +47,8 @@ class State:
 
     phase: Phase = "idle"
     plan: str = ""
-    asked: Asked = field(default_factory=Asked)
-    outlook: Outlook | None = None
+    options: PaintOptions = field(default_factory=PaintOptions)
+    estimate: Estimate | None = None
     going: Going | None = None
     photograph: bytes = b""
     seen: int = 0
@@ -100,33 +100,33 @@ class Run:
         """Those that can be painted, newest first."""
         return self._mixing.plans()
 
-    async def standing(self, plan: str) -> Standing | None:
+    async def status(self, plan: str) -> PaintStatus | None:
         """How far a plan is painted, as its journal says; None where it was not begun. Raises InputError as that."""
         painting = self._painting(plan)
         with told_on_the_page():
-            return await self._desk.do(standing_of, painting) if journal_of(painting).exists() else None
+            return await self._desk.do(status_of, painting) if journal_of(painting).exists() else None
 
-    def check(self, plan: str, asked: Asked, *, resume: bool = False) -> None:
+    def check(self, plan: str, options: PaintOptions, *, resume: bool = False) -> None:
         """Find out whether it, or the rest of it, can be painted, without moving anything."""
-        errand = Errand(self._painting(plan), asked, resume=resume)
+        request = PaintRequest(self._painting(plan), options, resume=resume)
         with told_on_the_page():
-            asked.check()
+            options.check()
         self._see_that_it_is_free()
-        self._begin("checking", errand, rehearse_in_process)
+        self._begin("checking", request, rehearse_in_process)
 
-    async def begin(self, plan: str, asked: Asked, *, anew: bool = False) -> None:
+    async def begin(self, plan: str, options: PaintOptions, *, anew: bool = False) -> None:
         """Paint a plan from its first stroke. anew: though it was begun before, on a new sheet.
 
         Raises InputError where a machine is busy, or paints are not mixed.
         """
-        await self._start(Errand(self._painting(plan), asked, anew=anew), None)
+        await self._start(PaintRequest(self._painting(plan), options, anew=anew), None)
 
-    async def resume(self, plan: str, asked: Asked, is_painted: bool | None) -> None:
+    async def resume(self, plan: str, options: PaintOptions, is_painted: bool | None) -> None:
         """Go on where it stopped, with what was asked then and is not asked now; raises as `begin`.
 
         is_painted: whether the unfinished stroke is on the paper.
         """
-        await self._start(Errand(self._painting(plan), asked, resume=True), is_painted)
+        await self._start(PaintRequest(self._painting(plan), options, resume=True), is_painted)
 
     def stop(self) -> None:
         """Stop the machine at once, and lift the pen; at any time."""
@@ -136,7 +136,7 @@ class Run:
             self._process.kill()
             self._end("The check was stopped.", fault=False)
             return
-        self._process.tell(Wish.STOP)
+        self._process.tell(Command.STOP)
         if self.state.phase != "stopping":
             asyncio.get_running_loop().call_later(_LONGEST_STOP, self._wonder_about, self._process)
         self._now(phase="stopping")
@@ -149,15 +149,15 @@ class Run:
 
     def pause(self) -> None:
         """Wait after this stroke."""
-        self._wish(Wish.PAUSE, held=True)
+        self._wish(Command.PAUSE, held=True)
 
     def go_on(self) -> None:
         """After a pause."""
-        self._wish(Wish.GO_ON, held=False)
+        self._wish(Command.GO_ON, held=False)
 
     def replan_now(self) -> None:
         """Look at the sheet after this stroke, and plan what is left again."""
-        self._wish(Wish.LOOK, will_look=True)
+        self._wish(Command.LOOK, will_look=True)
 
     def done(self, question: int) -> None:
         """What a person was asked for in that question is done; nothing where another one is asked by now."""
@@ -181,17 +181,17 @@ class Run:
         if self.is_busy:
             raise InputError(f"a machine is busy with {self.state.plan}; wait until it has finished, or stop it")
 
-    async def _start(self, errand: Errand, is_painted: bool | None) -> None:
-        plan = errand.painting.parent.name
+    async def _start(self, request: PaintRequest, is_painted: bool | None) -> None:
+        plan = request.painting.parent.name
         with told_on_the_page():
-            errand.asked.check()
+            request.options.check()
         self._see_that_it_is_free()
         if missing := await self._mixing.missing(plan):
             raise InputError(_to_be_mixed(plan, missing, len(await self._mixing.paints(plan)) == 1))
         self._see_that_it_is_free()  # another page may have been quicker
-        self._begin("starting", errand, paint_in_process, is_painted)
+        self._begin("starting", request, paint_in_process, is_painted)
 
-    def _begin(self, phase: Phase, errand: Errand, work: Callable[..., None], *more: object) -> None:
+    def _begin(self, phase: Phase, request: PaintRequest, work: Callable[..., None], *more: object) -> None:
         process: Process | None = None
 
         def hear(word: object) -> None:
@@ -202,8 +202,8 @@ class Run:
             if process is self._process:
                 self._end(f"It ended without a word. {_LOOK_AT_IT}", fault=True)
 
-        self._process = process = Process(work, errand, *more, hear=hear, ended=ended)
-        self.state = State(phase, errand.painting.parent.name, errand.asked, seen=self.state.seen + 1)
+        self._process = process = Process(work, request, *more, hear=hear, ended=ended)
+        self.state = State(phase, request.painting.parent.name, request.options, seen=self.state.seen + 1)
         self.changed.emit()
 
     def _wonder_about(self, process: Process) -> None:
@@ -213,11 +213,11 @@ class Run:
     def _hear(self, word: object) -> None:
         state = self.state
         match word:
-            case Outlook() if state.phase == "checking":
-                self._now(outlook=word)
+            case Estimate() if state.phase == "checking":
+                self._now(estimate=word)
                 self._end("It fits." if word.strokes else "All strokes are painted.", fault=False)
-            case Outlook():
-                self._now(outlook=word, phase="painting" if state.phase == "starting" else state.phase)
+            case Estimate():
+                self._now(estimate=word, phase="painting" if state.phase == "starting" else state.phase)
             case Going():
                 self._now(going=word, will_look=state.will_look and word.doing != PLANNING)
             case Asking(question=number, message=message):
@@ -242,9 +242,9 @@ class Run:
         sentence = on_the_page(sentence)
         self._now(phase="ended", sentence=sentence, fault=fault, question="", held=False, silent=False, will_look=False)
 
-    def _wish(self, wish: Wish | Done, **changes: Any) -> None:
+    def _wish(self, command: Command | Done, **changes: Any) -> None:
         if self._process is not None and self.state.phase == "painting":
-            self._process.tell(wish)
+            self._process.tell(command)
             self._now(**changes)
 
     def _now(self, **changes: Any) -> None:

@@ -8,7 +8,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, validation_fault
-from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair
+from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand
 
 _Part = TypeVar("_Part", bound=BaseModel)
 
@@ -68,7 +68,7 @@ class Draft:
             if not row.by_machine:
                 raise InputError(f"{name} has no drawing by the machine yet; choose at least one")
             machines = tuple(map(path_of, row.by_machine))
-            hands.append(_made(Hand, name=name, by_hand=path_of(row.by_hand), by_machine=machines))
+            hands.append(_made(SurveyHand, name=name, by_hand=path_of(row.by_hand), by_machine=machines))
         if len(hands) == 1:
             raise InputError(
                 f"{hands[0].name} is the only hand; add another, so that there is something to choose from"

@@ -9,13 +9,13 @@ from nicegui.element import Element
 
 from maulstick.errors import InputError
 from maulstick.studio.state.drawing import Drawing
-from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, Stroke, in_mm
+from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, in_mm
 
 _AT_ONCE = 50_000  # points in one message
 
 
 @final
-class Pen(Element, component="pen.js"):
+class DrawingSheet(Element, component="pen.js"):
     """It draws what the hand does by itself and at once, tells each stroke when it is done, and shows the others'.
 
     say: hears of each stroke why it is refused, or "" when it is kept.
@@ -69,7 +69,7 @@ class Pen(Element, component="pen.js"):
         finally:
             self._drawn_here = None
 
-    def _show(self, id: int, stroke: Stroke) -> None:
+    def _show(self, id: int, stroke: DrawnStroke) -> None:
         if self._is_ready and id != self._drawn_here:
             self.run_method("show", [(id, _seen(stroke))])
 
@@ -82,6 +82,6 @@ class Pen(Element, component="pen.js"):
         super()._handle_delete()
 
 
-def _seen(stroke: Stroke) -> list[float]:
+def _seen(stroke: DrawnStroke) -> list[float]:
     points: list[float] = stroke.points[:, 1:4].ravel().tolist()
     return points

@@ -26,7 +26,7 @@ _LARGEST = 64 * 2**20  # bytes
 
 @final
 @dataclass(frozen=True, eq=False)
-class Stroke:
+class DrawnStroke:
     """One stroke, from when the pen touches until it lifts.
 
     points: (m, 6) of a browser's timeStamp (ms), x, y (mm), pressure in [0, 1], tiltX and tiltY (degrees).
@@ -60,30 +60,30 @@ class Stroke:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class DrawnSheet:
     """What was drawn on a sheet. size: (width, height), metres."""
 
     size: tuple[float, float]
-    strokes: tuple[Stroke, ...]
+    strokes: tuple[DrawnStroke, ...]
 
 
-def sheet_json(size: tuple[float, float], strokes: Iterable[Stroke]) -> bytes:
+def sheet_json(size: tuple[float, float], strokes: Iterable[DrawnStroke]) -> bytes:
     """The sheet as a file, which `read_sheet` and ``maulstick record ink`` read."""
     head = f'{{"schema_version":1,"size_mm":[{in_mm(size[0])},{in_mm(size[1])}],"strokes":[\n'
     return head.encode() + b",\n".join(stroke.text for stroke in strokes) + b"\n]}\n"
 
 
-def read_sheet(path: Path) -> Sheet:
+def read_sheet(path: Path) -> DrawnSheet:
     """The sheet in the file at `path`. Raises InputError where there is none that the studio could have written."""
     content = read_whole(path, "drawing", _LARGEST)
     try:
         record = json.loads(content)
         width, height = (float(side) * 1e-3 for side in record["size_mm"])
         listed = [[point[member] for point in points for member in _MEMBERS] for points in record["strokes"]]
-        strokes = tuple(Stroke.of(numbers, (width, height)) for numbers in listed)
+        strokes = tuple(DrawnStroke.of(numbers, (width, height)) for numbers in listed)
     except (InputError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise InputError(f"{path} is not a drawing of the studio: {error!s:.200}; move it elsewhere") from error
-    return Sheet((width, height), strokes)
+    return DrawnSheet((width, height), strokes)
 
 
 def in_mm(metres: float) -> float:

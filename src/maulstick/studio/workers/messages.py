@@ -8,7 +8,7 @@ PLANNING = "planning the rest again"
 """What it is doing: a stroke, or after it has looked."""
 
 
-class Wish(Enum):
+class Command(Enum):
     """What it hears. LOOK: photograph the sheet after this stroke, and plan again."""
 
     STOP = "stop"

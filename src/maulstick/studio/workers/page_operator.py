@@ -6,21 +6,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from maulstick.colour.srgb import Image
-from maulstick.jobs.paint.operator import Person
-from maulstick.jobs.paint.setup import Scene
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.operator import Operator
+from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.picture import encode_jpeg, read_picture
-from maulstick.robot.execute import Progress
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.routine import Ask, Care, Draw
+from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.studio.workers.messages import PAINTING, PLANNING, Asking, Going, Note, Photograph
 from maulstick.studio.workers.planned_paints import called
 from maulstick.studio.workers.process import Line
-
-if TYPE_CHECKING:
-    from maulstick.jobs.paint.estimate import Outlook
 
 _GLANCE = 0.05  # seconds between two looks at what they want
 _SHOW = 0.25  # seconds between two words about where painting is
@@ -37,31 +35,31 @@ class _Moment:
 
 
 @final
-class Beside(Person):
+class PageOperator(Operator):
     """Says over the line what they are to see, and hears what they want.
 
     painted: strokes that are there already.
     """
 
-    def __init__(self, line: Line, scene: Scene, painted: int) -> None:
-        super().__init__(scene.robot)
-        self._line, self._scene = line, scene
+    def __init__(self, line: Line, setup: PaintSetup, painted: int) -> None:
+        super().__init__(setup.robot)
+        self._line, self._setup = line, setup
         self._question, self._done = 0, threading.Event()
         self._stroke = painted
-        self._strokes: int | None = len(scene.plan.strokes)
+        self._strokes: int | None = len(setup.plan.strokes)
         self._wants_a_look = False
         self._drawn = 0.0  # metres, before the last look
         self._moment: _Moment | None = None
         self._sheet: Image | None = None  # that is not shown yet
         self._photograph_due = 0.0
 
-    def expect(self, outlook: "Outlook") -> None:
-        """As in `Person`."""
-        self._line.say(outlook)
+    def expect(self, estimate: Estimate) -> None:
+        """As in `Operator`."""
+        self._line.say(estimate)
 
     @contextmanager
     def on_duty(self) -> Iterator[None]:
-        """As in `Person`."""
+        """As in `Operator`."""
         if self.stopped:  # while the machine was connected, which forgets that
             raise StoppedError
         over = threading.Event()
@@ -73,33 +71,33 @@ class Beside(Person):
             over.set()
             showing.join()
 
-    def watch(self, progress: Progress) -> None:
-        """As in `Person`."""
+    def watch(self, progress: PaintProgress) -> None:
+        """As in `Operator`."""
         paint = None if progress.action is None else progress.action.paint
         match progress.action:
             case Draw():
                 self._stroke += 1
                 doing = PAINTING
-            case Care(what=what):
+            case TrayVisit(what=what):
                 doing = _CARE[what]
-            case Ask():
+            case Prompt():
                 doing = "waiting for you"
             case None:
-                doing = "finishing" if self._scene.watching is None else "looking at the sheet"
+                doing = "finishing" if self._setup.replanning is None else "looking at the sheet"
         drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
         if progress.action is None:
             self._drawn = drawn
         going = Going(doing, self._stroke, self._strokes, drawn, metres, progress.left, paint, progress.next_paint)
         self._moment = _Moment(going, time.monotonic())
-        if self._scene.simulation is not None and time.monotonic() > self._photograph_due:
-            self._sheet = self._scene.simulation.robot.sheet.image()
+        if self._setup.simulation is not None and time.monotonic() > self._photograph_due:
+            self._sheet = self._setup.simulation.robot.sheet.image()
             self._photograph_due = time.monotonic() + _PHOTOGRAPH
 
-    def ask(self, action: Ask) -> None:
-        """As in `Person`."""
+    def ask(self, action: Prompt) -> None:
+        """As in `Operator`."""
         self._question += 1
         self._done.clear()  # after that, so that an answer to an earlier one is none to this
-        paint = self._scene.plan.paints[action.paint]
+        paint = self._setup.plan.paints[action.paint]
         message = action.message.replace(f"the paint {paint.label}", called(paint, action.paint))
         self._line.say(Asking(self._question, message))
         while not (self._done.wait(_GLANCE) or self.stopped):
@@ -107,11 +105,11 @@ class Beside(Person):
         self._line.say(Asking(self._question, None))
 
     def note(self, sentence: str) -> None:
-        """As in `Person`."""
+        """As in `Operator`."""
         self._line.say(Note(sentence))
 
     def show(self, photograph: Path) -> None:
-        """As in `Person`; what comes next is the plan."""
+        """As in `Operator`; what comes next is the plan."""
         self.leave(photograph)
         self._strokes = None  # it may leave some out
         if (moment := self._moment) is not None:
@@ -119,15 +117,15 @@ class Beside(Person):
             self._moment = _Moment(going, time.monotonic())
 
     def expect_strokes(self, number: int) -> None:
-        """As in `Person`."""
+        """As in `Operator`."""
         self._strokes = number
 
     def leave(self, photograph: Path) -> None:
-        """As in `Person`."""
+        """As in `Operator`."""
         self._line.say(Photograph(encode_jpeg(read_picture(photograph, longest_px=_LONGEST_PX))))
 
     def wants_a_look(self) -> bool:
-        """As in `Person`."""
+        """As in `Operator`."""
         wanted, self._wants_a_look = self._wants_a_look, False
         return wanted
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from maulstick.jobs.plan.options import Job, state_files
+from maulstick.jobs.plan.options import PlanRequest, state_files
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
@@ -19,7 +19,7 @@ from maulstick.storage.files import atomic_write, held
 from maulstick.studio.workers.process import Line
 
 if TYPE_CHECKING:
-    from maulstick.planning.planner import Progress
+    from maulstick.planning.planner import PlanProgress
 
 _TOLD_EVERY = 0.25  # seconds between two words
 _FRAMES, _FRAME_PX = 48, 640
@@ -59,7 +59,7 @@ class Step:
 class Planned:
     """The last word. figures: of the painting, for people."""
 
-    figures: tuple[str, ...]
+    metrics: tuple[str, ...]
 
 
 def order_frame(folder: Path, number: int) -> Path:
@@ -94,39 +94,39 @@ class _Wishes:
         return weights
 
 
-def plan(line: Line, job: Job, folder: Path) -> None:
+def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     """Plan, or go on with the plan in its folder; once the studio is gone, all that going on needs is kept there."""
     from maulstick.jobs.plan.checkpoints import plan_with  # these load torch, which the server goes without
     from maulstick.jobs.plan.prepare import prepare
     from maulstick.jobs.plan.results import write_results
 
-    wishes, told, kept = _Wishes(), 0.0, False
+    loss_options, told, kept = _Wishes(), 0.0, False
 
-    def watch(progress: "Progress") -> bool:
+    def watch(progress: "PlanProgress") -> bool:
         nonlocal told, kept
-        if wishes.leaves and kept:
+        if loss_options.leaves and kept:
             sys.exit()
         if time.monotonic() - told > _TOLD_EVERY:
             told = time.monotonic()
             canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
             line.say(Step(progress.done, progress.parts, encode_jpeg(canvas)))
-        kept = not wishes.wanted  # since it is not, `plan_with` keeps it before the next step
-        return wishes.wanted
+        kept = not loss_options.wanted  # since it is not, `plan_with` keeps it before the next step
+        return loss_options.wanted
 
-    line.heard_by(wishes.hear, alone=wishes.leave)
+    line.heard_by(loss_options.hear, alone=loss_options.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
-        prepared = prepare(job)
+        prepared = prepare(request)
         if prepared.layout.target is not None:
             atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
-        painting = plan_with(prepared, folder, job, watch, wishes.reweighed)
+        painting = plan_with(prepared, folder, request, watch, loss_options.reweighed)
         write_results(painting, folder, None)
         _write_order(painting, folder)
-        if wishes.wanted:
+        if loss_options.wanted:
             for file in state_files(folder):
                 file.unlink()
-        line.say(Planned(_figures(painting)))
+        line.say(Planned(_metrics(painting)))
 
 
 def _write_order(painting: Painting, folder: Path) -> None:
@@ -142,7 +142,7 @@ def _write_order(painting: Painting, folder: Path) -> None:
         atomic_write(order_frame(folder, number), encode_jpeg(preview(painting, canvas, end)))
 
 
-def _figures(painting: Painting) -> tuple[str, ...]:
+def _metrics(painting: Painting) -> tuple[str, ...]:
     paints = len(painting.paints)
     metres = f"{painting.metres_of_paints().sum():.1f} m drawn"
     return f"{len(painting.strokes)} strokes", metres, "1 paint" if paints == 1 else f"{paints} paints"

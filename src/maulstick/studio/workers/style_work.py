@@ -56,12 +56,12 @@ _TWO_PEOPLE = 1.8
 
 def draw_sheet(style: Path, sheet: Path) -> None:
     """Draw the sheet of the style whose JSON that is, unless it is there already."""
-    from maulstick.plots.style import style_plate  # these load torch
+    from maulstick.plots.style import style_plot  # these load torch
     from maulstick.style.store import read_style
 
     if not sheet.exists():
         sheet.parent.mkdir(parents=True, exist_ok=True)
-        atomic_write(sheet, style_plate(read_style(style), style.stem, _PX))
+        atomic_write(sheet, style_plot(read_style(style), style.stem, _PX))
 
 
 def map_of(styles: dict[str, Path]) -> Map:

@@ -10,7 +10,7 @@ from maulstick.studio.panels.draw.learned import learn_hand
 from maulstick.studio.panels.draw.others import OtherHands
 from maulstick.studio.panels.draw.sheet_form import choose_sheet
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.widgets.pen import Pen
+from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
 
 _STYLE = Path(__file__).with_name("draw.css")
@@ -63,7 +63,7 @@ class _Sheet:
     def _lay(self) -> None:
         self._table.clear()
         with self._table:
-            self._pen = Pen(self._drawing, self._complain)
+            self._pen = DrawingSheet(self._drawing, self._complain)
         self._take(False)
 
     def _take(self, rubs: bool) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from nicegui import events, ui
 
 from maulstick.errors import InputError
-from maulstick.jobs.paint.options import Asked
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.machine_names import MACHINES
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.uploading import upload_button
@@ -24,7 +24,7 @@ _MOST_STROKES = 100_000
 _LONGEST_ADDRESS = 253
 
 
-class AskedForm:
+class OptionsForm:
     """What fits the machine that is chosen is shown, and nothing else.
 
     first: where the machine is asked for.  later: where the finer points are.
@@ -76,24 +76,24 @@ class AskedForm:
         self._tray.value = dips
         self.fit()
 
-    def fill(self, asked: Asked) -> None:
+    def fill(self, options: PaintOptions) -> None:
         """Show what was asked before."""
-        self._tray_file = asked.tray or self._studio.folder.root / "tray.json"
-        self._tray.value = asked.tray is not None
-        kind, _, address = asked.machine.partition(":")
-        self._machine.value = asked.machine if asked.simulated else kind
+        self._tray_file = options.tray or self._studio.folder.root / "tray.json"
+        self._tray.value = options.tray is not None
+        kind, _, address = options.machine.partition(":")
+        self._machine.value = options.machine if options.simulated else kind
         if kind in _AT_A_PORT and address:
             self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
-        elif not asked.simulated:
+        elif not options.simulated:
             self._address.value = address
-        self._speed.value = None if asked.speed in (None, 1e-3 * _FASTEST) else 1e3 * asked.speed
-        self._offer_easels("" if asked.easel is None else self._easel_of(asked.easel))
+        self._speed.value = None if options.speed in (None, 1e-3 * _FASTEST) else 1e3 * options.speed
+        self._offer_easels("" if options.easel is None else self._easel_of(options.easel))
         self.fit()
-        watched = bool(asked.replan or asked.look)
-        self._camera.value = (_EASEL_S_OWN if asked.simulated else asked.camera or "") if watched else ""
-        self._every.value = asked.replan or 0
+        watched = bool(options.replan or options.look)
+        self._camera.value = (_EASEL_S_OWN if options.simulated else options.camera or "") if watched else ""
+        self._every.value = options.replan or 0
 
-    def asked(self, picture: Path | None) -> Asked:
+    def options(self, picture: Path | None) -> PaintOptions:
         """All that is asked now, and where something is not, None. picture: that the plan is of.
 
         Raises InputError for what cannot be asked.
@@ -102,7 +102,7 @@ class AskedForm:
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
-        return Asked(
+        return PaintOptions(
             robot=self._word(),
             easel=(self._easel_files.get(easel) or self._studio.run.easels.path(easel)) if easel else None,
             tray=self._tray_file if self._tray.visible and self._tray.value else None,

@@ -5,7 +5,7 @@ from math import ceil
 from nicegui import background_tasks, html, ui
 
 from maulstick.errors import MaulstickError
-from maulstick.jobs.paint.estimate import Outlook
+from maulstick.jobs.paint.estimate import Estimate
 from maulstick.studio.state.machine_names import name_of
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
@@ -32,7 +32,7 @@ class Controls:
                 ui.button("Stop waiting for it", icon="close", on_click=self._run.give_up).props("size=lg outline")
             self._doing = ui.label().classes("now").props('role="status"')
             self._bar = ui.linear_progress(0, show_value=False, size="1rem").props("rounded aria-label='Painted'")
-            self._figures = ui.label().classes("figure")
+            self._metrics = ui.label().classes("figure")
             with ui.element().classes("line next") as self._next:
                 self._swatch = html.span().classes("dab").props("aria-hidden=true")
                 self._next_paint = ui.label()
@@ -48,17 +48,17 @@ class Controls:
         if not state.is_on:
             self._show_answer(None)
             return
-        self._title.text = f"{state.plan} · {name_of(state.asked.machine)}"
+        self._title.text = f"{state.plan} · {name_of(state.options.machine)}"
         self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
         self._show_answer(state.asked_for if state.question else None)
         self._silent.visible = state.silent
         self._doing.text = _doing(state)
         self._bar.value = 0.0 if going is None else going.drawn / (going.metres or 1.0)
-        self._figures.text = _figures(state)
+        self._metrics.text = _metrics(state)
         paints = state.phase == "painting"
         self._pause.visible, self._on.visible = not state.held, state.held
         self._pause.enabled = self._on.enabled = paints
-        self._look.visible = bool(state.asked.look or state.asked.replan)
+        self._look.visible = bool(state.options.look or state.options.replan)
         is_drawing = going is not None and going.doing == PAINTING
         self._look.enabled = paints and is_drawing and not state.will_look and not state.held
         self._show_next(None if going is None else going.next_paint)
@@ -174,9 +174,9 @@ def _doing(state: State) -> str:
     return f"Stroke {going.stroke}{of}{'; then it looks' if state.will_look else ''}"
 
 
-def _figures(state: State) -> str:
+def _metrics(state: State) -> str:
     if (going := state.going) is None:
-        return "" if state.outlook is None else _in_words(state.outlook)
+        return "" if state.estimate is None else _in_words(state.estimate)
     if going.metres < 1:
         return f"{1e3 * going.drawn:.0f} of {_length(going.metres)} · {_left(going.left)}"
     return f"{going.drawn:.1f} m of {_length(going.metres)} · {_left(going.left)}"
@@ -195,19 +195,19 @@ def _outcome(state: State) -> str:
         return f"Checking whether {state.plan} can be painted …"
     if state.phase != "ended":
         return ""
-    if state.outlook is not None and state.outlook.strokes and state.going is None and not state.fault:
-        return f"{state.sentence} {_in_words(state.outlook)}"
+    if state.estimate is not None and state.estimate.strokes and state.going is None and not state.fault:
+        return f"{state.sentence} {_in_words(state.estimate)}"
     return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
 
 
-def _in_words(outlook: Outlook) -> str:
-    paints = "1 paint" if outlook.paints == 1 else f"{outlook.paints} paints"
-    strokes = "1 stroke" if outlook.strokes == 1 else f"{outlook.strokes} strokes"
-    time = f"about {max(1, ceil(outlook.seconds / 60))} min"
-    return f"{strokes}, {_length(outlook.metres)}, {paints}, {time}."
+def _in_words(estimate: Estimate) -> str:
+    paints = "1 paint" if estimate.paints == 1 else f"{estimate.paints} paints"
+    strokes = "1 stroke" if estimate.strokes == 1 else f"{estimate.strokes} strokes"
+    time = f"about {max(1, ceil(estimate.seconds / 60))} min"
+    return f"{strokes}, {_length(estimate.metres)}, {paints}, {time}."
 
 
 def _why_bare(state: State) -> str:
-    if state.is_on and not (state.asked.simulated or state.asked.look or state.asked.replan):
+    if state.is_on and not (state.options.simulated or state.options.look or state.options.replan):
         return "Nobody looks: there is no camera"
     return "Nothing was seen yet"

@@ -6,9 +6,9 @@ from pathlib import Path
 from nicegui import background_tasks, html, ui
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.jobs.paint.options import Asked
-from maulstick.jobs.paint.status import Standing
-from maulstick.studio.panels.paint.form import SHORT_MENU, AskedForm
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.status import PaintStatus
+from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
 from maulstick.studio.state.machine_names import ANEW, FINER
 from maulstick.studio.state.studio import Studio
@@ -50,7 +50,7 @@ class _Setting:
     def __init__(self, studio: Studio, plan: str) -> None:
         self._touches = 0  # by a person, of the form
         self._studio, self._run = studio, studio.run
-        self._standing: Standing | None = None
+        self._status: PaintStatus | None = None
         self._unfilled = True
         self._was_busy = True
         self.on_choice: Callable[[], None] = lambda: None
@@ -85,7 +85,7 @@ class _Setting:
                 with ui.element().classes("line end"):
                     ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
                     ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
-        self._form = AskedForm(studio, first, later, touched=self._touch)
+        self._form = OptionsForm(studio, first, later, touched=self._touch)
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._follow)
@@ -116,7 +116,7 @@ class _Setting:
         self._show_buttons()
 
     def _choose(self) -> None:
-        self._standing, self._unfilled = None, True
+        self._status, self._unfilled = None, True
         self._follow()
         self.on_choice()
 
@@ -127,51 +127,51 @@ class _Setting:
         """Find out how far the plan is, and what it lacks."""
         if not plan:
             return
-        standing, fault, missing, paints = None, "", list[PlannedPaint](), 0
+        status, fault, missing, paints = None, "", list[PlannedPaint](), 0
         before = self._touches
         try:
             missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
-            standing = await self._run.standing(plan)
+            status = await self._run.status(plan)
         except MaulstickError as error:
             fault = str(error)
         if plan != self.plan or self.root.is_deleted:
             return
-        is_other = standing is not None and (self._standing is None or standing.asked != self._standing.asked)
-        if standing != self._standing:
+        is_other = status is not None and (self._status is None or status.options != self._status.options)
+        if status != self._status:
             self._answer.value = None  # it was about another stroke
-        self._standing = standing
-        if standing is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
-            self._form.fill(standing.asked)
-        elif standing is None and self._unfilled:
+        self._status = status
+        if status is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
+            self._form.fill(status.options)
+        elif status is None and self._unfilled:
             self._form.dip(paints > 1)  # the one pen is in the holder
         self._unfilled = self._unfilled and bool(fault)
-        self._begun.text = fault or _begun(standing)
+        self._begun.text = fault or _begun(status)
         self._mix.text = _to_be_mixed(len(missing), paints)
         self._mix.props["href"] = f"/paints?plan={plan}"
         self._show_buttons()
 
     def _show_buttons(self) -> None:
-        standing, there = self._standing, bool(self.plan)
-        goes_on = standing is not None and not standing.is_over
+        status, there = self._status, bool(self.plan)
+        goes_on = status is not None and not status.is_over
         self._none.visible, self._plan.visible = not there, there
         self._check.visible = there
-        self._start.visible = there and standing is None
-        self._anew.visible = there and standing is not None
+        self._start.visible = there and status is None
+        self._anew.visible = there and status is not None
         self._resume.visible = there and goes_on
-        self._question.visible = goes_on and standing is not None and standing.unfinished is not None
-        if standing is not None and standing.unfinished is not None:
-            self._legend.text = f"Stroke {standing.painted + 1} was under the brush when it ended. Is it on the paper?"
+        self._question.visible = goes_on and status is not None and status.unfinished is not None
+        if status is not None and status.unfinished is not None:
+            self._legend.text = f"Stroke {status.painted + 1} was under the brush when it ended. Is it on the paper?"
         self._begun.visible = bool(self._begun.text)
         self._mix.visible = bool(self._mix.text)
         for button in (self._check, self._start, self._anew, self._resume):
             button.enabled = not self._run.is_busy
 
-    def _asked(self) -> tuple[str, Asked]:
+    def _asked(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        return self.plan, self._form.asked(None if known is None else known.asked.photo)
+        return self.plan, self._form.options(None if known is None else known.asked.photo)
 
     def _rehearse(self) -> None:
-        self._run.check(*self._asked(), resume=self._standing is not None and not self._standing.is_over)
+        self._run.check(*self._asked(), resume=self._status is not None and not self._status.is_over)
 
     async def _begin(self) -> None:
         await self._run.begin(*self._asked())
@@ -191,12 +191,12 @@ class _Setting:
         await self._run.resume(*self._asked(), answer if self._question.visible else None)
 
 
-def _begun(standing: Standing | None) -> str:
-    if standing is None:
+def _begun(status: PaintStatus | None) -> str:
+    if status is None:
         return ""
-    if standing.is_over:
-        return f"All {_counted(standing.strokes, 'stroke')} are painted."
-    return f"It was begun: {standing.painted} of {_counted(standing.strokes, 'stroke')} are painted."
+    if status.is_over:
+        return f"All {_counted(status.strokes, 'stroke')} are painted."
+    return f"It was begun: {status.painted} of {_counted(status.strokes, 'stroke')} are painted."
 
 
 def _to_be_mixed(missing: int, paints: int) -> str:

@@ -5,7 +5,7 @@ from math import ceil
 from nicegui import html, ui
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.options import PlanRequest
 from maulstick.studio.panels.plan.form import in_words
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
@@ -132,9 +132,9 @@ class PlanCard:
         offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(grave))
 
 
-def _asked(job: Job) -> str:
-    colours = "one ink" if job.ink is not None else "1 paint" if job.paints == 1 else f"{job.paints} paints"
-    return f"{job.style}, {job.brush}, {job.strokes} strokes, {colours}, {in_words(job.size)}"
+def _asked(request: PlanRequest) -> str:
+    colours = "one ink" if request.ink is not None else "1 paint" if request.paints == 1 else f"{request.paints} paints"
+    return f"{request.style}, {request.brush}, {request.strokes} strokes, {colours}, {in_words(request.size)}"
 
 
 def _said(plan: Plan) -> str:
@@ -143,7 +143,7 @@ def _said(plan: Plan) -> str:
     if plan.is_busy:
         left = "" if plan.left is None or plan.phase is not Phase.PLANNING else f", about {_time(plan.left)} left"
         return f"{plan.done:.0%}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
-    return ", ".join(plan.figures)
+    return ", ".join(plan.metrics)
 
 
 def _time(seconds: float) -> str:

@@ -6,7 +6,7 @@ from nicegui import app, html, ui
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import Job
+from maulstick.jobs.plan.options import PlanRequest
 from maulstick.painting.brush import BRUSHES
 from maulstick.painting.raster import parse_size
 from maulstick.studio.panels.plan.pictures import PictureChoice
@@ -76,7 +76,7 @@ class PlanForm:
         ui.timer(_PAUSE, self._go.enable, once=True)
         ui.notify(f"{plan.name} is being planned", type="positive")
 
-    def _asked(self) -> Job:
+    def _asked(self) -> PlanRequest:
         text = str(self._text.value or "").strip() or None
         photo = self._picture.path
         if photo is None and text is None:
@@ -89,7 +89,7 @@ class PlanForm:
         if ink is not None:
             parse_colour(ink)
         weights = {name: slider.value for name, slider in self._weights.items()}
-        return Job(
+        return PlanRequest(
             photo=photo,
             text=text,
             look=None,
