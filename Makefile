@@ -22,7 +22,7 @@ EDITABLE := --build-constraint constraints.txt --editable
 .PHONY: demo test bench clean
 
 demo: $(VENV)/installed
-	$(BIN)/maulstick paint --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
+	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
 
 test: $(VENV)/installed-dev
 	$(BIN)/ruff check
@@ -48,7 +48,7 @@ $(VENV)/installed: $(SOURCES)
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,film,franka,mocap,studio,ur,wacom,xarm]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,studio,ur,video,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

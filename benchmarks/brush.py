@@ -40,7 +40,7 @@ from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 
 TRIALS = 100
 SIZE, SHEET, DIFFERENT = (1600, 2000), 0.3, 20  # pixels high and wide; metres wide
-PEN = Brush(name="pen", source="benchmarks/brush.py", alpha=1.5e-3, beta=0.8e-3, c=0.9, plateau=0.5)
+PEN = Brush(name="pen", source="benchmarks/brush.py", alpha=1.5e-3, beta=0.8e-3, falloff=0.9, plateau=0.5)
 PAPER, INK = 0.95, (0.1, 0.12, 0.3)
 SECONDS, SEEDS = 60.0, 1
 

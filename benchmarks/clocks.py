@@ -23,7 +23,7 @@ BEFORE_AN_ARM = Easel(corner=(0.42, 0.08, 0.35), right=(1, 0, 0), down=(0, -1, 0
 def on_grbl(painting: Painting, strokes: int, pen: Pen | None) -> tuple[float, float]:
     """Seconds for the first so many strokes, estimated, and simulated by a Grbl that steps its motion at 1 kHz."""
     with FakeGrbl(pace=1000.0) as device, Grbl(device.port, pen) as robot:
-        place = robot.easel(painting.canvas.width, painting.canvas.height).model_copy(update={"deepest": 2e-3})
+        place = robot.easel(painting.sheet.width, painting.sheet.height).model_copy(update={"deepest": 2e-3})
         actions, estimated = _actions(painting, strokes, place, robot)
         opened = device.seconds
         _draw(actions, robot)

@@ -59,24 +59,24 @@ class Stopwatch:
 
 
 class Counted(NetworkLoss):
-    """Another judge, and how often it was asked."""
+    """Another network loss, and how often it was asked."""
 
     def __init__(self, network_loss: NetworkLoss) -> None:
         self._network_loss, self.calls = network_loss, 0
 
     @property
     def name(self) -> str:
-        """What the judge is called."""
+        """What the network loss is called."""
         return self._network_loss.name
 
     @property
     def views(self) -> int:
-        """As many as the judge has."""
+        """As many as the network loss has."""
         return self._network_loss.views
 
     @usual_torch_threads()
     def losses(self, canvas: Tensor, which: list[int]) -> Tensor:
-        """What the judge says."""
+        """What the network loss says."""
         self.calls += 1
         return self._network_loss.losses(canvas, which)
 
@@ -103,7 +103,7 @@ def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
         planning = Stopwatch()
         with planning:
             network_losses = (Weighted(network_loss, asked.network_losses[0].weight),)
-            planned = way(PlanningProblem(**{**vars(asked), "judges": network_losses}), options, seen)
+            planned = way(PlanningProblem(**{**vars(asked), "network losses": network_losses}), options, seen)
         row[f"{prefix}calls"] = network_loss.calls
         row[f"{prefix}seconds"] = round(planning.seconds - examining.seconds, 1)
         seen(_rendered(asked, planned))
@@ -123,7 +123,7 @@ def few_calls_time(image: str) -> Row:
     asked = _problem(image, options, network)
     network_loss = Counted(asked.network_losses[0].term)
     started = time.perf_counter()
-    plan(PlanningProblem(**{**vars(asked), "judges": (Weighted(network_loss, 1.0),)}), options)
+    plan(PlanningProblem(**{**vars(asked), "network losses": (Weighted(network_loss, 1.0),)}), options)
     seconds, calls = time.perf_counter() - started, network_loss.calls
     canvas = asked.paper.clone().requires_grad_()
     started = time.perf_counter()
@@ -173,11 +173,11 @@ def _plainly(
         if step % EXAMINED_EVERY == 0:
             seen(canvas)
 
-    return plan_plainly(asked, start, loss, steps=STEPS, even_press=False, watch=watch)
+    return plan_plainly(asked, start, loss, steps=STEPS, even_pressure=False, watch=watch)
 
 
 def _said(asked: PlanningProblem, canvas: Tensor, torch_rng: Generator) -> Tensor:
-    """What the judge says through a few of its views."""
+    """What the network loss says through a few of its views."""
     network_loss = asked.network_losses[0].term
     return network_loss.losses(
         canvas, torch.randperm(network_loss.views, generator=torch_rng)[:AT_ONCE].tolist()

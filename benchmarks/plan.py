@@ -47,7 +47,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 from few_calls import few_calls, few_calls_time
 from frida import anywhere
 
-PUBLISHED = Schedule(sorts=(), relocations=(), snap=0.9, grouped=False)
+PUBLISHED = Schedule(sorts=(), relocations=(), quantise=0.9, grouped=False)
 TONES, LIKENESS = LossOptions(), LossOptions(weights={"likeness": 1.0})
 SEEN = 2 / 255
 SIZES = ((400, 256), (400, 512), (400, 1024), (1600, 512), (1600, 1024), (6400, 1024), (10_000, 1536))

@@ -210,12 +210,17 @@ def recognition() -> None:
 
 def price() -> None:
     sessions = mocap_hands()
-    for held in HELD:
+    for max_mean_cost in HELD:
         likeness: list[float] = []
-        confusion = _over_splits(sessions, partial(_planned, held=held, likeness=likeness), splits=1)
+        confusion = _over_splits(sessions, partial(_planned, max_mean_cost=max_mean_cost, likeness=likeness), splits=1)
         accuracy = float(np.mean(np.diag(confusion)))
         show(
-            "price", model="exemplar", held=str(held), accuracy=accuracy, source="plans", psnr=float(np.mean(likeness))
+            "price",
+            model="exemplar",
+            max_mean_cost=str(max_mean_cost),
+            accuracy=accuracy,
+            source="plans",
+            psnr=float(np.mean(likeness)),
         )
 
 
@@ -244,10 +249,12 @@ def _samples(model: str, half: Strokes, seed: int) -> Floats:
     return _drawn_by(model, Hand.of(half), load_hands(), seed)
 
 
-def _planned(half: Strokes, seed: int, held: float | None = None, likeness: list[float] | None = None) -> Floats:
+def _planned(
+    half: Strokes, seed: int, max_mean_cost: float | None = None, likeness: list[float] | None = None
+) -> Floats:
     style = Exemplar.fit("half", Hand.of(half), load_hands())
-    if held is not None:
-        style = replace(style, held=held)
+    if max_mean_cost is not None:
+        style = replace(style, max_mean_cost=max_mean_cost)
     layout, options = laid_out("astronaut", 256), PlannerSettings(seed=seed)
     planned = plan(problem_of(layout, BRUSH, style, options), options)
     painting = as_painting(planned, layout, BRUSH, style, making(options))

@@ -24,7 +24,7 @@ STROKES = 120
 
 @dataclass(frozen=True)
 class Recipe:
-    """medium: of libmypaint.  tool: what it stands for.  radius, side: metres.  depth: metres at press 0 and 1.
+    """medium: of libmypaint.  tool: what it stands for.  radius, side: metres.  depth: metres at pressure 0 and 1.
 
     pales: whether a light touch leaves it paler.
     """

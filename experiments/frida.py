@@ -5,8 +5,8 @@ Source: Spline-FRIDA, Background, and Painting and Drawing Planning, which say h
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from math import log
+from dataclasses import dataclass, field, replace
+from math import inf, log
 
 import numpy as np
 import torch
@@ -17,21 +17,21 @@ from maulstick.colour.palette import mix_paints
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlanningProblem
-from maulstick.planning.stroke_canvas import Work, as_array
+from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 from maulstick.style.hand import by_length
 from maulstick.style.pressure import KNOTS
 
-RATES = {"codes": 0.02, "centres": 0.004, "angles": 0.08, "press_knots": 0.04, "colours": 0.02}
+RATES = {"codes": 0.02, "centres": 0.004, "angles": 0.08, "pressure_knots": 0.04, "colours": 0.02}
 """At the peak, found by search: halves and doubles do worse. centres: in heights of the sheet."""
 MIXED = 0.9
 """How much of the steps is over when colours become paints."""
 STEEPNESS = 4.0
 """Of a curve's numbers over its code; so that our planner's steps suit codes."""
 EVEN = 1e4
-"""What an uneven press costs: enough for our planner to press a stroke evenly, as FRIDA can only do."""
+"""What an uneven pressure costs: enough for our planner to press a stroke evenly, as FRIDA can only do."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,8 @@ class Bezier(Style):
     shortest: float = 0.01
     longest: float = 0.05
     most_bent: float = 0.02
-
-    @property
-    def name(self) -> str:
-        """Of its curve."""
-        return "bezier"
+    name: str = field(default="bezier", init=False)
+    max_mean_cost: float = field(default=inf, init=False)
 
     @property
     def hash(self) -> str:
@@ -74,25 +71,20 @@ class Bezier(Style):
         return torch.linspace(0, 1, POINTS).to(like)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Of any length, bend and press alike; the press is even."""
+        """Of any length, bend and pressure alike; the pressure is even."""
         return _codes(torch.rand(k, 2, generator=generator)), _even(torch.rand(k, 1, generator=generator))
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """As `sample`, the longest where there is most room."""
-        codes, press_knots = self.sample(len(lengths), generator)
+        codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(codes[:, 0], lengths)
-        return codes[chosen], press_knots[chosen]
+        return codes[chosen], pressure_knots[chosen]
 
-    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
-        """That of uniform lengths and bends, which keeps codes from where gradients vanish; and of an uneven press."""
+    def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
+        """The cost of uniform lengths and bends, which keeps codes from where gradients vanish; uneven pressure."""
         shares = logsigmoid(STEEPNESS * codes) + logsigmoid(-STEEPNESS * codes) + log(4)
-        uneven = press_knots - press_knots.mean(dim=1, keepdim=True)
+        uneven = pressure_knots - pressure_knots.mean(dim=1, keepdim=True)
         return EVEN * uneven.square().sum(dim=1) - shares.sum(dim=1)
-
-    @property
-    def leeway(self) -> float:
-        """Nobody's strokes need not look like anybody's."""
-        return float("inf")
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Nobody's."""
@@ -101,28 +93,28 @@ class Bezier(Style):
 
 def anywhere(problem: PlanningProblem, count: int, generator: Generator) -> StrokeParameters:
     """Strokes of the style at random: places, directions, press and colours."""
-    codes, press_knots = problem.style.sample(count, generator)
+    codes, pressure_knots = problem.style.sample(count, generator)
     size = torch.tensor([problem.canvas.width, problem.canvas.height])
     return StrokeParameters(
         codes=codes,
         centres=torch.rand(count, 2, generator=generator) * size,
         angles=torch.rand(count, generator=generator) * 2 * torch.pi,
-        press_knots=press_knots,
+        pressure_knots=pressure_knots,
         colours=torch.rand(count, 3, generator=generator),
     )
 
 
 def evenly_pressed(strokes: StrokeParameters) -> StrokeParameters:
-    """Each stroke at its mean press, which is the only one that FRIDA's have."""
-    return replace(strokes, press_knots=_even(strokes.press_knots.mean(dim=1, keepdim=True)))
+    """Each stroke at its mean pressure, which is the only one that FRIDA's have."""
+    return replace(strokes, pressure_knots=_even(strokes.pressure_knots.mean(dim=1, keepdim=True)))
 
 
 def _codes(shares: Tensor) -> Tensor:
     return torch.logit(shares, eps=1e-3) / STEEPNESS
 
 
-def _even(press: Tensor) -> Tensor:
-    return press.expand(-1, KNOTS)
+def _even(pressure: Tensor) -> Tensor:
+    return pressure.expand(-1, KNOTS)
 
 
 @one_torch_thread()
@@ -134,43 +126,44 @@ def plan_plainly(
     steps: int = 2000,
     paints: int | None = 12,
     seed: int = 0,
-    even_press: bool = True,
+    even_pressure: bool = True,
     watch: Callable[[int, float, Tensor], None] = lambda step, loss, canvas: None,
 ) -> PlanResult:
     """Plan by RMSprop over all numbers of all strokes, whose rate rises and falls once.
 
-    loss: of the canvas (C, H, W), asked at every step; the commission's objectives and judges are not.
+    loss: of the canvas (C, H, W), asked at every step; the commission's objectives and network losses are not.
     paints: how many to mix of the colours when a tenth of the steps is left; with None strokes keep the colours that
     they start with, as with one ink.  seed: of the mixing.  watch: gets the step, its loss and the canvas.
-    even_press: the press of a stroke is one number, as FRIDA's is. Source: Spline-FRIDA, Painting and Drawing Planning.
+    even_pressure: the pressure of a stroke is one number, as FRIDA's is.
+    Source: Spline-FRIDA, Painting and Drawing Planning.
     """
-    press = start.press_knots.mean(dim=1, keepdim=True) if even_press else start.press_knots
-    leaves = {name: tensor.clone() for name, tensor in (start.each() | {"press_knots": press}).items()}
-    fixed = {"press_knots": not problem.brush.presses, "colours": paints is None}
+    pressure = start.pressure_knots.mean(dim=1, keepdim=True) if even_pressure else start.pressure_knots
+    leaves = {name: tensor.clone() for name, tensor in (start.each() | {"pressure_knots": pressure}).items()}
+    fixed = {"pressure_knots": not problem.brush.pressure_matters, "colours": paints is None}
     for name, tensor in leaves.items():
         tensor.requires_grad_(not fixed.get(name, False))
-    strokes = StrokeParameters(**(leaves | {"press_knots": _even(leaves["press_knots"])}))
-    work = Work(strokes, problem.paper, problem.canvas, problem.brush, problem.style)
+    strokes = StrokeParameters(**(leaves | {"pressure_knots": _even(leaves["pressure_knots"])}))
+    stroke_canvas = StrokeCanvas(strokes, problem.paper, problem.canvas, problem.brush, problem.style)
     peaks = RATES | {"centres": RATES["centres"] * problem.canvas.height}
     groups = [{"params": [tensor], "peak": peaks[name]} for name, tensor in leaves.items() if tensor.requires_grad]
     descent = torch.optim.RMSprop(groups, lr=0.0)
     for step in range(steps):
-        if paints is not None and work.paints is None and step >= MIXED * steps:
+        if paints is not None and stroke_canvas.paints is None and step >= MIXED * steps:
             mixed = mix_paints(as_array(leaves["colours"]), np.ones(len(start)), paints, seed)
-            work.snap(torch.from_numpy(mixed).to(leaves["colours"]), grouped=False)
+            stroke_canvas.quantise(torch.from_numpy(mixed).to(leaves["colours"]), grouped=False)
         for group in descent.param_groups:
             group["lr"] = group["peak"] * (1 - abs(2 * (step + 0.5) / steps - 1))
-        canvas = work.render()
+        canvas = stroke_canvas.render()
         now = loss(canvas)
         descent.zero_grad()
         now.backward()
         descent.step()
         with torch.no_grad():
-            leaves["press_knots"].clamp_(0, 1)
+            leaves["pressure_knots"].clamp_(0, 1)
             leaves["colours"].clamp_(0, 1)
         strokes.keep_inside(problem.style, problem.canvas.width, problem.canvas.height)
         watch(step, now.item(), canvas.detach())
     drawn = strokes[torch.arange(len(strokes))]
-    if work.paints is not None:
-        return PlanResult(drawn, work.paints, work.paint_of)
+    if stroke_canvas.paints is not None:
+        return PlanResult(drawn, stroke_canvas.paints, stroke_canvas.paint_of)
     return PlanResult(drawn, *torch.unique(drawn.colours, dim=0, return_inverse=True))

@@ -87,7 +87,7 @@ def _of_height(pixels: Pixels, height: int) -> Image.Image:
 
 
 def draw_all(wanted: list[tuple[str, ...]], quick: bool) -> list[list[Pixels]]:
-    """What each of these arguments of ``maulstick paint`` asks for, drawn by all hands."""
+    """What each of these arguments of ``maulstick plan`` asks for, drawn by all hands."""
     size = f"{SIDE * 1e3:g}x{SIDE * 1e3:g}mm"
     maulstick = Path(sys.executable).with_name("maulstick")
     with TemporaryDirectory() as folder, ThreadPoolExecutor(AT_A_TIME) as pool:

@@ -11,12 +11,12 @@ from maulstick.robot.simulated.mypaint import MyPaintPaper
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style.cards import STYLES
-from maulstick.style.pressure import press_along
+from maulstick.style.pressure import pressure_along
 from maulstick.style.store import read_style
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 RADIUS = {"marker": 1.8e-3, "marker_fat": 5e-3, "brush": 0.3e-3, "acrylic": 1.2e-3}
-"""Metres: with these, strokes of medium press are 2 to 5 mm wide."""
+"""Metres: with these, strokes of medium pressure are 2 to 5 mm wide."""
 GENERIC, SPECIAL = ("contour",), ("loops", "cursive", "hatching", "scribble")
 """Styles of the paper's dataset A, which models are trained with, and B, which they have never seen."""
 
@@ -69,7 +69,7 @@ def _darkness_trial(index: int, path: Floats, darkness: np.ndarray) -> Trial:
 
 
 def _paths(styles: tuple[str, ...], count: int, seed: int) -> Floats:
-    """(count, n, 3) strokes of the styles in turn, enlarged to a size that fits, their presses spread evenly."""
+    """(count, n, 3) strokes of the styles in turn, enlarged to a size that fits, their pressures spread evenly."""
     generator = torch.Generator().manual_seed(seed)
     each = [_of_style(style, -(-count // len(styles)), generator) for style in styles]
     return np.stack(each, axis=1).reshape(-1, POINTS, 3)[:count]
@@ -79,12 +79,12 @@ def _of_style(style: str, count: int, generator: torch.Generator) -> Floats:
     hand = read_style(STYLES.paths()[style])
     codes, knots = hand.sample(3 * count, generator)
     paths = hand.decode(codes).detach().double().numpy()
-    press = press_along(knots).double().numpy()
+    pressure = pressure_along(knots).double().numpy()
     extent = np.ptp(paths, axis=1).max(axis=1)
     scale = _MEDIAN * SIDE / np.median(extent)
     fitting = np.flatnonzero((extent * scale < _LARGEST * SIDE) & (extent * scale > 0.1 * SIDE))[:count]
     # A stylus's pressure keeps to a few values: by rank, all from the lightest to the deepest come alike.
-    ranks = np.searchsorted(np.sort(press.ravel()), press, side="right") / press.size
+    ranks = np.searchsorted(np.sort(pressure.ravel()), pressure, side="right") / pressure.size
     middle = (paths.min(axis=1) + paths.max(axis=1)) / 2
     placed = (paths - middle[:, None]) * scale + SIDE / 2
     return np.concatenate([placed, 0.1 + 0.9 * ranks[..., None]], axis=2)[fitting]

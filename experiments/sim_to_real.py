@@ -266,8 +266,8 @@ class Easel:
 
 
 def _over(photograph: Image, rest: Painting, canvas: Canvas) -> Image:
-    size = {"width": rest.canvas.width, "height": rest.canvas.height, "picture": encode_png(photograph)}
-    return preview(rest.model_copy(update={"canvas": Sheet.model_validate(size)}), canvas)
+    size = {"width": rest.sheet.width, "height": rest.sheet.height, "picture": encode_png(photograph)}
+    return preview(rest.model_copy(update={"sheet": Sheet.model_validate(size)}), canvas)
 
 
 if __name__ == "__main__":

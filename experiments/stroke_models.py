@@ -183,13 +183,15 @@ def draw_with(brush: Brush, like: Data, paths: Tensor) -> Tensor:
     scale = like.pixels_per_metre
     marks = Traj2Stroke.of([brush] * len(paths)).bare(paths / torch.tensor([scale, scale, 1]), scale)
     height, width = like.examples.darkness.shape[1:]
-    return darkness(marks.points, marks.thickness, marks.c, marks.q, marks.o, height=height, width=width)
+    return darkness(
+        marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity, height=height, width=width
+    )
 
 
 def _added(brush: Brush) -> int:
     """How many numbers beyond the paper's seven and the ink differ from their neutral values."""
     neutral = Brush(name=brush.name, source=brush.source, alpha=brush.alpha, beta=brush.beta)
-    known = {"name", "source", "depth", "m_x", "m_y", "b_x", "b_y", "alpha", "beta", "c", "opacity"}
+    known = {"name", "source", "depth", "m_x", "m_y", "b_x", "b_y", "alpha", "beta", "falloff", "opacity"}
     pairs = [(getattr(brush, name), getattr(neutral, name)) for name in set(Brush.model_fields) - known]
     return sum(np.size(came) for came, plain in pairs if not np.allclose(came, plain, rtol=1e-6, atol=1e-12))
 

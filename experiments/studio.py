@@ -21,12 +21,12 @@ from playwright.sync_api import Page, expect, sync_playwright
 from maulstick.style.cards import style_path
 from maulstick.style.store import read_style
 from maulstick.survey.answers import Answers
-from maulstick.survey.questionnaire import Hand, Match, Opinions, Pair, build
+from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand, build
 from maulstick.survey.questions import questions
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from tests.studio.conftest import RunningStudio
-from tests.studio.test_pen import press
+from tests.studio.test_pen import pressure
 
 SIZE = {"width": 1280, "height": 800}
 PATIENCE = 300_000.0  # milliseconds
@@ -66,7 +66,7 @@ def draw(page: Page, url: str, out: Path) -> None:
     """A hand, and let it be learned."""
     page.goto(url)
     for path, forces in strokes():
-        press(page, path, forces)
+        pressure(page, path, forces)
     page.get_by_label("Name of this hand").fill("anna")
     photograph(page, "draw", out)
     page.get_by_role("button", name="Learn this hand").click()
@@ -129,8 +129,8 @@ def ask(studio: RunningStudio, page: Page, out: Path) -> None:
     plans, pictures = studio.folder / "plans", studio.folder / "pictures"
     looks = plans / "portrait" / "preview.png", plans / "portrait-2" / "preview.png"
     hands = [
-        Hand(name="loops", by_hand=looks[0], by_machine=(looks[0],)),
-        Hand(name="anna", by_hand=studio.folder / "hands" / "anna" / "hand.png", by_machine=(looks[1],)),
+        SurveyHand(name="loops", by_hand=looks[0], by_machine=(looks[0],)),
+        SurveyHand(name="anna", by_hand=studio.folder / "hands" / "anna" / "hand.png", by_machine=(looks[1],)),
     ]
     pair = Pair(reference=pictures / "portrait" / "picture.png", looks=looks)
     folder = studio.folder / "surveys" / "two-hands"

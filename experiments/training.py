@@ -26,7 +26,7 @@ class Examples:
     """Strokes alone on images of one size.
 
     paths: (N, 32, 3) x, y in pixels from the image's upper left corner, whose first pixel has its centre at (0.5, 0.5),
-    and press in [0, 1].  darkness: (N, H, W) in [0, 1], 1 = full ink.  weights: (N, H, W) in [0, 1], 0 where a pixel
+    and pressure in [0, 1].  darkness: (N, H, W) in [0, 1], 1 = full ink.  weights: (N, H, W) in [0, 1], 0 where a pixel
     must not count.
     """
 

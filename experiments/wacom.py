@@ -22,7 +22,7 @@ def wacom_hands(least: int = 10) -> dict[str, Strokes]:
 
 
 def each_drawing() -> list[tuple[str, Strokes]]:
-    """Names and strokes of all drawings. The width that the ink of some was drawn with stands for its press."""
+    """Names and strokes of all drawings. The width that the ink of some was drawn with stands for its pressure."""
     with np.load(DATA / "uil_strokes.npz", allow_pickle=False) as file:
         strokes = np.split(file["data"], np.cumsum(file["lens"])[:-1])
         sources = file["source"]
@@ -32,10 +32,10 @@ def each_drawing() -> list[tuple[str, Strokes]]:
         drawn = [stroke for stroke in drawn if len(stroke) > 3]
         places = np.concatenate(drawn)[:, :2]
         scale, origin = LONGER_SIDE / np.ptp(places, axis=0).max(), places.min(axis=0)
-        presses = _presses(drawn)
+        pressures = _presses(drawn)
         samples = [
-            _finer(np.column_stack([stroke[:, 2] - stroke[0, 2], (stroke[:, :2] - origin) * scale, press]))
-            for stroke, press in zip(drawn, presses, strict=True)
+            _finer(np.column_stack([stroke[:, 2] - stroke[0, 2], (stroke[:, :2] - origin) * scale, pressure]))
+            for stroke, pressure in zip(drawn, pressures, strict=True)
         ]
         name = Path(source).stem.lower().replace(" ", "-").replace(")", "")
         drawings.append((name, Strokes.of(Ink.of(samples, (LONGER_SIDE + _MARGIN,) * 2, f"Wacom, {source}"))))

@@ -8,7 +8,7 @@ from scipy import ndimage
 from maulstick.brush_fit.fit import Fit, fit_brush
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.errors import InputError
-from maulstick.painting.brush import CURVE_PRESSES, Brush
+from maulstick.painting.brush import CURVE_PRESSURES, Brush
 from tests.support.brush_fit.simulated_trials import INK, PAPER, SCALE, Faults, draw_darkness, draw_trials
 from tests.support.tolerances import (
     CLEAN_WIDTH,
@@ -20,7 +20,7 @@ from tests.support.tolerances import (
     SIGMAS,
 )
 
-MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, c=0.9, opacity=0.9, b_x=3e-4, b_y=-2e-4)
+MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, falloff=0.9, opacity=0.9, b_x=3e-4, b_y=-2e-4)
 PRESSES = np.array([0.2, 0.5, 0.9])
 
 
@@ -34,7 +34,7 @@ def plain() -> Fit:
     return fitted(draw_trials(MARKER, 20, 1, Faults(specks=1)), "faint")
 
 
-NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "c": 0.7, "nib": (0.25, -0.1)})
+NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "falloff": 0.7, "nib": (0.25, -0.1)})
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def of_nib() -> Fit:
 ROUND = MARKER.model_copy(
     update={
         "alpha": 1.6e-3,
-        "curve": tuple(press**2 for press in CURVE_PRESSES),
+        "curve": tuple(pressure**2 for pressure in CURVE_PRESSURES),
         "lag": 1.2e-3,
         "touch": (5e-4, -3e-4),
     }
@@ -86,17 +86,17 @@ def dark() -> Fit:
 
 @pytest.fixture(scope="module")
 def flat() -> Fit:
-    """Strokes of one press, each on a sheet of its own."""
-    return fitted(draw_trials(MARKER, 5, 2, sheet_of=1, press=lambda press: np.full_like(press, 0.5)))
+    """Strokes of one pressure, each on a sheet of its own."""
+    return fitted(draw_trials(MARKER, 5, 2, sheet_of=1, pressure=lambda pressure: np.full_like(pressure, 0.5)))
 
 
 def test_the_numbers_of_a_brush_are_found_within_their_standard_errors(plain: Fit) -> None:
-    for name in ("m_x", "m_y", "b_x", "b_y", "alpha", "beta", "c"):
+    for name in ("m_x", "m_y", "b_x", "b_y", "alpha", "beta", "falloff"):
         off = getattr(plain.brush, name) - getattr(MARKER, name)
         assert abs(off) < SIGMAS * plain.errors[name], name
     assert plain.errors["alpha"] < 0.05 * MARKER.alpha
     assert plain.errors["beta"] < 0.05 * MARKER.beta
-    assert plain.errors["c"] < 0.1
+    assert plain.errors["falloff"] < 0.1
 
 
 def test_strokes_that_lie_beside_their_places_do_not_widen_the_brush(plain: Fit) -> None:
@@ -130,7 +130,9 @@ def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
     assert sorted(of_nib.kept) == ["nib", "plateau"]
     assert of_nib.l1 < 0.5 * of_nib.l1_paper
     found = of_nib.brush
-    assert (*found.nib, found.plateau, found.c) == pytest.approx((*NIB_PEN.nib, NIB_PEN.plateau, NIB_PEN.c), abs=0.02)
+    assert (*found.nib, found.plateau, found.falloff) == pytest.approx(
+        (*NIB_PEN.nib, NIB_PEN.plateau, NIB_PEN.falloff), abs=0.02
+    )
     assert found.half_width(PRESSES) == pytest.approx(NIB_PEN.half_width(PRESSES), rel=KEPT_WIDTH)
 
 
@@ -172,15 +174,15 @@ def test_a_fit_is_the_same_to_the_bit_when_it_is_run_again(dark: Fit) -> None:
     )
 
 
-def test_what_strokes_of_one_press_that_never_cross_leave_open_is_said(flat: Fit) -> None:
+def test_what_strokes_of_one_pressure_that_never_cross_leave_open_is_said(flat: Fit) -> None:
     for start in (
-        "all strokes were drawn at press 0.50: how width depends on press is not known, alpha is 0",
+        "all strokes were drawn at pressure 0.50: how width depends on pressure is not known, alpha is 0",
         "no stroke crosses an older one, so a translucent ink cannot be told from a paler one: opacity is 1",
     ):
         assert any(warning.startswith(start) for warning in flat.warnings), start
 
 
-def test_strokes_of_one_press_tell_one_width(flat: Fit) -> None:
+def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
     assert flat.brush.alpha == 0
     assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)
 

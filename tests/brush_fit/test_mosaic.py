@@ -12,7 +12,7 @@ from maulstick.strokes.strokes import resample
 from tests.support.brush_fit.simulated_trials import INK, SCALE, Faults, draw_darkness, draw_trials
 from tests.support.tolerances import FLOAT32_VALUE_FAR, MARK_REACH
 
-MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, c=0.9, opacity=0.9)
+MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, falloff=0.9, opacity=0.9)
 BRUSHES = [
     MARKER,
     MARKER.model_copy(update={"plateau": 0.6, "b_x": 3e-4}),
@@ -43,7 +43,7 @@ def alone(window: Window, path: Floats, brush: Brush) -> torch.Tensor:
     trajectory = torch.tensor((path - (*window.corner, 0))[None], dtype=torch.float32)
     marks = Traj2Stroke.of([brush]).bare(trajectory, SCALE)
     paper = torch.tensor(window.before).permute(2, 0, 1).contiguous()
-    return composite(paper, marks.points, marks.thickness, COLOUR[None], marks.c, marks.q, marks.o)
+    return composite(paper, marks.points, marks.thickness, COLOUR[None], marks.falloff, marks.plateau, marks.opacity)
 
 
 def test_every_stroke_is_stamped_as_on_its_window_alone(

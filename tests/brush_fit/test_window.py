@@ -13,7 +13,7 @@ from maulstick.painting.brush import Brush
 from tests.support.brush_fit.simulated_trials import CLEAN, SCALE, SHAPE, Faults, draw_darkness, draw_trials
 from tests.support.tolerances import EVEN_LIGHT, MARK_EXTENT, MOVED_PX
 
-MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, c=0.9, opacity=0.9)
+MARKER = Brush(name="truth", source="a test", alpha=1e-3, beta=0.7e-3, falloff=0.9, opacity=0.9)
 REACH = 4e-3
 HEIGHT, WIDTH = SHAPE
 SEED = 3
@@ -72,7 +72,7 @@ def test_the_mark_is_covered_and_the_paper_beside_it_is_not() -> None:
 
 
 def test_the_extent_of_a_stroke_is_about_its_half_width() -> None:
-    alone = draw_trials(MARKER, 1, SEED, press=np.ones_like)[0]
+    alone = draw_trials(MARKER, 1, SEED, pressure=np.ones_like)[0]
     assert extent(looked(alone), SCALE) == pytest.approx(MARKER.widest, abs=MARK_EXTENT)
 
 

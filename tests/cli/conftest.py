@@ -53,7 +53,7 @@ def run(*words: str | Path) -> Ran:
 
 def paint(out: Path, *words: str | Path, photo: str | Path = PORTRAIT) -> Ran:
     """Paint quickly and badly."""
-    return run("paint", photo, *QUICK, "--out", out, *words)
+    return run("plan", photo, *QUICK, "--out", out, *words)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -90,7 +90,7 @@ class Running:
             assert self.listen(), self.said
 
     def interrupt_after(self, text: str) -> None:
-        """Press Ctrl-C once it has said so; a terminal tells all its processes."""
+        """press Ctrl-C once it has said so; a terminal tells all its processes."""
         self.wait_for(text)
         os.killpg(self._process.pid, signal.SIGINT)
 
@@ -119,4 +119,4 @@ class Running:
 def painted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ran]:
     """A folder with a painting, that no test changes, and what was said while it was made."""
     out = tmp_path_factory.mktemp("painted") / "new" / "folder"
-    return out, run("paint", PORTRAIT, *QUICK, "--out", out)
+    return out, run("plan", PORTRAIT, *QUICK, "--out", out)

@@ -28,7 +28,7 @@ def test_help_says_what_each_exit_code_means() -> None:
 
 
 def test_the_command_that_is_installed_leaves_with_one_line_and_a_code() -> None:
-    ran = run_command("paint", "none.jpg")
+    ran = run_command("plan", "none.jpg")
     assert ran.code == 2
     assert ran.mistake == f"there is no picture {Path('none.jpg').absolute()}; check its name and folder"
 
@@ -37,12 +37,12 @@ def test_a_mistake_is_found_before_torch_is_loaded(tmp_path: Path) -> None:
     (tmp_path / "torch.py").write_text("raise SystemExit('torch was loaded')")
     there = str(tmp_path)
     for words, text in {
-        ("paint", "--demo", "--px", "0"): "--px is 0; it must be from 16 to 32768",
-        ("paint", "--demo", "--ink", "octarine"): "'octarine' is not a colour; write a name such as black, or #rrggbb",
+        ("plan", "--demo", "--px", "0"): "--px is 0; it must be from 16 to 32768",
+        ("plan", "--demo", "--ink", "octarine"): "'octarine' is not a colour; write a name such as black, or #rrggbb",
         ("render", "none.json"): "there is no painting none.json; check its name and folder",
     }.items():
         assert run_command(*words, PYTHONPATH=there).mistake == text
-    assert "torch was loaded" in run_command("paint", "--demo", "--out", tmp_path / "out", PYTHONPATH=there).stderr
+    assert "torch was loaded" in run_command("plan", "--demo", "--out", tmp_path / "out", PYTHONPATH=there).stderr
 
 
 def test_ctrl_c_while_the_program_loads_is_no_traceback(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def fitted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A fit that takes no time, finds the brush of the plates' tests, and has something to say."""
+    """A fit that takes no time, finds the brush of the plots' tests, and has something to say."""
 
     def fit_brush(
         trials: Trials, pixels_per_metre: float, name: str, *, source: str, depth: tuple[float, float], progress: Tell
@@ -53,10 +53,10 @@ def draw_trials(folder: str, strokes: int) -> None:
     """Strokes of the marker from side to side, some pressed lightly and some hard, each on a sheet of its own."""
     trials = Trials.make(folder, medium="a marker", pixels_per_metre=SCALE)
     blank = torch.ones(3, *SHEET)
-    for press in np.linspace(0.1, 0.9, strokes):
+    for pressure in np.linspace(0.1, 0.9, strokes):
         trials.begin(blank.permute(1, 2, 0).numpy())
         along = np.linspace(0, 1, 12)
-        path = np.column_stack([0.009 + 0.014 * along, 0.009 + 0.01 * along**2, np.full(12, press)])
+        path = np.column_stack([0.009 + 0.014 * along, 0.009 + 0.01 * along**2, np.full(12, pressure)])
         stroke = torch.tensor(path[None], dtype=torch.float32)
         after = paint(blank, stroke, torch.zeros(1, 3), Traj2Stroke.of([MARKER]), SCALE)
         trials.append(path, after.clamp(0, 1).permute(1, 2, 0).numpy())
@@ -79,13 +79,13 @@ def test_a_brush_is_fitted_to_photographs_and_the_next_command_paints_with_it(he
     told = rows(ran.stdout)
     assert (ran.code, told["strokes"]) == (0, "5")
     found = load_brush("mine")
-    assert found.presses
+    assert found.pressure_matters
     assert found.widest == pytest.approx(MARKER.widest, rel=FEW_STROKES_WIDTH)
     assert told["alpha"].endswith(" mm")
     assert float(told["alpha"].split(" ± ")[0]) == pytest.approx(1e3 * found.alpha, abs=0.05)
     assert "note: only 5 strokes could be used" in ran.stderr
-    assert ran.stdout.splitlines()[-1] == "maulstick paint photo.jpg --brush mine"
-    assert run("paint", "--demo", *QUICK, "--brush", "mine").code == 0
+    assert ran.stdout.splitlines()[-1] == "maulstick plan photo.jpg --brush mine"
+    assert run("plan", "--demo", *QUICK, "--brush", "mine").code == 0
     assert list(json.loads(Path("painting/painting.json").read_text())["brushes"]) == ["mine"]
 
 
@@ -105,15 +105,15 @@ def test_the_numbers_and_what_they_rest_on_are_told(here: Path, fitted: None) ->
 
 def test_what_the_trials_cannot_tell_and_who_was_left_out_is_said_beside_the_result(here: Path, fitted: None) -> None:
     said = run("brush", "fit", "trials", "--name", "twig").stderr.splitlines()
-    assert "note: all strokes were drawn at press 0.50" in said
+    assert "note: all strokes were drawn at pressure 0.50" in said
     assert [line for line in said if line.startswith("left out: ")] == [
         f"left out: stroke {number} left no mark" for number in range(1, 11)
     ]
     assert said[-1] == "and 2 more"
 
 
-def test_a_plate_is_drawn_where_it_is_asked_for(here: Path, fitted: None) -> None:
-    ran = run("brush", "fit", "trials", "--name", "twig", "--plate", "twig.PNG")
+def test_a_plot_is_drawn_where_it_is_asked_for(here: Path, fitted: None) -> None:
+    ran = run("brush", "fit", "trials", "--name", "twig", "--plot", "twig.PNG")
     assert ran.code == 0
     assert "twig.PNG" in ran.stdout.splitlines()
     with Image.open("twig.PNG") as image:
@@ -128,9 +128,9 @@ def test_a_plate_is_drawn_where_it_is_asked_for(here: Path, fitted: None) -> Non
         (["trials", "--name", "../x"], 2, "the name of a brush is '../x'; it must be up to 40 of a-z, 0-9 and -"),
         (["trials", "--name", "round"], 2, "the brush round comes with Maulstick; choose another --name"),
         (["trials", "--name", "a"], 2, "0 of 0 trials can be used, and 5 are needed"),
-        (["trials", "--name", "a", "--plate", "a.jpg"], 2, "--plate is a.jpg; a picture is written as PNG"),
-        (["trials", "--name", "a", "--plate", "there.png"], 1, "there.png is already there; choose another --plate"),
-        (["trials", "--name", "a", "--plate", "no/a.png"], 1, "cannot write no/a.png: its folder does not exist"),
+        (["trials", "--name", "a", "--plot", "a.jpg"], 2, "--plot is a.jpg; a picture is written as PNG"),
+        (["trials", "--name", "a", "--plot", "there.png"], 1, "there.png is already there; choose another --plot"),
+        (["trials", "--name", "a", "--plot", "no/a.png"], 1, "cannot write no/a.png: its folder does not exist"),
     ],
 )
 def test_what_no_brush_can_be_fitted_to_is_refused(here: Path, words: list[str], code: int, text: str) -> None:
@@ -157,7 +157,7 @@ def test_ctrl_c_while_fitting_leaves_nothing(here: Path, monkeypatch: pytest.Mon
         raise KeyboardInterrupt
 
     monkeypatch.setattr(module, "fit_brush", interrupt)
-    ran = run("brush", "fit", "trials", "--name", "twig", "--plate", "twig.png")
+    ran = run("brush", "fit", "trials", "--name", "twig", "--plot", "twig.png")
     assert ran == (130, "", "")
     assert kept(here) == []
     assert not Path("twig.png").exists()

@@ -35,7 +35,7 @@ def test_a_broken_brush_does_not_hide_the_others(here: Path) -> None:
     listed = rows(run("brush", "list").stdout)
     assert "twig.json is not a brush: name: Field required" in listed["twig"]
     assert "round" in listed
-    assert "twig.json is not a brush: name: Field required" in run("paint", "--demo", "--brush", "twig").mistake
+    assert "twig.json is not a brush: name: Field required" in run("plan", "--demo", "--brush", "twig").mistake
 
 
 @pytest.mark.parametrize("name", ["twig", "round"])

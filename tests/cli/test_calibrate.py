@@ -251,7 +251,7 @@ def test_keys_take_the_tip_to_the_corners_and_the_easel_is_where_it_was(terminal
 
 
 def test_a_machine_that_only_lifts_is_not_pressed(terminal: int, arm: Recorder) -> None:
-    arm.limits = Limits.model_validate({**LIMITS.model_dump(), "presses": False})
+    arm.limits = Limits.model_validate({**LIMITS.model_dump(), "varies_pressure": False})
     os.write(terminal, "".join(CORNERS).encode())
     assert touch("--out", "mine.json").code == 0
     assert read_easel("mine.json").deepest == 0
@@ -276,9 +276,9 @@ def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytes
     """Its paper lies 20 mm high, and it starts at (300, 0, 100) mm."""
     arm = Feeling(0.02)
     monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda word, easel: arm)
-    near, press = "1" + 7 * LOWER + "\r", "1" + 3 * LOWER + "2" + 2 * LOWER + "\r"
+    near, pressure = "1" + 7 * LOWER + "\r", "1" + 3 * LOWER + "2" + 2 * LOWER + "\r"
     keys = [near, "1" + 10 * RIGHT + 2 * LOWER + "\r", "1" + 6 * DOWN + 2 * LOWER + "\r"]
-    os.write(terminal, "".join([*keys, "1" + 10 * LEFT + 2 * LOWER + "\r", press]).encode())
+    os.write(terminal, "".join([*keys, "1" + 10 * LEFT + 2 * LOWER + "\r", pressure]).encode())
     ran = touch("--force")
     assert ran.code == 0, ran.stderr
     assert "take the tip above the upper left corner of the sheet, and press Enter" in ran.stderr

@@ -66,11 +66,11 @@ def test_strokes_are_drawn_and_photographed_and_a_brush_is_fitted_to_them(
     ran = calibrate(*words)
     assert ran.code == 0, ran.stderr
     assert drawn == dict.fromkeys(range(5), 1)
-    assert ran.stdout.splitlines()[-1] == "maulstick paint photo.jpg --brush mine"
+    assert ran.stdout.splitlines()[-1] == "maulstick plan photo.jpg --brush mine"
     folder = Path("calibration")
     assert sorted(path.name for path in folder.glob("sheet-*")) == [f"sheet-{number:04}.png" for number in numbers]
     sheet, trials = read_painting(folder / "practice.json"), Trials.open(folder / "trials")
-    assert (sheet.canvas.width, sheet.canvas.height) == (0.1, 0.08)
+    assert (sheet.sheet.width, sheet.sheet.height) == (0.1, 0.08)
     assert (trials.medium, trials.depth) == ("marker", load_brush("mine").depth)
     for trial in trials:
         assert trial.before is not None

@@ -26,9 +26,9 @@ def a_plan(strokes: int, colour: tuple[float, float, float] = (1.0, 0.0, 0.0), m
     """Strokes from the left edge to the right one, on the upper half of the picture's area."""
     use = StyleUse(name="cursive", hash="ab", code=(), pose=(0, 0, 0))
     return Painting(
-        canvas=Sheet(width=0.1, height=0.08),
+        sheet=Sheet(width=0.1, height=0.08),
         area=(0.01, 0.01, 0.08, 0.06),
-        made=made,
+        provenance=made,
         brushes={"round": nominal("round")},
         paints=(Paint(colour=colour, brush="round"), Paint(colour=(0.0, 0.0, 0.0), brush="round")),
         strokes=tuple(

@@ -21,7 +21,7 @@ ROUND = SIX.model_copy(
         "paints": tuple(paint.model_copy(update={"brush": "round"}) for paint in SIX.paints),
     }
 )
-VARIED = painting_of([line(0, press=(0.1, 0.9))])
+VARIED = painting_of([line(0, pressure=(0.1, 0.9))])
 Rows = set[tuple[tuple[float, float], ...]]
 
 
@@ -120,8 +120,8 @@ def test_a_pen_that_only_lifts_is_told_how_to_plan_for_it() -> None:
     write_painting(VARIED, Path("painting.json"))
     for words in (("--format", "hpgl"), ("--servo", "30,90")):
         assert run("export", "painting.json", *words).mistake == (
-            "stroke 0 varies its press by 0.80, and this machine only lifts its pen; "
-            "plan it again with maulstick paint --press 0.5"
+            "stroke 0 varies its pressure by 0.80, and this machine only lifts its pen; "
+            "plan it again with maulstick plan --pressure 0.5"
         )
 
 

@@ -48,7 +48,7 @@ def test_a_file_is_no_folder_to_paint_into(tmp_path: Path) -> None:
 @pytest.mark.parametrize("encoding", ["utf-8:strict", "ascii:strict"])
 def test_a_folder_may_have_any_name_and_a_terminal_any_alphabet(tmp_path: Path, encoding: str) -> None:
     out = tmp_path / "[/bold]\udcff"
-    ran = run_command("paint", PORTRAIT, *QUICK, "--out", out, PYTHONIOENCODING=encoding)
+    ran = run_command("plan", PORTRAIT, *QUICK, "--out", out, PYTHONIOENCODING=encoding)
     assert ran.code == 0
     assert "[/bold]\\udcff" in "".join(ran.stdout.split())
     assert sorted(os.listdir(out)) == RESULTS

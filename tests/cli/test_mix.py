@@ -19,8 +19,8 @@ PAINTS = (
 def painting(tmp_path: Path) -> Path:
     path = ((0.01, 0.01, 0.5), (0.04, 0.05, 0.5))
     plan = Painting(
-        canvas=Sheet(width=0.1, height=0.08),
-        made=Provenance(version="1"),
+        sheet=Sheet(width=0.1, height=0.08),
+        provenance=Provenance(version="1"),
         brushes={"round": nominal("round")},
         paints=PAINTS,
         strokes=tuple(Stroke(id=i, paint=p, trajectory=path) for i, p in enumerate((0, 0, 1))),
@@ -63,7 +63,7 @@ def test_paints_that_are_at_hand_are_mixed_and_named_ones_too(painting: Path, tm
 
 def test_a_painting_without_paints_needs_none(tmp_path: Path) -> None:
     plan = Painting(
-        canvas=Sheet(width=0.1, height=0.08), made=Provenance(version="1"), brushes={}, paints=(), strokes=()
+        sheet=Sheet(width=0.1, height=0.08), provenance=Provenance(version="1"), brushes={}, paints=(), strokes=()
     )
     write_painting(plan, tmp_path / "bare.json")
     ran = run("mix", tmp_path / "bare.json")

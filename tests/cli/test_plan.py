@@ -56,7 +56,7 @@ def test_a_resolution_too_low_for_the_brush_is_said(painted: tuple[Path, Ran]) -
 
 
 def test_how_a_painting_was_made_is_written_into_it(painted: tuple[Path, Ran]) -> None:
-    made = read_painting(painted[0] / "painting.json").made
+    made = read_painting(painted[0] / "painting.json").provenance
     assert made.image == "astronaut.png"
     assert made.seed == 0
     assert {k: made.options[k] for k in ("strokes", "paints", "steps", "px", "size", "brush")} == {
@@ -74,7 +74,7 @@ def test_files_are_known_in_a_painting_by_their_names_and_not_by_where_they_were
     write_brush(brush, tmp_path / "old" / "brush.json")
     (tmp_path / "old" / "paints.csv").write_text("ink,#000000")
     words = ("--brush", tmp_path / "old" / "brush.json", "--paints-from", tmp_path / "old" / "paints.csv")
-    options = planned(tmp_path / "out", *words).made.options
+    options = planned(tmp_path / "out", *words).provenance.options
     assert (options["brush"], options["style"], options["paints_from"]) == ("mine", "free", "paints.csv")
     assert str(tmp_path) not in (tmp_path / "out" / "painting.json").read_text()
 
@@ -87,7 +87,7 @@ def test_the_same_seed_repeats_a_painting_and_another_does_not(painted: tuple[Pa
 
 
 def test_the_demo_is_the_portrait_that_comes_along(painted: tuple[Path, Ran], tmp_path: Path) -> None:
-    assert run("paint", "--demo", *QUICK, "--out", tmp_path).code == 0
+    assert run("plan", "--demo", *QUICK, "--out", tmp_path).code == 0
     assert contents(tmp_path) == contents(painted[0])
 
 
@@ -110,7 +110,7 @@ def test_exactly_so_many_strokes_are_planned_when_asked_for(tmp_path: Path) -> N
 
 def test_a_sheet_and_the_picture_on_it_are_as_asked_for(tmp_path: Path) -> None:
     contained = planned(tmp_path / "contain", "--size", "A5")
-    assert (contained.canvas.width, contained.canvas.height) == (0.148, 0.210)
+    assert (contained.sheet.width, contained.sheet.height) == (0.148, 0.210)
     assert contained.area[2:] == pytest.approx((0.148, 0.148), abs=0.210 / 48)
     assert planned(tmp_path / "cover", "--size", "A5", "--fit", "cover").area == (0, 0, 0.148, 0.210)
 
@@ -185,7 +185,7 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
             ["--demo", "--ink", "red", "--paints", "2"],
             "--paints and --ink are two ways to say what to paint with; leave one",
         ),
-        (["--demo", "--frames", "avi"], "there is no film format 'avi'; there are: gif, mp4"),
+        (["--demo", "--video", "avi"], "there is no video format 'avi'; there are: gif, mp4"),
         (["--demo", "--strokes", "0"], "--strokes is 0; it must be from 1 to 100000"),
         (["--demo", "--strokes", "-3"], "--strokes is -3; it must be from 1 to 100000"),
         (["--demo", "--strokes", "1000000"], "--strokes is 1000000; it must be from 1 to 100000"),
@@ -199,7 +199,7 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
 )
 def test_what_cannot_be_used_is_one_line_and_makes_no_folder(tmp_path: Path, words: list[str], text: str) -> None:
     out = tmp_path / "out"
-    ran = run("paint", *words, "--out", out)
+    ran = run("plan", *words, "--out", out)
     assert ran.code == 2
     assert ran.mistake.startswith(text)
     assert not out.exists()
@@ -207,7 +207,7 @@ def test_what_cannot_be_used_is_one_line_and_makes_no_folder(tmp_path: Path, wor
 
 @pytest.mark.parametrize("words", [["--strokes", "many"], ["--strokes", "1.5"], ["--colour"], ["more.jpg", "most.jpg"]])
 def test_what_the_command_line_cannot_read_is_shown_with_its_usage(tmp_path: Path, words: list[str]) -> None:
-    ran = run("paint", *words, "--out", tmp_path / "out")
+    ran = run("plan", *words, "--out", tmp_path / "out")
     assert ran.code == 2
     assert ran.stderr.startswith("Usage: ")
     assert words[0].removesuffix(".jpg") in ran.stderr or words[1] in ran.stderr
@@ -225,5 +225,5 @@ def test_a_truncated_picture_is_refused(tmp_path: Path) -> None:
 
 
 def test_all_built_in_brushes_are_named_in_the_help() -> None:
-    text = run("paint", "--help").stdout
+    text = run("plan", "--help").stdout
     assert all(name in text for name in built_in_brushes())

@@ -41,7 +41,7 @@ def clip(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, ...]:
 
 
 def planned(out: Path, *words: str | Path) -> tuple[Painting, Ran]:
-    ran = run("paint", *words, *TINY, "--out", out)
+    ran = run("plan", *words, *TINY, "--out", out)
     assert ran.code == 0, ran.stderr
     assert sorted(os.listdir(out)) == RESULTS
     return read_painting(out / "painting.json"), ran
@@ -53,7 +53,7 @@ def told_of_the_loss(ran: Ran) -> str:
 
 
 def refused(folder: Path, *words: str | Path) -> str:
-    ran = run("paint", *words, *TINY, "--out", folder / "out")
+    ran = run("plan", *words, *TINY, "--out", folder / "out")
     assert ran.code == 2
     assert not (folder / "out").exists()
     return ran.mistake
@@ -61,14 +61,14 @@ def refused(folder: Path, *words: str | Path) -> str:
 
 def test_a_picture_is_usually_painted_in_its_tones_alone(tmp_path: Path) -> None:
     painting, ran = planned(tmp_path, PORTRAIT)
-    assert painting.made.options["weights"] == {"tone": 1.0}
-    assert told_of_the_loss(ran) == f"tone {painting.made.metrics['tone']:.5f} (100%)"
+    assert painting.provenance.options["weights"] == {"tone": 1.0}
+    assert told_of_the_loss(ran) == f"tone {painting.provenance.metrics['tone']:.5f} (100%)"
 
 
 def test_the_table_tells_the_share_of_each_term(tmp_path: Path) -> None:
-    painting, ran = planned(tmp_path, PORTRAIT, "--weigh", "likeness=1")
-    assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0}
-    metrics = painting.made.metrics
+    painting, ran = planned(tmp_path, PORTRAIT, "--weight", "likeness=1")
+    assert painting.provenance.options["weights"] == {"tone": 1.0, "likeness": 1.0}
+    metrics = painting.provenance.metrics
     assert metrics["loss"] == pytest.approx(metrics["tone"] + metrics["likeness"])
     share = metrics["tone"] / metrics["loss"]
     assert told_of_the_loss(ran) == (
@@ -79,18 +79,18 @@ def test_the_table_tells_the_share_of_each_term(tmp_path: Path) -> None:
 def test_a_text_is_painted_without_any_picture(tmp_path: Path, clip: tuple[str, ...]) -> None:
     painting, ran = planned(tmp_path, "--text", "a sailing boat", *clip)
     assert painting.strokes
-    assert painting.made.image is None
-    assert (painting.made.options["text"], painting.made.options["clip"]) == ("a sailing boat", READER)
+    assert painting.provenance.image is None
+    assert (painting.provenance.options["text"], painting.provenance.options["clip"]) == ("a sailing boat", READER)
     assert painting.area == (0, 0, 0.2, 0.16)
-    assert set(painting.made.metrics) == {"words", "loss"}
-    assert told_of_the_loss(ran) == f"words {painting.made.metrics['words']:.5f} (100%)"
+    assert set(painting.provenance.metrics) == {"text", "loss"}
+    assert told_of_the_loss(ran) == f"text {painting.provenance.metrics['text']:.5f} (100%)"
     assert "likeness" not in ran.stdout
 
 
 def test_a_text_beside_a_picture_counts_beside_it(tmp_path: Path, clip: tuple[str, ...]) -> None:
     painting, ran = planned(tmp_path, PORTRAIT, "--text", "a sailing boat", *clip)
-    assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0, "words": 1.0}
-    assert {"psnr", "tone", "likeness", "words"} <= set(painting.made.metrics)
+    assert painting.provenance.options["weights"] == {"tone": 1.0, "likeness": 1.0, "text": 1.0}
+    assert {"psnr", "tone", "likeness", "text"} <= set(painting.provenance.metrics)
     assert ran.stdout.count("likeness") == 1
     other, _ = planned(tmp_path / "other", PORTRAIT, "--text", "a cat", *clip)
     assert other.strokes != painting.strokes
@@ -101,15 +101,15 @@ def test_another_picture_lends_its_look(tmp_path: Path, clip: tuple[str, ...]) -
     striped[::4] = (255, 0, 0)
     Image.fromarray(striped).save(tmp_path / "look.png")
     painting, ran = planned(tmp_path / "out", PORTRAIT, "--look", tmp_path / "look.png", *clip)
-    assert painting.made.options["look"] == "look.png"
-    assert painting.made.options["weights"] == {"tone": 1.0, "likeness": 1.0, "look": 1.0}
+    assert painting.provenance.options["look"] == "look.png"
+    assert painting.provenance.options["weights"] == {"tone": 1.0, "likeness": 1.0, "look": 1.0}
     assert "look 0." in told_of_the_loss(ran)
 
 
 def test_clip_can_be_compared_by_layers_that_are_asked_for(tmp_path: Path, clip: tuple[str, ...]) -> None:
-    likeness = ("--weigh", "likeness=1")
+    likeness = ("--weight", "likeness=1")
     painting, _ = planned(tmp_path / "out", PORTRAIT, *clip, "--clip-layers", "0,1", *likeness)
-    assert painting.made.options["clip_layers"] == [0, 1]
+    assert painting.provenance.options["clip_layers"] == [0, 1]
     words = [*clip, "--clip-layers", "0,9", *likeness]
     assert refused(tmp_path / "no", PORTRAIT, *words).startswith("the layer of CLIP is 9; it must be in 0 to")
     words = [*clip, "--clip-layers", "deep", *likeness]
@@ -117,14 +117,14 @@ def test_clip_can_be_compared_by_layers_that_are_asked_for(tmp_path: Path, clip:
 
 
 def test_a_network_that_nobody_asks_is_refused(tmp_path: Path, clip: tuple[str, ...]) -> None:
-    said = refused(tmp_path, PORTRAIT, *clip, "--weigh", "likeness=0")
+    said = refused(tmp_path, PORTRAIT, *clip, "--weight", "likeness=0")
     assert said == "--clip says which network to ask, and no term asks one; leave it out, or weigh likeness"
 
 
 def test_weights_are_as_they_were_asked_for(tmp_path: Path) -> None:
-    words = ("--weigh", "edges=2", "--weigh", "tone=0.5")
+    words = ("--weight", "edges=2", "--weight", "tone=0.5")
     painting, ran = planned(tmp_path, PORTRAIT, *words)
-    assert painting.made.options["weights"] == {"tone": 0.5, "edges": 2.0}
+    assert painting.provenance.options["weights"] == {"tone": 0.5, "edges": 2.0}
     assert [part.split()[0] for part in told_of_the_loss(ran).split(", ")] == ["tone", "edges"]
 
 
@@ -134,19 +134,19 @@ def test_weights_are_as_they_were_asked_for(tmp_path: Path) -> None:
         (["beauty=1"], "there is no term to weigh 'beauty'; there are: edges, likeness, look, sketch, tone, words"),
         (["tone=-1"], "the weight of tone is -1.0; it must be from 0 to 1000"),
         (["tone=nan"], "the weight of tone is nan; it must be from 0 to 1000"),
-        (["tone=much"], "--weigh is 'tone=much'; it must be a term and a number, as in edges=0.5"),
-        (["tone"], "--weigh is 'tone'; it must be a term and a number, as in edges=0.5"),
+        (["tone=much"], "--weight is 'tone=much'; it must be a term and a number, as in edges=0.5"),
+        (["tone"], "--weight is 'tone'; it must be a term and a number, as in edges=0.5"),
         (["=1"], "there is no term to weigh ''; there are: edges, likeness, look, sketch, tone, words"),
         (
             ["tone=0", "likeness=0"],
             "nothing is weighed, so any painting would do; give one of the terms a weight above",
         ),
-        (["words=1"], "words weighs a text, and there is none; give it, or leave the weight out"),
+        (["words=1"], "text weighs a text, and there is none; give it, or leave the weight out"),
         (["look=1"], "look weighs the look of a picture, and there is none; give it, or leave the weight out"),
     ],
 )
 def test_weights_that_cannot_be_used_are_refused(tmp_path: Path, words: list[str], text: str) -> None:
-    options = [word for weight in words for word in ("--weigh", weight)]
+    options = [word for weight in words for word in ("--weight", weight)]
     assert refused(tmp_path, PORTRAIT, *options).startswith(text)
 
 
@@ -169,7 +169,7 @@ def test_an_empty_text_is_refused(tmp_path: Path, text: str) -> None:
 
 
 def test_a_text_alone_has_no_picture_to_compare_with(tmp_path: Path, clip: tuple[str, ...]) -> None:
-    said = refused(tmp_path, "--text", "a sailing boat", "--weigh", "tone=1", *clip)
+    said = refused(tmp_path, "--text", "a sailing boat", "--weight", "tone=1", *clip)
     assert said == "tone compares with a picture; name one, or leave that weight out"
 
 
@@ -194,7 +194,7 @@ def test_paints_of_a_file_are_one_way_to_say_what_to_paint_with(tmp_path: Path, 
 def test_paper_of_a_colour_is_seen_where_nothing_is_painted(tmp_path: Path) -> None:
     assert paint(tmp_path / "out", "--paper", "#203040", "--size", "100x50mm").code == 0
     painting = read_painting(tmp_path / "out" / "painting.json")
-    assert painting.canvas.paper == pytest.approx((32 / 255, 48 / 255, 64 / 255), abs=1e-6)
+    assert painting.sheet.paper == pytest.approx((32 / 255, 48 / 255, 64 / 255), abs=1e-6)
     with Image.open(tmp_path / "out" / "preview.png") as image:
         assert image.getpixel((2, 2)) == (0x20, 0x30, 0x40)
 
@@ -208,11 +208,11 @@ def test_what_is_on_the_sheet_is_in_the_file_and_lies_under_the_strokes(tmp_path
     begun = np.full((40, 50, 3), 230, dtype=np.uint8)
     begun[:, :5] = (200, 30, 30)
     Image.fromarray(begun).save(tmp_path / "sheet.png")
-    assert paint(tmp_path / "out", "--canvas", tmp_path / "sheet.png", "--size", "100x80mm").code == 0
+    assert paint(tmp_path / "out", "--background", tmp_path / "sheet.png", "--size", "100x80mm").code == 0
     painting = read_painting(tmp_path / "out" / "painting.json")
-    assert painting.made.options["canvas"] == "sheet.png"
-    assert painting.canvas.picture is not None
-    kept = decode_png(painting.canvas.picture)
+    assert painting.provenance.options["canvas"] == "sheet.png"
+    assert painting.sheet.picture is not None
+    kept = decode_png(painting.sheet.picture)
     assert kept[500, 20] == pytest.approx(begun[0, 0] / 255, abs=2 / 255)
     bare = preview(painting.model_copy(update={"strokes": ()}), Canvas(0.1, 0.08, 500))
     assert np.abs(bare - begun / 255).mean() < 0.01
@@ -222,17 +222,17 @@ def test_what_is_on_the_sheet_is_in_the_file_and_lies_under_the_strokes(tmp_path
 def test_on_a_sheet_that_shows_the_picture_already_there_is_little_left_to_paint(
     tmp_path: Path, painted: tuple[Path, Ran]
 ) -> None:
-    words = ("--canvas", PORTRAIT, "--size", "100x100mm")
+    words = ("--background", PORTRAIT, "--size", "100x100mm")
     assert paint(tmp_path / "out", *words).code == 0
     assert paint(tmp_path / "exact", *words, "--exact").code == 0
     found, exact = (read_painting(tmp_path / name / "painting.json") for name in ("out", "exact"))
     assert len(found.strokes) <= 3 < len(read_painting(painted[0] / "painting.json").strokes)
     assert len(exact.strokes) == 20
-    assert found.made.metrics["psnr"] > 25
+    assert found.provenance.metrics["psnr"] > 25
 
 
 def test_a_photograph_of_another_sheet_is_refused(tmp_path: Path) -> None:
-    said = refused(tmp_path, PORTRAIT, "--canvas", PORTRAIT, "--size", "200x160mm")
+    said = refused(tmp_path, PORTRAIT, "--background", PORTRAIT, "--size", "200x160mm")
     assert said == (
         f"the photograph {PORTRAIT} is 1.000 times as wide as high, and the sheet, 200 x 160 mm, 1.250 times; "
         "cut the photograph at the sheet's edges"
@@ -240,8 +240,8 @@ def test_a_photograph_of_another_sheet_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_photograph_of_the_sheet_shows_the_paper_s_colour_by_itself(tmp_path: Path) -> None:
-    said = refused(tmp_path, PORTRAIT, "--canvas", PORTRAIT, "--paper", "#000000")
-    assert said == "--canvas shows the sheet as it is, and --paper its colour; leave one of them out"
+    said = refused(tmp_path, PORTRAIT, "--background", PORTRAIT, "--paper", "#000000")
+    assert said == "--background shows the sheet as it is, and --paper its colour; leave one of them out"
 
 
 def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
@@ -261,8 +261,8 @@ def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
     painting = read_painting(tmp_path / "out" / "painting.json")
     assert 10 < len(painting.strokes) <= 20
     assert painting.paint_changes() == len(painting.paints) - 1
-    frames = paint(tmp_path / "film", "--px", "48", "--frames", "gif")
+    frames = paint(tmp_path / "video", "--px", "48", "--video", "gif")
     assert frames.code == 2
-    assert frames.mistake.startswith("--frames films one canvas, and this one is planned in windows")
+    assert frames.mistake.startswith("--video videos one canvas, and this one is planned in windows")
     text = paint(tmp_path / "text", "--px", "48", "--text", "a boat")
     assert text.mistake == "a text is planned in one piece, of at most 40 pixels; choose a smaller --px"

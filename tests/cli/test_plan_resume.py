@@ -39,7 +39,7 @@ def picture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def cut_off(picture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a plan that was killed after 12 of its 30 steps, and that no test changes."""
     out = tmp_path_factory.mktemp("cut") / "off"
-    killed(12, "paint", picture, *QUICK, "--out", out)
+    killed(12, "plan", picture, *QUICK, "--out", out)
     assert is_unfinished(out)
     return out
 
@@ -51,26 +51,26 @@ def out(cut_off: Path, tmp_path: Path) -> Path:
 
 
 def test_a_plan_that_was_killed_goes_on_to_the_same_painting(out: Path, painted: tuple[Path, Ran]) -> None:
-    ran = run("paint", "--resume", out)
+    ran = run("plan", "--resume", out)
     assert ran.code == 0, ran.stderr
     assert contents(out) == contents(painted[0])
 
 
 def test_a_plan_may_be_killed_twice(out: Path, painted: tuple[Path, Ran]) -> None:
-    killed(9, "paint", "--resume", out)
+    killed(9, "plan", "--resume", out)
     assert is_unfinished(out)
-    assert run("paint", "--resume", out).code == 0
+    assert run("plan", "--resume", out).code == 0
     assert contents(out) == contents(painted[0])
 
 
 def test_a_plan_that_was_stopped_has_results_and_goes_on_as_if_it_had_not(tmp_path: Path) -> None:
-    words = ("paint", PORTRAIT, *QUICK, "--steps", "400")
+    words = ("plan", PORTRAIT, *QUICK, "--steps", "400")
     running = Running(*words, "--out", tmp_path / "out")
     running.interrupt_after(r"loss 0\.\d")
     assert running.leave() == 130
     assert sorted(os.listdir(tmp_path / "out")) == sorted([*RESULTS, "plan-0.npz"])
     hurried = contents(tmp_path / "out")
-    assert run("paint", "--resume", tmp_path / "out").code == 0
+    assert run("plan", "--resume", tmp_path / "out").code == 0
     assert run(*words, "--out", tmp_path / "whole").code == 0
     resumed = contents(tmp_path / "out")
     assert resumed == contents(tmp_path / "whole")
@@ -82,7 +82,7 @@ def test_a_folder_with_a_plan_that_was_cut_off_is_not_used_for_another(out: Path
     ran = paint(out)
     assert ran.code == 1
     assert ran.mistake == (
-        f"the folder {out} holds a plan that was cut off; go on with maulstick paint --resume {out}, or add --overwrite"
+        f"the folder {out} holds a plan that was cut off; go on with maulstick plan --resume {out}, or add --overwrite"
     )
     assert contents(out) == before
 
@@ -104,7 +104,7 @@ def test_overwriting_begins_anew(out: Path, painted: tuple[Path, Ran]) -> None:
     ],
 )
 def test_what_was_asked_then_is_not_asked_again(out: Path, words: list[str], name: str) -> None:
-    ran = run("paint", "--resume", out, *words)
+    ran = run("plan", "--resume", out, *words)
     assert ran.code == 2
     assert ran.mistake == f"--resume goes on with what was asked then; leave out {name}"
     assert is_unfinished(out)
@@ -115,7 +115,7 @@ def test_a_folder_without_a_plan_in_the_making_is_refused(tmp_path: Path, painte
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("a file")
     folder = painted[0] if name == "painted" else tmp_path / name
-    ran = run("paint", "--resume", folder)
+    ran = run("plan", "--resume", folder)
     assert ran.code == 2
     assert ran.mistake == f"there is no unfinished plan in {folder}; name the folder that --out named when it began"
 
@@ -123,7 +123,7 @@ def test_a_folder_without_a_plan_in_the_making_is_refused(tmp_path: Path, painte
 def test_a_damaged_plan_is_refused(out: Path) -> None:
     file = out / "plan-0.npz"
     file.write_bytes(file.read_bytes()[:-500])
-    ran = run("paint", "--resume", out)
+    ran = run("plan", "--resume", out)
     assert ran.code == 2
     assert ran.mistake.startswith(f"{file} is not a file of plan in the making, or it is damaged: ")
 
@@ -133,7 +133,7 @@ def test_a_plan_of_another_version_is_refused(out: Path) -> None:
     arrays = read_arrays(file, KIND)
     arrays["task"] = np.array(str(arrays["task"]).replace('"steps":', '"leaps":'))
     write_arrays(file, KIND, arrays)
-    ran = run("paint", "--resume", out)
+    ran = run("plan", "--resume", out)
     assert ran.code == 2
     assert ran.mistake.startswith(f"{file} is of another version of Maulstick: ")
     assert ran.mistake.endswith("; plan anew")
@@ -145,9 +145,9 @@ def test_a_picture_that_has_changed_since_is_refused(out: Path, picture: Path) -
     Image.open(picture).transpose(Image.Transpose.FLIP_LEFT_RIGHT).save(file, format="PNG")
     try:
         picture.write_bytes(file.getvalue())
-        ran = run("paint", "--resume", out)
+        ran = run("plan", "--resume", out)
         picture.unlink()
-        absent = run("paint", "--resume", out)
+        absent = run("plan", "--resume", out)
     finally:
         picture.write_bytes(kept)
     assert (ran.code, absent.code) == (2, 2)
@@ -172,8 +172,8 @@ def test_a_brush_that_has_changed_since_is_refused(tmp_path: Path, monkeypatch: 
         with pytest.raises(PowerCutError):
             paint(tmp_path / "out", "--brush", mine)
     write_brush(brush.model_copy(update={"lag": brush.lag + FILE_METRES}), mine)
-    ran = run("paint", "--resume", tmp_path / "out")
+    ran = run("plan", "--resume", tmp_path / "out")
     assert ran.code == 2
     assert ran.mistake == "the brush has changed since planning began; put it back, or plan anew with --overwrite"
     write_brush(brush, mine)
-    assert run("paint", "--resume", tmp_path / "out").code == 0
+    assert run("plan", "--resume", tmp_path / "out").code == 0

@@ -11,12 +11,12 @@ from maulstick.jobs.plan.options import state_files
 from maulstick.painting.painting import Painting, Provenance, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 
-TRIES = ("paint", PORTRAIT, *QUICK, "--tries", "2")
+TRIES = ("plan", PORTRAIT, *QUICK, "--tries", "2")
 MORTAL = (sys.executable, "-m", "tests.support.cli.mortal", "0")
 
 
 def but_for_how_it_was_made(painting: Painting) -> Painting:
-    return painting.model_copy(update={"made": Provenance(version="any")})
+    return painting.model_copy(update={"provenance": Provenance(version="any")})
 
 
 def test_tries_that_were_killed_go_on_to_the_better_of_both_plans_and_no_process_stays(
@@ -29,16 +29,16 @@ def test_tries_that_were_killed_go_on_to_the_better_of_both_plans_and_no_process
     running.kill()
     assert running.leave() == -9, "the terminal is left once nobody is there to write to it"
     assert sorted(os.listdir(out)) == ["plan-0.npz", "plan-1.npz"]
-    assert run("paint", "--resume", out).code == 0
+    assert run("plan", "--resume", out).code == 0
     assert sorted(os.listdir(out)) == RESULTS
     assert paint(tmp_path / "alone", "--seed", "1").code == 0
     alone = [read_painting(folder / "painting.json") for folder in (painted[0], tmp_path / "alone")]
-    losses = [painting.made.metrics["loss"] for painting in alone]
+    losses = [painting.provenance.metrics["loss"] for painting in alone]
     better, kept = alone[losses.index(min(losses))], read_painting(out / "painting.json")
     assert losses[0] != losses[1]
     assert but_for_how_it_was_made(kept) == but_for_how_it_was_made(better)
-    assert (kept.made.seed, kept.made.metrics) == (better.made.seed, better.made.metrics)
-    assert kept.made.options == {**better.made.options, "tries": 2}
+    assert (kept.provenance.seed, kept.provenance.metrics) == (better.provenance.seed, better.provenance.metrics)
+    assert kept.provenance.options == {**better.provenance.options, "tries": 2}
 
 
 def test_tries_that_are_stopped_while_they_begin_keep_the_better_one_and_what_to_go_on_from(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_tries_that_are_stopped_while_they_begin_keep_the_better_one_and_what_to
     assert sorted(os.listdir(out)) == sorted([*RESULTS, "plan-0.npz", "plan-1.npz"])
     painting = read_painting(out / "painting.json")
     assert painting.strokes
-    assert painting.made.options["tries"] == 2
+    assert painting.provenance.options["tries"] == 2
 
 
 def test_a_process_that_is_killed_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,11 +75,11 @@ def test_a_process_that_is_killed_is_told_in_one_line(tmp_path: Path, monkeypatc
         (["--tries", "9999999999"], "--tries is 9999999999; it must be from 1 to 64"),
         (["--tries", "65"], "--tries is 65; it must be from 1 to 64"),
         (["--tries", "2", "--seed", "4294967295"], "--seed is 4294967295; it must be from 0 to 4294967294"),
-        (["--tries", "2", "--frames", "gif"], "--frames films one plan, and --tries makes several; leave one of them"),
+        (["--tries", "2", "--video", "gif"], "--video videos one plan, and --tries makes several; leave one of them"),
     ],
 )
 def test_tries_that_cannot_be_made_are_refused(tmp_path: Path, words: list[str], text: str) -> None:
-    ran = run("paint", "--demo", *words, "--out", tmp_path / "out")
+    ran = run("plan", "--demo", *words, "--out", tmp_path / "out")
     assert ran.code == 2
     assert ran.mistake.startswith(text)
     assert os.listdir(tmp_path) == []

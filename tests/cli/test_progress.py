@@ -11,17 +11,17 @@ from maulstick.cli.progress import VideoRecorder
 from maulstick.jobs.plan import prepare
 from maulstick.painting.painting import read_painting
 from maulstick.painting.video import Video
-from maulstick.planning.planner import Progress
+from maulstick.planning.planner import PlanProgress
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint
 
 
 def test_ctrl_c_finishes_the_plan_so_far(tmp_path: Path) -> None:
-    running = Running("paint", PORTRAIT, *QUICK, "--steps", "100000", "--out", tmp_path / "out")
+    running = Running("plan", PORTRAIT, *QUICK, "--steps", "100000", "--out", tmp_path / "out")
     running.interrupt_after(r"loss 0\.\d")
     assert running.leave() == 130
     assert "stopping: finishing the plan so far (Ctrl-C again leaves without it)" in running.said
     assert "Traceback" not in running.said
-    assert f"maulstick paint --resume {tmp_path / 'out'} goes on from where it was stopped" in running.said
+    assert f"maulstick plan --resume {tmp_path / 'out'} goes on from where it was stopped" in running.said
     assert sorted(os.listdir(tmp_path / "out")) == sorted([*RESULTS, "plan-0.npz"])
     painting = read_painting(tmp_path / "out" / "painting.json")
     assert painting.strokes
@@ -30,7 +30,7 @@ def test_ctrl_c_finishes_the_plan_so_far(tmp_path: Path) -> None:
 
 def test_a_second_ctrl_c_leaves_at_once_and_behind_at_most_what_to_go_on_from(tmp_path: Path) -> None:
     words = ("--steps", "100000", "--strokes", "2000", "--px", "200", "--out", tmp_path / "new" / "out")
-    running = Running("paint", PORTRAIT, *QUICK, *words)
+    running = Running("plan", PORTRAIT, *QUICK, *words)
     running.interrupt_after(r"loss 0\.\d")
     running.interrupt_after("stopping")
     assert running.leave() == 130
@@ -49,8 +49,8 @@ def test_ctrl_c_before_the_planning_is_no_traceback_and_leaves_no_folder(
     assert os.listdir(tmp_path) == []
 
 
-def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
-    ran = paint(tmp_path, "--frames", "gif")
+def test_a_video_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
+    ran = paint(tmp_path, "--video", "gif")
     assert ran.code == 0
     assert "progress.gif" in ran.stdout
     with Image.open(tmp_path / "progress.gif") as video:
@@ -64,9 +64,9 @@ def test_a_film_ends_with_the_painting_and_stays_there(tmp_path: Path) -> None:
     assert np.abs(last - wanted).mean() < np.abs(first - wanted).mean() / 2
 
 
-def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
+def test_a_video_may_be_an_mp4(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
-    assert paint(tmp_path, "--frames", "mp4").code == 0
+    assert paint(tmp_path, "--video", "mp4").code == 0
     with av.open(tmp_path / "progress.mp4") as video:
         frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
     assert len(frames) == 30 + 1 + 40
@@ -75,21 +75,21 @@ def test_a_film_may_be_an_mp4(tmp_path: Path) -> None:
 
 def test_an_mp4_without_the_package_that_makes_it_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("maulstick.painting.video.find_spec", lambda name: None)
-    ran = paint(tmp_path / "out", "--frames", "mp4")
+    ran = paint(tmp_path / "out", "--video", "mp4")
     assert ran.code == 2
-    assert ran.mistake == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
+    assert ran.mistake == "an mp4 video needs the package av; install maulstick[video], or ask for a gif"
 
 
 def recorded(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:
-    """The film of a canvas that grows lighter with each of so many steps."""
+    """The video of a canvas that grows lighter with each of so many steps."""
     camera = VideoRecorder(Video("gif"), steps)
     for step in range(steps):
-        camera.watch(Progress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps), dict))
+        camera.watch(PlanProgress(step / steps, 0.0, {}, torch.full((3, *shape), step / steps), dict))
     return Image.open(io.BytesIO(camera.video.encode()))
 
 
 @pytest.mark.parametrize(("steps", "frames"), [(1, 1), (160, 160), (161, 81), (319, 160), (1500, 150), (4000, 160)])
-def test_a_film_has_at_most_160_frames(steps: int, frames: int) -> None:
+def test_a_video_has_at_most_160_frames(steps: int, frames: int) -> None:
     with recorded(steps) as video:
         assert getattr(video, "n_frames", 1) == frames
 
@@ -97,7 +97,7 @@ def test_a_film_has_at_most_160_frames(steps: int, frames: int) -> None:
 @pytest.mark.parametrize(
     ("shape", "size"), [((1440, 1800), (900, 720)), ((100, 2560), (1280, 50)), ((48, 60), (60, 48))]
 )
-def test_a_film_of_a_large_canvas_is_scaled_down_and_of_a_small_one_not_up(
+def test_a_video_of_a_large_canvas_is_scaled_down_and_of_a_small_one_not_up(
     shape: tuple[int, int], size: tuple[int, int]
 ) -> None:
     with recorded(2, shape) as video:

@@ -30,7 +30,7 @@ def vectors(tmp_path: Path) -> Path:
 def test_a_drawing_becomes_ink_and_what_was_read_is_told(drawing: Path) -> None:
     out = drawing.with_name("cat.ink.npz")
     ran = run("record", "ink", drawing, "--out", out)
-    told = "pointer events: 2 strokes, 0.1 m drawn on 200 x 150 mm, 3 s, press recorded in 1 of them"
+    told = "pointer events: 2 strokes, 0.1 m drawn on 200 x 150 mm, 3 s, pressure recorded in 1 of them"
     assert ran == (0, f"{told}\n{out}\n", "")
     ink = read_ink(out)
     assert ink.samples[:2] == pytest.approx(np.array([[0, 0.02, 0.04, 0.25], [2.5, 0.12, 0.04, 0.5]]))
@@ -63,7 +63,7 @@ def test_a_folder_that_is_not_there_is_made_and_left_only_with_ink_in_it(drawing
 def test_vectors_without_a_scale_are_150_mm_long(vectors: Path) -> None:
     ran = run("record", "ink", vectors, "--out", vectors.with_name("cat.ink.npz"))
     assert ran.stdout.startswith(
-        "SVG: 2 strokes, 0.335 m drawn on 165 x 90 mm, times not recorded, press not recorded\n"
+        "SVG: 2 strokes, 0.335 m drawn on 165 x 90 mm, times not recorded, pressure not recorded\n"
     )
 
 

@@ -32,13 +32,13 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(camera_loop, "replanned", partial(camera_loop.replanned, steps=6))
     (tmp_path / "picture.png").write_bytes(encode_png(picture()))
     known = {"image": "picture.png", "image_sha256": file_sum(tmp_path / "picture.png")}
-    made = planned().made.model_copy(update=known)
-    write_painting(planned().model_copy(update={"made": made}), tmp_path / "painting.json")
+    made = planned().provenance.model_copy(update=known)
+    write_painting(planned().model_copy(update={"provenance": made}), tmp_path / "painting.json")
     return tmp_path
 
 
 def replan(*words: str, every: int = EVERY) -> Ran:
-    return run("run", "painting.json", "--replan", str(every), "--picture", "picture.png", *words)
+    return run("paint", "painting.json", "--replan", str(every), "--picture", "picture.png", *words)
 
 
 def journal() -> list[dict[str, object]]:
@@ -191,22 +191,24 @@ def test_the_photograph_shows_what_is_on_the_sheet(monkeypatch: pytest.MonkeyPat
     ],
 )
 def test_words_that_do_not_go_together_are_refused_before_anything_moves(words: tuple[str, ...], text: str) -> None:
-    ran = run("run", "painting.json", *words)
+    ran = run("paint", "painting.json", *words)
     assert ran.code == 2
     assert text in ran.mistake
     assert sorted(path.name for path in Path().iterdir()) == ["painting.json", "picture.png"]
 
 
 def test_a_painting_of_no_picture_is_not_planned_again() -> None:
-    made = planned().made.model_copy(update={"image": None, "image_sha256": None})
-    write_painting(planned().model_copy(update={"made": made}), Path("painting.json"))
+    made = planned().provenance.model_copy(update={"image": None, "image_sha256": None})
+    write_painting(planned().model_copy(update={"provenance": made}), Path("painting.json"))
     assert replan().mistake == ("the painting was not planned from a picture, so it cannot be planned again on the way")
 
 
 def test_strokes_of_no_style_are_refused_before_anything_begins() -> None:
-    made = planned().made.model_copy(update={"image": "picture.png", "image_sha256": file_sum(Path("picture.png"))})
+    made = planned().provenance.model_copy(
+        update={"image": "picture.png", "image_sha256": file_sum(Path("picture.png"))}
+    )
     strokes = tuple(stroke.model_copy(update={"style": None}) for stroke in planned().strokes)
-    write_painting(planned().model_copy(update={"made": made, "strokes": strokes}), Path("painting.json"))
+    write_painting(planned().model_copy(update={"provenance": made, "strokes": strokes}), Path("painting.json"))
     ran = replan()
     assert ran.code == 2
     assert ran.mistake == "the strokes that are left are not all of one style; only those are planned again"
@@ -214,7 +216,7 @@ def test_strokes_of_no_style_are_refused_before_anything_begins() -> None:
 
 
 def test_a_camera_that_did_not_see_the_bare_sheet_cannot_join_later() -> None:
-    assert run("run", "painting.json").code == 0
+    assert run("paint", "painting.json").code == 0
     ran = replan("--resume")
     assert (ran.code, ran.mistake) == (
         2, "there is no painting.eye.npz, so no camera saw the bare sheet; go on with --replan 0",

@@ -128,7 +128,7 @@ def test_a_folder_that_is_not_there_is_not_made(ink: Path) -> None:
 
 def test_a_painting_too_wide_for_a_picture_is_refused(painted: tuple[Path, Ran], tmp_path: Path) -> None:
     fields = json.loads((painted[0] / "painting.json").read_text())
-    fields["canvas"]["width"] = 50 * fields["canvas"]["height"]
+    fields["sheet"]["width"] = 50 * fields["sheet"]["height"]
     (tmp_path / "painting.json").write_text(json.dumps(fields))
     ran = run("show", tmp_path / "painting.json", "--px", "240")
     assert ran.code == 2

@@ -18,7 +18,7 @@ BUILT_IN = "hatching"
 SIX = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
 
 
-def waves(number: int, length: float, bend: float, press: float = 0.5) -> Ink:
+def waves(number: int, length: float, bend: float, pressure: float = 0.5) -> Ink:
     """Strokes that differ a little; one more is a dot."""
     rng = np.random.default_rng(number)
     along = np.linspace(0, 1, 40)
@@ -26,7 +26,7 @@ def waves(number: int, length: float, bend: float, press: float = 0.5) -> Ink:
     for i in range(number):
         long = length * rng.uniform(0.8, 1.2)
         y = 0.05 + bend * long * np.sin(rng.uniform(5, 7) * along)
-        strokes.append(np.column_stack([i + along, 0.01 + long * along, y, np.full(40, press)]))
+        strokes.append(np.column_stack([i + along, 0.01 + long * along, y, np.full(40, pressure)]))
     return Ink.of([*strokes, strokes[0][:1]], (0.2, 0.2))
 
 
@@ -64,11 +64,11 @@ def test_a_style_is_learned_and_the_next_command_paints_in_it(here: Path) -> Non
     told = rows(ran.stdout)
     assert told["strokes"] == "12 (and 1 left out, shorter than 1 mm)"
     assert told["lengths"] == "median 19.4 mm, 16.4 to 24.1 mm"
-    assert (told["press"], told["speed"]) == ("recorded", "recorded")
+    assert (told["pressure"], told["speed"]) == ("recorded", "recorded")
     assert told["new strokes"] == "varied as freely as can be"
     assert kept(here) == ["cat.json", "cat.safetensors"]
-    assert ran.stdout.splitlines()[-1] == "maulstick paint photo.jpg --style cat"
-    assert run("paint", "--demo", *QUICK, "--style", "cat").code == 0
+    assert ran.stdout.splitlines()[-1] == "maulstick plan photo.jpg --style cat"
+    assert run("plan", "--demo", *QUICK, "--style", "cat").code == 0
     assert '"style": "cat"' in Path("painting/painting.json").read_text()
 
 
@@ -76,7 +76,7 @@ def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     ran = run("style", "fit", "cat.ink.npz", "dog.strokes.npz", "--name", "both")
     told = rows(ran.stdout)
     assert told["strokes"] == "26 (and 2 left out, shorter than 1 mm)"
-    assert told["press"] == "recorded in 12 of them"
+    assert told["pressure"] == "recorded in 12 of them"
     assert cards.read_card(cards.style_path("both")).source == "cat.ink.npz, dog.strokes.npz"
 
 
@@ -169,7 +169,7 @@ def test_a_broken_style_does_not_hide_the_others(here: Path, cat: str) -> None:
     assert ran.code == 0
     assert "cannot be used:" in rows(ran.stdout)["cat"]
     assert BUILT_IN in rows(ran.stdout)
-    assert "cat.json is not a style: name: Field required" in run("paint", "--demo", "--style", "cat").mistake
+    assert "cat.json is not a style: name: Field required" in run("plan", "--demo", "--style", "cat").mistake
 
 
 def test_a_sheet_and_a_map_are_drawn_of_a_style(here: Path, cat: str) -> None:

@@ -45,13 +45,14 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "picture.png").write_bytes(encode_png(picture()))
     known = {"image": "picture.png", "image_sha256": file_sum(tmp_path / "picture.png")}
     write_painting(
-        planned().model_copy(update={"made": planned().made.model_copy(update=known)}), tmp_path / "painting.json"
+        planned().model_copy(update={"provenance": planned().provenance.model_copy(update=known)}),
+        tmp_path / "painting.json",
     )
     return tmp_path
 
 
 def replan(*words: str) -> Ran:
-    return run("run", "painting.json", "--replan", str(EVERY), "--picture", "picture.png", *words)
+    return run("paint", "painting.json", "--replan", str(EVERY), "--picture", "picture.png", *words)
 
 
 def painted() -> list[int]:
@@ -170,7 +171,7 @@ def test_a_disk_that_is_full_while_journaling_stops_the_machine_with_the_pen_lif
         with patch("os.write", full), robot, pytest.raises(OutputError) as caught:
             execute(actions, robot, journal, lambda ask: None)
     assert str(caught.value) == (
-        f"cannot write {path}: No space left on device; mend that, and maulstick run --resume goes on"
+        f"cannot write {path}: No space left on device; mend that, and maulstick paint --resume goes on"
     )
     assert not robot.down
     assert robot.said.count("stroke") == robot.said.count("lift")
@@ -251,9 +252,11 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
             routine(large, EASEL, robot.limits)
         assert str(caught.value) == sentence
         assert robot.commands == []
-    reach = Limits(lower=(-0.1, -0.6, -0.02), upper=(0.2, 0.1, 0.1), speed=1, climb=1, acceleration=1, presses=True)
+    reach = Limits(
+        lower=(-0.1, -0.6, -0.02), upper=(0.2, 0.1, 0.1), speed=1, climb=1, acceleration=1, varies_pressure=True
+    )
     write_easel(EASEL.model_copy(update={"limits": reach}), Path("easel.json"))
-    ran = run("run", "large.json", "--easel", "easel.json")
+    ran = run("paint", "large.json", "--easel", "easel.json")
     assert ran.code == 2
     assert "less far (and 1 more like it); lay the sheet elsewhere, or plan for a smaller one" in ran.mistake
     assert not journal_of(Path("large.json")).exists()

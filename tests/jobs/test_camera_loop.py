@@ -52,8 +52,8 @@ def test_what_is_planned_again_is_of_the_same_style_paints_and_brush_and_no_long
     assert 0 < len(after) <= STROKES - len(PAINTED)
     assert {stroke.style.hash for stroke in after if stroke.style} == {before.strokes[0].style.hash}  # type: ignore[union-attr]
     assert all(stroke.style is not None for stroke in after)
-    assert (again.paints, again.brushes, again.canvas, again.area) == (
-        before.paints, before.brushes, before.canvas, before.area,
+    assert (again.paints, again.brushes, again.sheet, again.area) == (
+        before.paints, before.brushes, before.sheet, before.area,
     )  # fmt: skip
     assert {stroke.trajectory for stroke in after}.isdisjoint(stroke.trajectory for stroke in before.strokes)
 
@@ -109,7 +109,7 @@ def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(mo
         raise InterruptedError
 
     monkeypatch.setattr(camera_loop, "commission_of", stop)
-    wide = {"canvas": Sheet(width=4 * SIDE, height=SIDE), "made": made_with(px=4000).made}
+    wide = {"sheet": Sheet(width=4 * SIDE, height=SIDE), "provenance": made_with(px=4000).provenance}
     for painting in (planned(), made_with(px=None), planned().model_copy(update=wide)):
         with pytest.raises(InterruptedError):
             replanned(painting, PAINTED, WHITE, picture())
@@ -117,8 +117,8 @@ def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(mo
 
 
 def made_with(**options: object) -> Painting:
-    made = planned().made
-    return planned().model_copy(update={"made": made.model_copy(update={"options": {**made.options, **options}})})
+    made = planned().provenance
+    return planned().model_copy(update={"provenance": made.model_copy(update={"options": {**made.options, **options}})})
 
 
 def without_style() -> Painting:
@@ -143,7 +143,7 @@ def of_two_brushes() -> Painting:
 @pytest.mark.parametrize(
     ("painting", "text"),
     [
-        (made_with(weights={"tone": 1.0, "words": 1.0}), "words was weighed when it was planned"),
+        (made_with(weights={"tone": 1.0, "text": 1.0}), "text was weighed when it was planned"),
         (made_with(weights={"look": 1.0}), "look was weighed when it was planned"),
         (without_style(), "the strokes that are left are not all of one style"),
         (of_another_style(), "the style loops is not what it was when the painting was planned; plan it anew"),
@@ -177,7 +177,7 @@ def test_practice_is_apart_in_the_style_and_presses_from_lightly_to_hard() -> No
     assert (apart | apart.T | np.eye(12, dtype=bool)).all()
 
 
-def test_a_pen_that_only_lifts_practises_at_one_press_and_the_seed_decides() -> None:
+def test_a_pen_that_only_lifts_practises_at_one_pressure_and_the_seed_decides() -> None:
     sheet = Sheet(width=0.2, height=0.15)
     style = load_style("loops", Canvas(sheet.width, sheet.height, 1.0))
     first, same, other = (practice(style, nominal("fineliner"), sheet, 5, seed=seed) for seed in (1, 1, 2))

@@ -11,7 +11,7 @@ from maulstick.errors import MachineError
 from maulstick.jobs.paint.camera_loop import paint_by_eye, revision_of
 from maulstick.painting.painting import Painting, read_painting, write_painting
 from maulstick.robot.easel import Easel
-from maulstick.robot.execute import Progress
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw
 from maulstick.robot.tray import Tray
@@ -53,7 +53,7 @@ class Day:
         return painting.model_copy(update={"strokes": (*kept, *rest)})
 
     def paint(
-        self, every: int, tray: Tray | None = None, watch: Callable[[Progress], None] = lambda progress: None
+        self, every: int, tray: Tray | None = None, watch: Callable[[PaintProgress], None] = lambda progress: None
     ) -> None:
         with Journal.open(journal_of(self.path)) as self.journal, self.robot:
             if self.journal.revision is None:
@@ -93,7 +93,7 @@ def test_each_revision_is_on_the_disk_and_in_the_journal_before_its_first_stroke
     day = Day(tmp_path)
     files: list[str] = []
 
-    def watch(progress: Progress) -> None:
+    def watch(progress: PaintProgress) -> None:
         if isinstance(draw := progress.action, Draw):
             revision = day.journal.revision
             assert revision is not None

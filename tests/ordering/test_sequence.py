@@ -25,8 +25,8 @@ PEN = Brush(name="pen", source="for tests", alpha=0.0, beta=0.0005)
 def _painting(strokes: list[tuple[int, tuple[Point, ...]]], brush: Brush = PEN) -> Painting:
     """Strokes of (paint, trajectory), whose ids run backwards."""
     return Painting(
-        canvas=Sheet(width=SIDE, height=SIDE),
-        made=Provenance(version="0"),
+        sheet=Sheet(width=SIDE, height=SIDE),
+        provenance=Provenance(version="0"),
         brushes={brush.name: brush},
         paints=tuple(Paint(colour=colour, brush=brush.name) for colour in COLOURS),
         strokes=tuple(
@@ -36,8 +36,8 @@ def _painting(strokes: list[tuple[int, tuple[Point, ...]]], brush: Brush = PEN) 
     )
 
 
-def _line(x: float, y: float, to_x: float, to_y: float, press: float = 0.5) -> tuple[Point, ...]:
-    return tuple((x + t * (to_x - x), y + t * (to_y - y), press) for t in (0.0, 0.5, 1.0))
+def _line(x: float, y: float, to_x: float, to_y: float, pressure: float = 0.5) -> tuple[Point, ...]:
+    return tuple((x + t * (to_x - x), y + t * (to_y - y), pressure) for t in (0.0, 0.5, 1.0))
 
 
 def _order(painting: Painting) -> list[int]:
@@ -55,8 +55,8 @@ def _random(count: int, rng: np.random.Generator, brush: Brush, length: float = 
 
     def stroke() -> tuple[Point, ...]:
         places = 0.02 + 0.06 * rng.random(2) + length * np.cumsum(rng.random((points, 2)) - 0.5, axis=0)
-        press = np.full(points, rng.random()) if rng.random() < 0.5 else rng.random(points)
-        return tuple((x, y, p) for (x, y), p in zip(places.tolist(), press.tolist(), strict=True))
+        pressure = np.full(points, rng.random()) if rng.random() < 0.5 else rng.random(points)
+        return tuple((x, y, p) for (x, y), p in zip(places.tolist(), pressure.tolist(), strict=True))
 
     return _painting([(int(rng.integers(len(COLOURS))), stroke()) for _ in range(count)], brush)
 
@@ -148,10 +148,10 @@ def test_the_first_stroke_is_near_the_pen_and_the_next_run_near_the_last_stroke(
     assert xs == pytest.approx([0.095, 0.055, 0.015, 0.01, 0.05, 0.09])
 
 
-def _zigzag(press: Callable[[float], float] = lambda x: 0.5) -> tuple[Point, ...]:
+def _zigzag(pressure: Callable[[float], float] = lambda x: 0.5) -> tuple[Point, ...]:
     """From far to near, as seen from home, and a little up."""
     return tuple(
-        (x, round((0.05 if i % 2 else 0.06) + 0.1 * x, 6), press(x))
+        (x, round((0.05 if i % 2 else 0.06) + 0.1 * x, 6), pressure(x))
         for i, x in enumerate((0.09, 0.08, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01))
     )
 
@@ -177,7 +177,7 @@ def test_a_stroke_is_turned_around_only_where_its_mark_stays(numbers: dict[str, 
     assert np.max(nearest) < MARK_METRES
 
 
-def test_a_stroke_with_a_hands_press_or_speed_keeps_its_direction() -> None:
+def test_a_stroke_with_a_hands_pressure_or_speed_keeps_its_direction() -> None:
     pressed = _painting([(0, _zigzag(lambda x: x))])
     even = _painting([(0, _zigzag())])
     hasty = even.strokes[0].model_copy(update={"speed": (0.1,) * 9})

@@ -25,10 +25,10 @@ def test_three_brushes_come_with_maulstick() -> None:
         assert brush.name == name
         assert "libmypaint" in brush.source, "it says where it comes from"
         assert narrowest < brush.thinnest <= brush.widest < broadest
-        assert brush.presses == (name != "fineliner")
+        assert brush.pressure_matters == (name != "fineliner")
 
 
-def test_half_width_is_a_line_in_press() -> None:
+def test_half_width_is_a_line_in_pressure() -> None:
     brush = Brush.model_validate(GOOD)
     assert brush.half_width(np.array([[0.0, 0.5, 1.0]])) == pytest.approx(
         np.array([[0.001, 0.002, 0.003]]), rel=ROUNDING
@@ -59,36 +59,36 @@ def test_a_mark_is_scaled_about_its_first_commanded_point_and_moved(
     assert np.array_equal(brush.mark(np.stack([path, path]))[1], marked), "a path of many is marked as one alone"
 
 
-@given(press=st.floats(0, 1), name=st.sampled_from(["fineliner", "marker", "round"]))
-def test_a_brush_that_is_held_draws_at_every_press_as_it_did_at_that_one(press: float, name: str) -> None:
+@given(pressure=st.floats(0, 1), name=st.sampled_from(["fineliner", "marker", "round"]))
+def test_a_brush_that_is_held_draws_at_every_pressure_as_it_did_at_that_one(pressure: float, name: str) -> None:
     brush = load_brush(name)
-    held = brush.held_at(press)
-    assert not held.presses
-    assert (held.m_x, held.b_x, held.c, held.plateau, held.lag) == (
+    held = brush.held_at(pressure)
+    assert not held.pressure_matters
+    assert (held.m_x, held.b_x, held.falloff, held.plateau, held.lag) == (
         brush.m_x,
         brush.b_x,
-        brush.c,
+        brush.falloff,
         brush.plateau,
         brush.lag,
     )
-    line = torch.tensor([[[0.0, 0.0, press], [0.02, 0.01, press]]])
+    line = torch.tensor([[[0.0, 0.0, pressure], [0.02, 0.01, pressure]]])
     there = Traj2Stroke.of([brush]).marks(line, 1000.0)
     here = Traj2Stroke.of([held]).marks(line.clone().index_fill_(2, torch.tensor([2]), 0.3), 1000.0)
     assert torch.allclose(here.thickness, there.thickness, rtol=FLOAT32_VALUE)
-    assert torch.allclose(here.o, there.o, rtol=FLOAT32_VALUE)
+    assert torch.allclose(here.opacity, there.opacity, rtol=FLOAT32_VALUE)
     assert torch.allclose(here.points[..., :2], there.points[..., :2])
 
 
-def test_a_brush_that_is_held_is_as_deep_as_that_press_and_says_so() -> None:
+def test_a_brush_that_is_held_is_as_deep_as_that_pressure_and_says_so() -> None:
     brush = Brush.model_validate({**GOOD, "depth": (0.001, 0.005)})
     held = brush.held_at(0.25)
     assert held.depth == pytest.approx((0.002, 0.002), rel=ROUNDING)
-    assert held.source == "a test; held at press 0.25"
+    assert held.source == "a test; held at pressure 0.25"
     assert Brush.model_validate_json(held.model_dump_json()) == held
 
 
 def test_a_brush_cannot_be_held_where_it_leaves_no_mark() -> None:
-    with pytest.raises(InputError, match=r"the brush dry leaves no mark at press 0\.2; hold it deeper"):
+    with pytest.raises(InputError, match=r"the brush dry leaves no mark at pressure 0\.2; hold it deeper"):
         Brush(name="dry", source="a test", alpha=0.002, beta=-0.001).held_at(0.2)
 
 
@@ -214,12 +214,12 @@ def test_the_first_fault_names_the_field_and_shortens_what_came() -> None:
 
 
 @given(half_widths=st.lists(st.floats(0, 0.02), min_size=1, max_size=5))
-def test_the_press_for_a_half_width_draws_it_where_a_press_can(half_widths: list[float]) -> None:
+def test_the_pressure_for_a_half_width_draws_it_where_a_pressure_can(half_widths: list[float]) -> None:
     brush = Brush.model_validate(GOOD | {"alpha": 0.006, "beta": 0.001, "curve": (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.8)})
-    drawn = brush.half_width(brush.press_for(np.array(half_widths)))
+    drawn = brush.half_width(brush.pressure_for(np.array(half_widths)))
     assert drawn == pytest.approx(np.clip(half_widths, 0.001, 0.007), abs=1e-12)
 
 
 def test_a_pen_that_can_only_be_lifted_is_pressed_as_lightly_as_can_be() -> None:
     pen = Brush.model_validate(GOOD | {"alpha": 0.0, "beta": 0.001})
-    assert np.array_equal(pen.press_for(np.array([0.0, 0.001, 0.01])), np.zeros(3))
+    assert np.array_equal(pen.pressure_for(np.array([0.0, 0.001, 0.01])), np.zeros(3))

@@ -50,8 +50,8 @@ STROKES = (
 def a_painting(strokes: Iterable[Stroke] = STROKES, paints: int = 2) -> Painting:
     options: dict[str, Any] = {"steps": 9, "ink": None}
     return Painting(
-        canvas=Sheet(width=0.2, height=0.16),
-        made=Provenance(version="1", image="a.jpg", image_sha256="0" * 64, seed=3, options=options),
+        sheet=Sheet(width=0.2, height=0.16),
+        provenance=Provenance(version="1", image="a.jpg", image_sha256="0" * 64, seed=3, options=options),
         brushes={"round": nominal("round"), "pen": nominal("fineliner")},
         paints=tuple(Paint(colour=(i / 10, 0.5, 1.0), brush=("round", "pen")[i % 2]) for i in range(paints)),
         strokes=tuple(strokes),
@@ -109,14 +109,14 @@ def paintings(draw: st.DrawFn) -> Painting:
     ids = draw(st.lists(st.integers(0, 10**9), unique=True, max_size=3))
     options = draw(st.dictionaries(names, json_values, max_size=3))
     return Painting(
-        canvas=Sheet(
+        sheet=Sheet(
             width=width,
             height=height,
             paper=draw(st.tuples(shares, shares, shares)),
             picture=draw(st.none() | st.just(PNG)),
         ),
         area=(x, y, width - x, height - y),
-        made=Provenance(
+        provenance=Provenance(
             version="1",
             image=draw(st.none() | st.text()),
             options=options,
@@ -164,8 +164,8 @@ def test_a_stroke_is_a_line_of_the_file(tmp_path: Path) -> None:
     lines = [line.strip().rstrip(",") for line in text.splitlines() if '"trajectory"' in line]
     assert [json.loads(line)["id"] for line in lines] == [7, 2, 5]
     assert lines[2] == '{"id": 5, "paint": 1, "trajectory": [[0.01, 0.02, 0.0]]}'
-    assert list(json.loads(text)) == ["schema_version", "canvas", "area", "made", "brushes", "paints", "strokes"]
-    assert json.loads(text)["made"]["options"] == {"steps": 9, "ink": None}
+    assert list(json.loads(text)) == ["schema_version", "sheet", "area", "provenance", "brushes", "paints", "strokes"]
+    assert json.loads(text)["provenance"]["options"] == {"steps": 9, "ink": None}
 
 
 def test_four_thousand_strokes_are_written_and_read_in_under_two_seconds(tmp_path: Path) -> None:
@@ -215,14 +215,14 @@ def test_what_a_painting_does_not_have_is_not_in_its_file(tmp_path: Path) -> Non
     """So that a Maulstick that does not know of it can still read the file."""
     write_painting(a_painting(), tmp_path / "painting.json")
     fields = json.loads((tmp_path / "painting.json").read_text())
-    assert list(fields["canvas"]) == ["width", "height", "paper"]
+    assert list(fields["sheet"]) == ["width", "height", "paper"]
     assert list(fields["paints"][0]) == ["colour", "brush"]
 
 
 def test_a_painting_of_an_older_maulstick_is_read(tmp_path: Path) -> None:
     write_painting(a_painting(), tmp_path / "painting.json")
     fields = json.loads((tmp_path / "painting.json").read_text())
-    del fields["made"]["figures"]
+    del fields["provenance"]["metrics"]
     (tmp_path / "old.json").write_text(json.dumps(fields))
     assert read_painting(tmp_path / "old.json") == a_painting()
 
@@ -234,11 +234,11 @@ def test_a_sheet_is_its_paper_s_colour_or_the_picture_of_what_is_on_it(tmp_path:
     assert bare.image(canvas).shape == (20, 30, 3)
     assert (bare.image(canvas) == (0.25, 0.5, 1.0)).all()
     sheet = Sheet(width=0.06, height=0.04, picture=PNG)
-    used = a_painting([]).model_copy(update={"canvas": sheet, "area": (0, 0, 0.06, 0.04)})
+    used = a_painting([]).model_copy(update={"sheet": sheet, "area": (0, 0, 0.06, 0.04)})
     write_painting(used, tmp_path / "painting.json")
-    stored = json.loads((tmp_path / "painting.json").read_text())["canvas"]["picture"]
+    stored = json.loads((tmp_path / "painting.json").read_text())["sheet"]["picture"]
     assert base64.b64decode(stored, validate=True) == PNG
-    again = read_painting(tmp_path / "painting.json").canvas
+    again = read_painting(tmp_path / "painting.json").sheet
     image = again.image(canvas)
     assert (image.shape, image.dtype) == ((20, 30, 3), np.float32)
     assert image[10, [2, 15, 27]] == pytest.approx(np.array([[0, 0, 0], [1, 1, 1], [0, 0, 0]]), abs=0.02)
@@ -266,11 +266,13 @@ def test_a_colour_is_told_as_painters_programs_tell_it() -> None:
 
 def test_a_picture_whose_name_is_no_text_can_still_be_recorded(tmp_path: Path) -> None:
     latin = b"caf\xe9.jpg".decode(errors="surrogateescape")
-    painting = a_painting().model_copy(update={"made": Provenance(version="1", image=latin, options={"photo": latin})})
+    painting = a_painting().model_copy(
+        update={"provenance": Provenance(version="1", image=latin, options={"photo": latin})}
+    )
     write_painting(painting, tmp_path / "painting.json")
     again = read_painting(tmp_path / "painting.json")
     assert again == painting
-    assert (again.made.image, again.made.options) == ("caf?.jpg", {"photo": "caf?.jpg"})
+    assert (again.provenance.image, again.provenance.options) == ("caf?.jpg", {"photo": "caf?.jpg"})
 
 
 def test_a_painting_that_cannot_be_written_leaves_the_one_that_was_there(tmp_path: Path) -> None:
@@ -302,7 +304,7 @@ def of_stroke(index: int, **change: object) -> Damage:
 
 def of_picture(content: bytes | str) -> Damage:
     text = content if isinstance(content, str) else base64.b64encode(content).decode()
-    return lambda painting: painting["canvas"].update(picture=text)
+    return lambda painting: painting["sheet"].update(picture=text)
 
 
 def of_point(*point: float) -> Damage:
@@ -316,33 +318,42 @@ def of_point(*point: float) -> Damage:
         (lambda p: p.update(schema_version=0), "schema_version: it is 0, and this Maulstick reads version 1; write"),
         (lambda p: p.update(schema_version="1"), "schema_version: Input should be 1 (got '1')"),
         (lambda p: p.pop("schema_version"), "schema_version: it is missing; write 1"),
-        (lambda p: (p.update(schema_version=9), p["canvas"].clear()), "schema_version: it is 9"),
-        (lambda p: p.pop("canvas"), "canvas: Field required"),
-        (lambda p: p["canvas"].update(width=0), "canvas.width: Input should be greater than 0 (got 0)"),
-        (lambda p: p["canvas"].update(width="wide"), "canvas.width: Input should be a valid number (got 'wide')"),
-        (lambda p: p["canvas"].update(paper=[1, 1]), "canvas.paper[2]: Field required"),
+        (lambda p: (p.update(schema_version=9), p["sheet"].clear()), "schema_version: it is 9"),
+        (lambda p: p.pop("sheet"), "sheet: Field required"),
+        (lambda p: p["sheet"].update(width=0), "sheet.width: Input should be greater than 0 (got 0)"),
+        (lambda p: p["sheet"].update(width="wide"), "sheet.width: Input should be a valid number (got 'wide')"),
+        (lambda p: p["sheet"].update(paper=[1, 1]), "sheet.paper[2]: Field required"),
         (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the canvas; it must"),
         (
             of_picture("no base64!"),
-            "canvas.picture: Value error, it is not base64; embed a PNG in base64 (got 'no base64",
+            "sheet.picture: Value error, it is not base64; embed a PNG in base64 (got 'no base64",
         ),
-        (of_picture("é"), "canvas.picture: Value error, it is not base64; embed a PNG in base64 (got 'é')"),
-        (of_picture(b""), "canvas.picture: Value error, the picture is not a PNG; save it as one (got '')"),
-        (of_picture(a_jpeg()), "canvas.picture: Value error, the picture is not a PNG; save it as one (got '/9j/"),
-        (of_picture(PNG[:50]), "canvas.picture: Value error, the picture is a damaged PNG: "),
-        (of_picture(PNG[:20]), "canvas.picture: Value error, the picture is "),
-        (of_picture(a_bomb(60_000, 60_000)), "canvas.picture: Value error, the picture has more than 4096 pixels on a"),
+        (of_picture("é"), "sheet.picture: Value error, it is not base64; embed a PNG in base64 (got 'é')"),
+        (of_picture(b""), "sheet.picture: Value error, the picture is not a PNG; save it as one (got '')"),
+        (of_picture(a_jpeg()), "sheet.picture: Value error, the picture is not a PNG; save it as one (got '/9j/"),
+        (of_picture(PNG[:50]), "sheet.picture: Value error, the picture is a damaged PNG: "),
+        (of_picture(PNG[:20]), "sheet.picture: Value error, the picture is "),
+        (of_picture(a_bomb(60_000, 60_000)), "sheet.picture: Value error, the picture has more than 4096 pixels on a"),
         (
             of_picture(a_bomb(4097, 1)),
-            "canvas.picture: Value error, the picture is 4097 x 1 pixels; it must be at most",
+            "sheet.picture: Value error, the picture is 4097 x 1 pixels; it must be at most",
         ),
-        (lambda p: p["canvas"].update(picture=7), "canvas.picture: Input should be a valid bytes (got 7)"),
-        (lambda p: p["made"].update(metrics={"psnr": float("inf")}), "made.figures.psnr: Input should be a finite"),
-        (lambda p: p["made"].update(metrics={"psnr": "high"}), "made.figures.psnr: Input should be a valid number"),
+        (lambda p: p["sheet"].update(picture=7), "sheet.picture: Input should be a valid bytes (got 7)"),
+        (
+            lambda p: p["provenance"].update(metrics={"psnr": float("inf")}),
+            "provenance.metrics.psnr: Input should be a finite",
+        ),
+        (
+            lambda p: p["provenance"].update(metrics={"psnr": "high"}),
+            "provenance.metrics.psnr: Input should be a valid number",
+        ),
         (lambda p: p["paints"][0].update(name=""), "paints[0].name: String should have at least 1 character (got '')"),
-        (lambda p: p["made"].update(image_sha256="12"), "made.image_sha256: String should match pattern"),
-        (lambda p: p["made"].update(seed=1.5), "made.seed: Input should be a valid integer"),
-        (lambda p: p["made"].update(options={"a": [float("nan")]}), "made.options: Value error, Out of range float"),
+        (lambda p: p["provenance"].update(image_sha256="12"), "provenance.image_sha256: String should match pattern"),
+        (lambda p: p["provenance"].update(seed=1.5), "provenance.seed: Input should be a valid integer"),
+        (
+            lambda p: p["provenance"].update(options={"a": [float("nan")]}),
+            "provenance.options: Value error, Out of range float",
+        ),
         (lambda p: p["brushes"]["pen"].update(alpha=-1), "brushes.pen.alpha: Input should be greater than or equal"),
         (lambda p: p["brushes"].pop("pen"), "paints[1].brush: there is no 'pen' in brushes; there are: round"),
         (

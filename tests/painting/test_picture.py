@@ -188,10 +188,10 @@ def test_one_pixel_is_a_picture(tmp_path: Path) -> None:
     assert read_picture(tmp_path / "one.png", 1) == pytest.approx(np.array([[[1, 0, 0.2]]]))
 
 
-def test_the_first_picture_of_a_film_is_read(tmp_path: Path) -> None:
+def test_the_first_picture_of_a_video_is_read(tmp_path: Path) -> None:
     frames = [Image.new("RGB", (4, 3), colour) for colour in ("red", "blue")]
     for suffix in ("gif", "tif", "webp"):
-        path = tmp_path / f"film.{suffix}"
+        path = tmp_path / f"video.{suffix}"
         frames[0].save(path, save_all=True, append_images=frames[1:])
         assert read_picture(path).reshape(-1, 3).mean(axis=0) == pytest.approx([1, 0, 0], abs=JPEG)
 

@@ -23,8 +23,8 @@ DOT: tuple[Point, ...] = ((0.05, 0.06, 1.0),)
 def a_painting(*strokes: tuple[int, tuple[Point, ...]]) -> Painting:
     bent = nominal("round").model_copy(update={"m_x": 2.0, "b_x": 0.05})
     return Painting(
-        canvas=Sheet(width=0.2, height=0.16, paper=(1.0, 1.0, 0.8)),
-        made=Provenance(version="1"),
+        sheet=Sheet(width=0.2, height=0.16, paper=(1.0, 1.0, 0.8)),
+        provenance=Provenance(version="1"),
         brushes={"round <bent>": bent, "pen": nominal("fineliner")},
         paints=(
             Paint(colour=(0.0, 0.0, 0.0), brush="pen"),
@@ -140,7 +140,7 @@ def test_the_axidraws_software_pauses_before_each_paint_but_the_first() -> None:
 
 
 def test_a_layer_has_a_code_for_what_all_its_strokes_agree_on() -> None:
-    light, deep = (tuple((x, y, press) for x, y, _ in LINE) for press in (0.25, 1.0))
+    light, deep = (tuple((x, y, pressure) for x, y, _ in LINE) for pressure in (0.25, 1.0))
     slow = Stroke(id=1, paint=1, trajectory=light, speed=(0.02, 0.02))
     assert axidraw_labels(slow) == ["1+S10+H30 #ff0000 round <bent>"]
     assert axidraw_labels(slow, Stroke(id=2, paint=1, trajectory=deep, speed=(0.02, 0.02))) == [
@@ -152,7 +152,7 @@ def test_a_layer_has_a_code_for_what_all_its_strokes_agree_on() -> None:
     assert axidraw_labels(slow, Stroke(id=2, paint=1, trajectory=light)) == ["1+H30 #ff0000 round <bent>"]
     assert axidraw_labels(slow, Stroke(id=2, paint=2, trajectory=deep, speed=(5.0, 5.0))) == [
         "1+S10+H30 #ff0000 round <bent>",
-        "!2+S100 #0080ff pen",  # its mark is the same at any press
+        "!2+S100 #0080ff pen",  # its mark is the same at any pressure
     ]
 
 

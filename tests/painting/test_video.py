@@ -61,7 +61,7 @@ def test_an_mp4_shows_every_frame_and_needs_no_even_sides(height: int, width: in
 
 
 @pytest.mark.parametrize(("height", "width", "size"), [(1000, 400, (288, 720)), (400, 2000, (1280, 256))])
-def test_large_frames_are_filmed_small_and_never_stretched(height: int, width: int, size: tuple[int, int]) -> None:
+def test_large_frames_are_recorded_small_and_never_stretched(height: int, width: int, size: tuple[int, int]) -> None:
     with Image.open(io.BytesIO(recorded("gif", frame(RED, height, width)))) as gif:
         assert gif.size == size
 
@@ -69,14 +69,14 @@ def test_large_frames_are_filmed_small_and_never_stretched(height: int, width: i
 def test_another_format_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError) as caught:
         Video("avi")
-    assert str(caught.value) == "there is no film format 'avi'; there are: gif, mp4"
+    assert str(caught.value) == "there is no video format 'avi'; there are: gif, mp4"
 
 
-def test_an_mp4_without_its_package_is_refused_before_anything_is_filmed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_mp4_without_its_package_is_refused_before_anything_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(video, "find_spec", lambda name: None)
     with pytest.raises(InputError) as caught:
         Video("mp4")
-    assert str(caught.value) == "an mp4 film needs the package av; install maulstick[film], or ask for a gif"
+    assert str(caught.value) == "an mp4 video needs the package av; install maulstick[video], or ask for a gif"
     assert Video("gif").kind == "gif"
 
 

@@ -6,7 +6,7 @@ from maulstick.planning.parameters import StrokeParameters
 
 def strokes(count: int) -> StrokeParameters:
     torch_rng = torch.Generator().manual_seed(count)
-    shapes = {"codes": (13,), "centres": (2,), "angles": (), "press_knots": (4,), "colours": (3,)}
+    shapes = {"codes": (13,), "centres": (2,), "angles": (), "pressure_knots": (4,), "colours": (3,)}
     tensors = {k: torch.rand(count, *shape, generator=torch_rng) * 0.5 + 0.25 for k, shape in shapes.items()}
     return StrokeParameters(**{k: x.requires_grad_() for k, x in tensors.items()})
 
@@ -25,12 +25,12 @@ def test_a_step_goes_down_the_loss_by_the_rate_of_each_parameter() -> None:
         assert (tensor < before[name]).any(), name
 
 
-def test_press_and_colours_stay_between_0_and_1() -> None:
+def test_pressure_and_colours_stay_between_0_and_1() -> None:
     descent = Descent(strokes(5), spacing=0.01)
     for way in (1.0, -1.0):
         for _ in range(120):
             descent.step(pull(descent.strokes, way), progress=0.0)
-        for tensor in (descent.strokes.press_knots, descent.strokes.colours):
+        for tensor in (descent.strokes.pressure_knots, descent.strokes.colours):
             assert (tensor == (way < 0)).all()
 
 

@@ -98,7 +98,7 @@ def test_a_seed_repeats_the_file_to_the_bit(
 
 def test_code_and_pose_in_the_file_decode_to_the_trajectory(file: Path) -> None:
     read = read_painting(file)
-    style = load_style("free", Canvas(read.canvas.width, read.canvas.height, 1))
+    style = load_style("free", Canvas(read.sheet.width, read.sheet.height, 1))
     uses = [stroke.style for stroke in read.strokes]
     assert len(uses) > 10
     for stroke, use in zip(read.strokes, uses, strict=True):
@@ -114,13 +114,13 @@ def test_the_style_of_a_file_is_known_again_from_its_canvas(
 ) -> None:
     layout = lay_out_for(portrait, Sheet(width=size[0], height=size[1]), round_brush, height_px=32)
     found = painted(layout, round_brush, options(strokes=6, steps=1, exact=True))
-    style = load_style("free", Canvas(found.canvas.width, found.canvas.height, 1))
+    style = load_style("free", Canvas(found.sheet.width, found.sheet.height, 1))
     for stroke in found.strokes:
         assert stroke.style is not None
         assert (stroke.style.name, stroke.style.hash) == (style.name, style.hash)
 
 
-def test_trajectories_stay_on_the_sheet_with_press_in_range(painting: Painting) -> None:
+def test_trajectories_stay_on_the_sheet_with_pressure_in_range(painting: Painting) -> None:
     found = painting.trajectories()
     assert found.shape == (len(painting.strokes), 32, 3)
     assert found[..., :2].min() >= -FILE_METRES
@@ -131,10 +131,10 @@ def test_trajectories_stay_on_the_sheet_with_press_in_range(painting: Painting) 
 
 
 def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: Layout, round_brush: Brush) -> None:
-    assert painting.made.image == "a.jpg"
-    assert painting.made.seed == 0
-    assert painting.made.options["strokes"] == 30
-    assert painting.made.options["paints"] == 4
+    assert painting.provenance.image == "a.jpg"
+    assert painting.provenance.seed == 0
+    assert painting.provenance.options["strokes"] == 30
+    assert painting.provenance.options["paints"] == 4
     assert painting.brushes == {"round": round_brush}
     assert painting.area == pytest.approx(layout.area, abs=FILE_METRES)
     assert [stroke.id for stroke in painting.strokes] == list(range(len(painting.strokes)))
@@ -183,7 +183,7 @@ def test_one_ink_is_one_paint(layout: Layout) -> None:
     assert {stroke.paint for stroke in found.strokes} == {0}
 
 
-def test_a_pen_that_can_only_lift_is_commanded_without_press(layout: Layout) -> None:
+def test_a_pen_that_can_only_lift_is_commanded_without_pressure(layout: Layout) -> None:
     found = painted(layout, nominal("fineliner"), options(steps=20))
     assert len(found.strokes) > 10
     assert not found.trajectories()[..., 2].any()
@@ -241,12 +241,12 @@ def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
 ) -> None:
     loss_options = LossOptions(weights={"likeness": 0.0, "edges": 2.0})
     problem = problem_of(layout, round_brush, load_style("free", layout.canvas), QUICK, loss_options)
-    metrics = with_metrics(painting, layout, problem).made.metrics
+    metrics = with_metrics(painting, layout, problem).provenance.metrics
     reached = likeness(painting, layout)
     assert {name: metrics[name] for name in asdict(reached)} == asdict(reached)
     assert set(metrics) - set(asdict(reached)) == {"tone", "edges", "loss"}
     assert metrics["loss"] == metrics["tone"] + metrics["edges"]
-    blank = with_metrics(bare(painting), layout, problem).made.metrics
+    blank = with_metrics(bare(painting), layout, problem).provenance.metrics
     assert all(0 < metrics[name] < blank[name] for name in ("tone", "edges"))
 
 
@@ -256,7 +256,7 @@ def test_a_term_counts_in_the_file_as_it_was_weighed(painting: Painting, layout:
         with_metrics(painting, layout, problem_of(layout, round_brush, style, QUICK, LossOptions(weights=weights)))
         for weights in ({"likeness": 0.0}, {"likeness": 0.0, "tone": 2.0})
     )
-    assert twice.made.metrics["loss"] == pytest.approx(2 * tone.made.metrics["loss"])
+    assert twice.provenance.metrics["loss"] == pytest.approx(2 * tone.provenance.metrics["loss"])
 
 
 def test_a_painting_without_a_picture_has_no_likeness(painting: Painting, layout: Layout) -> None:

@@ -44,16 +44,16 @@ def test_a_picture_alone_is_compared_in_tone_alone() -> None:
 
 
 def test_a_text_or_a_look_beside_a_picture_adds_to_it() -> None:
-    assert names(LossOptions("a boat", PICTURE)) == (["tone"], ["words", "look"])
+    assert names(LossOptions("a boat", PICTURE)) == (["tone"], ["text", "look"])
 
 
 def test_a_text_and_a_look_without_a_picture_are_all_there_is() -> None:
-    assert names(LossOptions("a boat"), WITHOUT_PICTURE) == ([], ["words"])
+    assert names(LossOptions("a boat"), WITHOUT_PICTURE) == ([], ["text"])
     assert names(LossOptions(look=PICTURE), WITHOUT_PICTURE) == ([], ["look"])
 
 
 def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> None:
-    loss_options = LossOptions(weights={"words": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
+    loss_options = LossOptions(weights={"text": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
     objectives, network_losses = losses_of(loss_options, WITH_PICTURE, TinyNetwork)
     told = {each.term.name: each.weight for each in (*objectives, *network_losses)}
     assert told == {
@@ -69,12 +69,12 @@ def test_every_term_can_be_asked_for_by_its_name() -> None:
     assert sorted(objectives + network_losses) == sorted(STRENGTHS)
 
 
-def test_a_network_is_only_called_for_where_a_judge_needs_one() -> None:
+def test_a_network_is_only_called_for_where_a_network_loss_needs_one() -> None:
     objectives, network_losses = losses_of(LossOptions(weights={"likeness": 0, "edges": 1}), WITH_PICTURE, never)
     assert (len(objectives), network_losses) == (2, ())
 
 
-def test_judges_have_the_same_views_whenever_they_are_made() -> None:
+def test_network_losses_have_the_same_views_whenever_they_are_made() -> None:
     (one,), (two,) = (losses_of(LossOptions("a boat"), WITHOUT_PICTURE, TinyNetwork)[1] for _ in range(2))
     canvas = noise(1, 3, 30, 40).float()
     assert torch.equal(one.term.losses(canvas, range(8)), two.term.losses(canvas, range(8)))
@@ -102,7 +102,7 @@ def test_with_one_ink_colours_are_not_compared() -> None:
         ({"tone": float("nan")}, "the weight of tone is nan; it must be from 0 to 1000"),
         ({"tone": float("inf")}, "the weight of tone is inf; it must be from 0 to 1000"),
         ({"tone": 1e9}, "the weight of tone is 1000000000.0; it must be from 0 to 1000"),
-        ({"words": 2.0}, "words weighs a text, and there is none; give it, or leave the weight out"),
+        ({"text": 2.0}, "text weighs a text, and there is none; give it, or leave the weight out"),
         ({"look": 2.0}, "look weighs the look of a picture, and there is none; give it, or leave the weight out"),
     ],
 )
@@ -112,7 +112,7 @@ def test_weights_that_cannot_be_used_are_refused(weights: Mapping[str, float], t
 
 
 def test_a_weight_of_nothing_needs_nothing() -> None:
-    assert names(LossOptions(weights={"words": 0, "look": 0})) == (["tone"], [])
+    assert names(LossOptions(weights={"text": 0, "look": 0})) == (["tone"], [])
 
 
 def test_a_painting_of_which_nothing_is_asked_is_refused() -> None:
@@ -121,8 +121,8 @@ def test_a_painting_of_which_nothing_is_asked_is_refused() -> None:
         LossOptions(weights={"tone": 0, "likeness": 0}).weights_of_terms(has_picture=True)
     with refused(text):
         LossOptions().weights_of_terms(has_picture=False)
-    with refused("words=0 leaves a text out, and there is one; leave one of the two out"):
-        LossOptions("a boat", weights={"words": 0})
+    with refused("text=0 leaves a text out, and there is one; leave one of the two out"):
+        LossOptions("a boat", weights={"text": 0})
     with refused("look=0 leaves the look of a picture out, and there is one; leave one of the two out"):
         LossOptions(look=PICTURE, weights={"look": 0})
 

@@ -10,7 +10,7 @@ from torch import Tensor
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.strokes import strokes
 from maulstick.style.free import FreeStyle
-from maulstick.style.pressure import press_along
+from maulstick.style.pressure import pressure_along
 from tests.support.tolerances import FLOAT32_METRES
 
 STYLE = FreeStyle(shortest=0.002, longest=0.05)
@@ -36,7 +36,7 @@ def test_the_middle_of_a_path_lies_at_its_centre_at_every_angle() -> None:
     assert len(parameters) == 20
 
 
-def test_a_trajectory_is_the_decoded_path_in_its_pose_and_its_press() -> None:
+def test_a_trajectory_is_the_decoded_path_in_its_pose_and_its_pressure() -> None:
     parameters = some_strokes(9)
     paths = STYLE.decode(parameters.codes)
     poses = parameters.poses(paths)
@@ -45,7 +45,7 @@ def test_a_trajectory_is_the_decoded_path_in_its_pose_and_its_press() -> None:
     assert torch.equal(poses[:, 2], parameters.angles)
     placed = strokes.place(paths.double().numpy(), poses.double().numpy())
     assert trajectories[..., :2].numpy() == pytest.approx(placed, abs=2 * FLOAT32_METRES)
-    assert torch.equal(trajectories[..., 2], press_along(parameters.press_knots))
+    assert torch.equal(trajectories[..., 2], pressure_along(parameters.pressure_knots))
     assert torch.allclose(trajectories[:, 0, :2], poses[:, :2], atol=FLOAT32_METRES), "a standardised path starts at 0"
 
 
@@ -60,7 +60,7 @@ def test_an_angle_turns_a_stroke_about_its_middle() -> None:
 
 def test_every_parameter_has_a_gradient() -> None:
     parameters = StrokeParameters(**{name: x.requires_grad_() for name, x in some_strokes(4).each().items()})
-    trained = [parameters.codes, parameters.centres, parameters.angles, parameters.press_knots]
+    trained = [parameters.codes, parameters.centres, parameters.angles, parameters.pressure_knots]
     weights = torch.rand(4, 32, 3, generator=torch.Generator().manual_seed(1))
     for gradient in torch.autograd.grad((parameters.trajectories(STYLE) * weights).sum(), trained):
         assert gradient.isfinite().all()
@@ -80,7 +80,7 @@ def test_strokes_are_kept_inside_by_the_smallest_move(seed: int, spread: float) 
     beyond = (-were.amin(dim=1)).clamp(min=0) + (were.amax(dim=1) - size).clamp(min=0)
     moved = (parameters.centres - before.centres).abs()
     assert moved.numpy() == pytest.approx(beyond.numpy(), abs=2 * FLOAT32_METRES)
-    for name in ("codes", "angles", "press_knots", "colours"):
+    for name in ("codes", "angles", "pressure_knots", "colours"):
         assert torch.equal(getattr(parameters, name), getattr(before, name))
 
 

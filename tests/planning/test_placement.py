@@ -159,9 +159,9 @@ def crowd(spacing: float) -> Places:
 
 
 def started(found: Places, brush: Brush, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths, metres, and press knots of strokes at the places."""
+    """Lengths, metres, and pressure knots of strokes at the places."""
     strokes = start_strokes(found, STYLE, brush, PPM, torch.Generator().manual_seed(seed))
-    return STYLE.decode(strokes.codes).diff(dim=1).norm(dim=-1).sum(1).numpy(), strokes.press_knots.numpy()
+    return STYLE.decode(strokes.codes).diff(dim=1).norm(dim=-1).sum(1).numpy(), strokes.pressure_knots.numpy()
 
 
 def test_strokes_start_at_their_places_in_metres(round_brush: Brush) -> None:
@@ -175,10 +175,10 @@ def test_strokes_start_at_their_places_in_metres(round_brush: Brush) -> None:
 
 
 def test_more_room_makes_longer_and_wider_strokes(round_brush: Brush) -> None:
-    lengths, press = zip(*(started(crowd(room), round_brush) for room in (2.0, 6.0, 12.0, 18.0)), strict=True)
+    lengths, pressure = zip(*(started(crowd(room), round_brush) for room in (2.0, 6.0, 12.0, 18.0)), strict=True)
     assert (np.diff([x.mean() for x in lengths]) > 0).all()
-    assert (np.diff([x.mean() for x in press]) > 0).all()
-    for length, knots in zip(lengths, press, strict=True):
+    assert (np.diff([x.mean() for x in pressure]) > 0).all()
+    for length, knots in zip(lengths, pressure, strict=True):
         assert np.ptp(length) < 0.1 * length.mean(), "the same room takes the same length"
         assert knots.min() >= 0
         assert knots.max() <= 1
@@ -196,17 +196,17 @@ def test_a_hand_starts_with_its_own_lengths_whatever_the_room_and_the_longest_wh
     assert own.min() - 2 < gists.min() < gists.max() < own.max() + 2
 
 
-def test_press_rises_and_falls_as_the_style_has_it_about_the_width_that_the_room_asks(round_brush: Brush) -> None:
+def test_pressure_rises_and_falls_as_the_style_has_it_about_the_width_that_the_room_asks(round_brush: Brush) -> None:
     falling = strokes_of(drawn(circle, 20), np.linspace(0.9, 0.6, 32))
     style = Exemplar.fit("falling", Hand.of(falling), all_hands())
     found = crowd((round_brush.beta + 0.5 * round_brush.alpha) / 0.4 * PPM)
-    press = start_strokes(found, style, round_brush, PPM, torch.Generator().manual_seed(0)).press_knots
-    assert press.numpy() == pytest.approx(np.tile([0.65, 0.55, 0.45, 0.35], (200, 1)), abs=FLOAT32_VALUE)
+    pressure = start_strokes(found, style, round_brush, PPM, torch.Generator().manual_seed(0)).pressure_knots
+    assert pressure.numpy() == pytest.approx(np.tile([0.65, 0.55, 0.45, 0.35], (200, 1)), abs=FLOAT32_VALUE)
 
 
-def test_a_pen_that_cannot_press_starts_without_press() -> None:
-    _, press = started(three(12.0), nominal("fineliner"))
-    assert not press.any()
+def test_a_pen_that_cannot_pressure_starts_without_pressure() -> None:
+    _, pressure = started(three(12.0), nominal("fineliner"))
+    assert not pressure.any()
 
 
 def test_a_generator_repeats_the_strokes_to_the_bit(round_brush: Brush) -> None:

@@ -132,7 +132,7 @@ def test_a_plan_has_all_its_numbers_in_range(asked: PlanningProblem, planned: Pl
     assert planned.paint_of.shape == (len(planned.strokes),)
     trajectories = planned.strokes.trajectories(asked.style)
     assert trajectories.shape == (len(planned.strokes), 32, 3)
-    for shares in (planned.paints, planned.strokes.press_knots, planned.strokes.colours):
+    for shares in (planned.paints, planned.strokes.pressure_knots, planned.strokes.colours):
         assert shares.min() >= 0
         assert shares.max() <= 1
     size = torch.tensor([asked.canvas.width, asked.canvas.height])
@@ -202,7 +202,7 @@ def test_one_ink_paints_every_stroke(portrait: Picture) -> None:
 def test_a_pen_that_can_only_lift_never_presses(portrait: Picture) -> None:
     found = plan(problem(portrait, nominal("fineliner")), options(steps=30))
     assert len(found.strokes) > 0
-    assert not found.strokes.press_knots.any()
+    assert not found.strokes.pressure_knots.any()
 
 
 @pytest.mark.parametrize("after", [1, 30, 70])
@@ -303,7 +303,7 @@ def test_a_paint_is_mixed_for_the_strokes_that_show_most(asked: PlanningProblem)
         codes=torch.stack([dot, line]),
         centres=torch.tensor([[0.01, 0.01], [0.04, 0.03]]),
         angles=torch.zeros(2),
-        press_knots=torch.tensor([[0.0] * 4, [1.0] * 4]),
+        pressure_knots=torch.tensor([[0.0] * 4, [1.0] * 4]),
         colours=torch.tensor([[0.0, 0.0, 0.0], [1.0, 1.0, 0.9]]),  # the line is painted first
     )
     at_once = Schedule(relocations=(), quantise=0.0)
@@ -315,18 +315,18 @@ def as_unlikely(style: Style, found: PlanResult) -> float:
     """Mean cost of a plan's strokes, in those of as many strokes that the style draws by itself."""
     torch_rng = torch.Generator().manual_seed(1)
     usual = torch.stack([style.cost(*style.sample(len(found.strokes), torch_rng)).mean() for _ in range(8)]).mean()
-    return (style.cost(found.strokes.codes, found.strokes.press_knots).mean() / usual).item()
+    return (style.cost(found.strokes.codes, found.strokes.pressure_knots).mean() / usual).item()
 
 
-def test_a_plan_in_a_hand_stays_within_the_hands_leeway(portrait: Picture, round_brush: Brush) -> None:
+def test_a_plan_in_a_hand_stays_within_the_hands_max_mean_cost(portrait: Picture, round_brush: Brush) -> None:
     asked, hand = problem(portrait, round_brush), exemplar_of(zigzag)
-    held, left = (
-        plan(replace(asked, style=replace(hand, held=held)), options(paints=4, exact=True))
-        for held in (0.5, float("inf"))
+    max_mean_cost, left = (
+        plan(replace(asked, style=replace(hand, max_mean_cost=max_mean_cost)), options(paints=4, exact=True))
+        for max_mean_cost in (0.5, float("inf"))
     )
-    assert as_unlikely(hand, held) < 0.5 * LEEWAY
-    assert as_unlikely(hand, left) > 1.2 * as_unlikely(hand, held)
-    assert mse(rendered(replace(asked, style=hand), held), asked.target) < 0.7 * mse(asked.paper, asked.target)
+    assert as_unlikely(hand, max_mean_cost) < 0.5 * LEEWAY
+    assert as_unlikely(hand, left) > 1.2 * as_unlikely(hand, max_mean_cost)
+    assert mse(rendered(replace(asked, style=hand), max_mean_cost), asked.target) < 0.7 * mse(asked.paper, asked.target)
 
 
 def test_a_style_that_binds_nobody_never_weighs_more(

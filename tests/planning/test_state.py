@@ -65,7 +65,7 @@ def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
 
 
 @pytest.mark.parametrize("steps", [3, 30])
-def test_what_judges_said_last_is_remembered(asked: PlanningProblem, steps: int, tmp_path: Path) -> None:
+def test_what_network_losses_said_last_is_remembered(asked: PlanningProblem, steps: int, tmp_path: Path) -> None:
     assert asked.target is not None
     judged = replace(asked, network_losses=(Weighted(Shifted(asked.target), 0.5),))
     wanted = options(steps=40, ask_every=6)

@@ -24,7 +24,7 @@ def seeded(seed: int) -> Generator:
 
 
 def rendered(paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
-    return composite(paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)
+    return composite(paper, marks.points, marks.thickness, colours, marks.falloff, marks.plateau, marks.opacity)
 
 
 def without(marks: Marks, colours: Tensor, i: int) -> tuple[Marks, Tensor]:
@@ -127,15 +127,15 @@ def test_a_stroke_that_shows_nowhere_costs_nothing() -> None:
 
 def test_costs_repeat_with_their_generator_and_change_nothing() -> None:
     paper, marks, colours, target = scene(2)
-    before = marks.o.clone(), colours.clone(), paper.clone()
+    before = marks.opacity.clone(), colours.clone(), paper.clone()
     view = view_of(target)
     once = removal_costs(view, paper, marks, colours, seeded(3))
     assert torch.equal(removal_costs(view, paper, marks, colours, seeded(3)), once)
     assert not torch.equal(removal_costs(view, paper, marks, colours, seeded(4)), once)
-    assert torch.equal(marks.o, before[0])
+    assert torch.equal(marks.opacity, before[0])
     assert torch.equal(colours, before[1])
     assert torch.equal(paper, before[2])
-    assert not marks.o.requires_grad
+    assert not marks.opacity.requires_grad
 
 
 def test_strokes_that_train_are_weighed_without_a_gradient() -> None:

@@ -38,7 +38,7 @@ def painted() -> Tensor:
     return CANVAS.clone().requires_grad_()
 
 
-def test_where_judges_were_asked_their_loss_and_slope_are_what_they_said(painted: Tensor) -> None:
+def test_where_network_losses_were_asked_their_loss_and_slope_are_what_they_said(painted: Tensor) -> None:
     network_loss = Shifted(TARGET)
     loss = asked(Weighted(network_loss, 0.5)).loss(painted)
     said = 0.5 * network_loss.losses(painted, network_loss.asked[0]).mean()
@@ -68,7 +68,7 @@ def test_nothing_is_asked_to_tell_the_loss(painted: Tensor) -> None:
     assert (surrogate.calls, len(network_loss.asked)) == (1, 1)
 
 
-def test_several_judges_add_up_and_each_is_told_apart(painted: Tensor) -> None:
+def test_several_network_losses_add_up_and_each_is_told_apart(painted: Tensor) -> None:
     other = Shifted(TARGET.flip(2))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Shifted, "name", property(lambda self: "other" if self is other else "shifted"))
@@ -87,7 +87,7 @@ def test_a_call_goes_through_different_views_of_those_that_there_are() -> None:
     assert {view for call in network_loss.asked for view in call} == set(range(network_loss.views))
 
 
-def test_the_proposal_is_a_canvas_that_judges_like_better() -> None:
+def test_the_proposal_is_a_canvas_that_network_losses_like_better() -> None:
     network_loss = Shifted(TARGET)
     surrogate = asked(Weighted(network_loss, 1.0))
     proposal = surrogate.proposal
@@ -98,12 +98,14 @@ def test_the_proposal_is_a_canvas_that_judges_like_better() -> None:
 
 
 def led_by(network_loss: Shifted, portrait: Picture, brush: Brush) -> PlanningProblem:
-    """What the judge alone wants, without a picture."""
+    """What the network loss alone wants, without a picture."""
     return replace(problem(portrait, brush), target=None, objectives=(), network_losses=(Weighted(network_loss, 1.0),))
 
 
 @pytest.mark.parametrize(("every", "calls"), [(1, 40), (7, 6), (40, 1), (1000, 1)])
-def test_judges_are_asked_every_so_many_steps(portrait: Picture, round_brush: Brush, every: int, calls: int) -> None:
+def test_network_losses_are_asked_every_so_many_steps(
+    portrait: Picture, round_brush: Brush, every: int, calls: int
+) -> None:
     picture = problem(portrait, round_brush)
     assert picture.target is not None
     network_loss = Shifted(picture.target)
@@ -111,7 +113,9 @@ def test_judges_are_asked_every_so_many_steps(portrait: Picture, round_brush: Br
     assert len(network_loss.asked) == calls
 
 
-def test_a_plan_that_only_judges_lead_comes_nearer_to_what_they_want(portrait: Picture, round_brush: Brush) -> None:
+def test_a_plan_that_only_network_losses_lead_comes_nearer_to_what_they_want(
+    portrait: Picture, round_brush: Brush
+) -> None:
     wanted = problem(portrait, round_brush).target
     assert wanted is not None
     alone = led_by(Shifted(wanted, views=1), portrait, round_brush)
@@ -126,7 +130,7 @@ def test_a_plan_that_only_judges_lead_comes_nearer_to_what_they_want(portrait: P
     assert losses[-1] < 0.5 * losses[0]
 
 
-def test_judges_improve_on_the_picture_in_what_they_look_for(portrait: Picture, round_brush: Brush) -> None:
+def test_network_losses_improve_on_the_picture_in_what_they_look_for(portrait: Picture, round_brush: Brush) -> None:
     """One of six views each is moved: what suits them all is between, and not where the picture alone leads."""
     picture = problem(portrait, round_brush)
     assert picture.target is not None

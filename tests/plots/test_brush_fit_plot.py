@@ -1,4 +1,4 @@
-"""The plate of a fit: photographs, predictions and what differs between them, all at one scale."""
+"""The plot of a fit: photographs, predictions and what differs between them, all at one scale."""
 
 import io
 from dataclasses import replace
@@ -29,7 +29,7 @@ def a_fit(*views: HeldOutStroke) -> Fit:
     return Fit(
         brush=brush,
         errors=ERRORS,
-        warnings=("all strokes were drawn at press 0.50",),
+        warnings=("all strokes were drawn at pressure 0.50",),
         left_out=tuple(f"stroke {i} left no mark" for i in range(1, 13)),
         strokes=40,
         ink=(1.0,),
@@ -100,7 +100,7 @@ def test_a_difference_is_red_where_the_prediction_is_too_light_and_blue_where_to
 
 
 def plot_rows() -> slice:
-    """Those of a plate in which the views are."""
+    """Those of a plot in which the views are."""
     return slice(540, 1290)
 
 

@@ -1,4 +1,4 @@
-"""The plate of a brush: that what its charts say is what is drawn."""
+"""The plot of a brush: that what its charts say is what is drawn."""
 
 import io
 
@@ -41,7 +41,7 @@ def mark(plot: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @given(
-    press=st.floats(0, 1),
+    pressure=st.floats(0, 1),
     c=st.floats(1, 3),
     plateau=st.floats(0, 0.9),
     opacity=st.floats(0.1, 1),
@@ -49,29 +49,31 @@ def mark(plot: NDArray[np.int64]) -> NDArray[np.int64]:
     solid=st.floats(0.1, 2),
 )
 def test_the_profile_is_what_the_renderer_draws(
-    press: float, c: float, plateau: float, opacity: float, faint: float, solid: float
+    pressure: float, c: float, plateau: float, opacity: float, faint: float, solid: float
 ) -> None:
     brush = Brush(
         name="twig",
         source="a test",
         alpha=0.01,
         beta=0.01,
-        c=c,
+        falloff=c,
         plateau=plateau,
         opacity=opacity,
         faint=faint,
         solid=solid,
     )
-    path = torch.tensor([[[-0.1, 0.0205, press], [0.1, 0.0205, press]]])
+    path = torch.tensor([[[-0.1, 0.0205, pressure], [0.1, 0.0205, pressure]]])
     marks = Traj2Stroke.of([brush]).bare(path, 1000.0)
-    column = darkness(marks.points, marks.thickness, marks.c, marks.q, marks.o, height=41, width=1)[0, :, 0].numpy()
+    column = darkness(marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity, height=41, width=1)[
+        0, :, 0
+    ].numpy()
     distances = (np.arange(41) + 0.5) / 1000 - 0.0205
-    assert profile(brush, press, distances) == pytest.approx(column, abs=FLOAT32_VALUE_FAR)
+    assert profile(brush, pressure, distances) == pytest.approx(column, abs=FLOAT32_VALUE_FAR)
 
 
 @pytest.mark.parametrize("px", [240, 480])
 @pytest.mark.parametrize("name", ["round", "marker", "fineliner"])
-def test_a_brush_has_a_plate_at_any_size(name: str, px: int) -> None:
+def test_a_brush_has_a_plot_at_any_size(name: str, px: int) -> None:
     assert (pixels(load_brush(name), px).max(axis=2) < 128).any()
 
 
@@ -102,7 +104,7 @@ def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: py
     } <= {*told}
 
 
-def test_a_lighter_touch_that_leaves_no_mark_has_a_plate() -> None:
+def test_a_lighter_touch_that_leaves_no_mark_has_a_plot() -> None:
     dry = nominal("round").model_copy(update={"beta": -0.005})
     assert profile(dry, 0.0, np.array([0.0, 1e-3])).tolist() == [1.0, 0.0]
     assert (pixels(dry).max(axis=2) < 128).any()

@@ -1,4 +1,4 @@
-"""The plate of paintings side by side: all at one scale, as large as there is room."""
+"""The plot of paintings side by side: all at one scale, as large as there is room."""
 
 import io
 from itertools import pairwise
@@ -85,6 +85,6 @@ def test_the_thinnest_sheet_has_its_place(size: tuple[float, float]) -> None:
     assert pixels([a_panel(0, size)] * 7, 240).shape == (240, 384, 3)
 
 
-def test_the_same_panels_are_the_same_plate() -> None:
+def test_the_same_panels_are_the_same_plot() -> None:
     panels = [a_panel(0), a_panel(1)]
     assert compare_plot(panels, "a", "b", "c", 300) == compare_plot(panels, "a", "b", "c", 300)

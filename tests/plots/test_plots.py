@@ -1,4 +1,4 @@
-"""Plates are looked at by people; these tests see to their proportions, and that the ink is where it was drawn."""
+"""Plots are looked at by people; these tests see to their proportions, and that the ink is where it was drawn."""
 
 import io
 from pathlib import Path
@@ -36,9 +36,9 @@ def inked(plot: NDArray[np.float64]) -> NDArray[np.bool_]:
     return plot.max(axis=2) < 128
 
 
-def a_line(*points: tuple[float, float], press: float | tuple[float, ...] = np.nan) -> NDArray[np.float64]:
+def a_line(*points: tuple[float, float], pressure: float | tuple[float, ...] = np.nan) -> NDArray[np.float64]:
     places = np.array(points)
-    return np.column_stack([np.full(len(places), np.nan), places, np.full(len(places), press)])
+    return np.column_stack([np.full(len(places), np.nan), places, np.full(len(places), pressure)])
 
 
 @pytest.mark.parametrize("size", [(0.2, 0.15), (0.15, 0.2), (30.0, 20.0), (0.05, 0.02)])
@@ -62,7 +62,7 @@ def test_strokes_lie_where_they_were_drawn() -> None:
 
 
 def test_a_stroke_is_wider_where_it_was_pressed_harder() -> None:
-    ink = Ink.of([a_line((0.002, 0.005), (0.018, 0.005), press=(0.0, 1.0))], (0.02, 0.01))
+    ink = Ink.of([a_line((0.002, 0.005), (0.018, 0.005), pressure=(0.0, 1.0))], (0.02, 0.01))
     plot = pixels(ink_plot(ink, "", PX))
     rows, columns = paper(plot)
     widths = inked(plot[rows, columns]).sum(axis=0)
@@ -107,8 +107,10 @@ def test_any_number_of_strokes_has_a_specimen_and_a_sheet(number: int) -> None:
 
 
 def test_a_dot_and_a_point_without_extent_can_be_shown() -> None:
-    for press in (np.nan, 0.7):
-        ink = Ink.of([a_line((0.1, 0.1), press=press), a_line((0.1, 0.1), (0.1, 0.1), press=press)], (0.2, 0.2))
+    for pressure in (np.nan, 0.7):
+        ink = Ink.of(
+            [a_line((0.1, 0.1), pressure=pressure), a_line((0.1, 0.1), (0.1, 0.1), pressure=pressure)], (0.2, 0.2)
+        )
         for png in (ink_plot(ink, "", PX), strokes_plot(Strokes.of(ink), "", PX)):
             plot = pixels(png)
             assert inked(plot[paper(plot)]).any()
@@ -116,7 +118,7 @@ def test_a_dot_and_a_point_without_extent_can_be_shown() -> None:
 
 @pytest.mark.parametrize("size", [(100, 0.001), (0.001, 100), (30, 30), (1e-3, 1e-3)])
 def test_sheets_of_any_size_can_be_shown(size: tuple[float, float]) -> None:
-    ink = Ink.of([a_line((0, 0), size, press=0.5), a_line((0, size[1]), size)], size)
+    ink = Ink.of([a_line((0, 0), size, pressure=0.5), a_line((0, size[1]), size)], size)
     plot = pixels(ink_plot(ink, "", PX))
     assert plot.shape[1] <= 3 * PX + 1
 
@@ -134,11 +136,11 @@ def test_the_mark_of_a_brush_becomes_wider_towards_the_right(name: str) -> None:
     sheet = plot[rows]
     widths = (255 - sheet.mean(axis=2)).clip(min=0).sum(axis=0)
     left, right = (widths[round(share * plot.shape[1])] for share in (0.2, 0.8))
-    assert right > left if brush.presses else right == pytest.approx(left, rel=0.05)
+    assert right > left if brush.pressure_matters else right == pytest.approx(left, rel=0.05)
     assert left > 0
 
 
-def test_a_brush_with_much_to_tell_has_a_plate() -> None:
+def test_a_brush_with_much_to_tell_has_a_plot() -> None:
     brush = nominal("round").model_copy(
         update={
             "name": "long " * 40,
@@ -152,7 +154,7 @@ def test_a_brush_with_much_to_tell_has_a_plate() -> None:
 
 
 def test_the_same_ink_is_the_same_picture() -> None:
-    ink = Ink.of([a_line((0.01, 0.01), (0.04, 0.03), press=(0.2, 0.9))], (0.05, 0.05))
+    ink = Ink.of([a_line((0.01, 0.01), (0.04, 0.03), pressure=(0.2, 0.9))], (0.05, 0.05))
     assert ink_plot(ink, "twice", PX) == ink_plot(ink, "twice", PX)
 
 

@@ -1,4 +1,4 @@
-"""Plates of styles: that both the hand and the style are on them, at one scale, and that a map keeps likes together."""
+"""Plots of styles: that both the hand and the style are on them, at one scale, and that a map keeps likes together."""
 
 import io
 from dataclasses import replace
@@ -38,7 +38,7 @@ def pixels(png: bytes) -> NDArray[np.int64]:
 
 
 def parts(plot: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The white sheets on a plate, from the top."""
+    """The white sheets on a plot, from the top."""
     white = (plot == to_rgb_255(PAPER)).all(axis=2).mean(axis=1) > 0.05
     edges = np.flatnonzero(np.diff(np.concatenate([[False], white, [False]]).astype(int)))
     return [plot[top:bottom] for top, bottom in edges.reshape(-1, 2) if bottom - top > PX / 10]
@@ -59,8 +59,8 @@ def near(plot: NDArray[np.int64], colour: str) -> NDArray[np.bool_]:
     return (share > 0.3) & (np.abs(255 - plot - share[..., None] * ink).max(axis=2) < 12)
 
 
-def pressed(style: Exemplar, press: float) -> Exemplar:
-    return replace(style, hand=Hand(style.hand.paths, np.full_like(style.hand.press, press), style.hand.speeds))
+def pressed(style: Exemplar, pressure: float) -> Exemplar:
+    return replace(style, hand=Hand(style.hand.paths, np.full_like(style.hand.pressure, pressure), style.hand.speeds))
 
 
 def test_a_style_draws_as_much_as_is_shown_of_its_hand(circles: Exemplar) -> None:
@@ -93,7 +93,7 @@ def test_any_number_of_strokes_has_a_sheet_and_a_map(strokes: int) -> None:
 
 def test_strokes_that_are_all_the_same_have_a_sheet_and_a_map(circles: Exemplar) -> None:
     hand = circles.hand
-    same = Hand(np.repeat(hand.paths[:1], 6, axis=0), hand.press[:6], hand.speeds[:6])
+    same = Hand(np.repeat(hand.paths[:1], 6, axis=0), hand.pressure[:6], hand.speeds[:6])
     style = replace(circles, hand=same)
     for png in (style_plot(style, "", PX), latent_map([style], "", PX)):
         assert near(parts(pixels(png))[0], COLOURS[0]).any()

@@ -92,7 +92,7 @@ def test_a_take_without_noise_is_recovered_nearly_exactly() -> None:
     assert np.median(ends) < 0.3e-3
 
 
-def test_ink_knows_its_times_and_size_and_not_its_press() -> None:
+def test_ink_knows_its_times_and_size_and_not_its_pressure() -> None:
     simulated = simulate(STROKES, 1)
     drawing = drawing_of(replace(simulated.take, times=simulated.take.times + 100), TIP, source="take.csv")
     ink = drawing.ink

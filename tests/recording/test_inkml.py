@@ -42,7 +42,7 @@ def test_documents_without_a_namespace_are_read_alike() -> None:
     assert places(ink("<trace>1 2</trace>", namespace="")) == [[[1, 2]]]
 
 
-def test_time_and_force_become_seconds_and_press() -> None:
+def test_time_and_force_become_seconds_and_pressure() -> None:
     (stroke,) = ink(XYTF.format("") + "<trace>10 20 5000 0, 11.5 20 5008 250, 12 20 5016 1500</trace>").strokes
     assert stroke == pytest.approx(np.array([[5, 0.01, 0.02, 0], [5.008, 0.0115, 0.02, 0.25], [5.016, 0.012, 0.02, 1]]))
 

@@ -35,7 +35,7 @@ def test_lines_and_polylines_keep_their_points() -> None:
     assert [stroke.tolist() for stroke in strokes(body)] == expected
 
 
-def test_there_are_no_times_and_no_press() -> None:
+def test_there_are_no_times_and_no_pressure() -> None:
     page = svg('<path d="M0 0L9 9"/>')
     assert np.isnan(page.strokes[0][:, [0, 3]]).all()
     assert page.kind == "SVG"

@@ -20,20 +20,20 @@ WACOM = Path(__file__).parents[3] / "shared" / "data" / "uil_strokes.npz"
 PIXEL = 25.4e-3 / 96
 
 
-def a_stroke(samples: int = 9, start: float = 1.6e9, press: float = 0.5) -> Floats:
+def a_stroke(samples: int = 9, start: float = 1.6e9, pressure: float = 0.5) -> Floats:
     """A quarter of a circle of 20 mm, drawn in a second."""
     share = np.linspace(0, 1, samples)
     x, y = 0.03 + 0.02 * np.cos(share * np.pi / 2), 0.03 + 0.02 * np.sin(share * np.pi / 2)
-    return np.column_stack([start + share, x, y, press * share])
+    return np.column_stack([start + share, x, y, pressure * share])
 
 
-def assert_same(page: Page, strokes: list[Floats], press: float = 1e-4) -> None:
+def assert_same(page: Page, strokes: list[Floats], pressure: float = 1e-4) -> None:
     assert page.unit == 1
     assert len(page.strokes) == len(strokes)
     for came, drawn in zip(page.strokes, strokes, strict=True):
         assert came[:, 1:3] == pytest.approx(drawn[:, 1:3], abs=WACOM_FILE_METRES)
         assert came[:, 0] == pytest.approx(drawn[:, 0], abs=1e-3, nan_ok=True)
-        assert came[:, 3] == pytest.approx(drawn[:, 3], abs=press, nan_ok=True)
+        assert came[:, 3] == pytest.approx(drawn[:, 3], abs=pressure, nan_ok=True)
 
 
 def test_what_the_sensors_saw_is_read_in_metres_and_seconds() -> None:
@@ -46,7 +46,7 @@ def test_what_the_sensors_saw_is_read_in_metres_and_seconds() -> None:
 def test_version_3_0_is_read_alike() -> None:
     strokes = [a_stroke(), a_stroke(17, 1.6e9 + 60.25)]
     page = read_uim(uim_3_0(strokes))
-    assert_same(page, strokes, press=1e-3)
+    assert_same(page, strokes, pressure=1e-3)
 
 
 def test_sensor_data_without_strokes_are_strokes() -> None:
@@ -60,8 +60,8 @@ def test_what_the_sensors_did_not_see_is_unknown(column: int) -> None:
     assert_same(read_uim(uim([stroke, a_stroke()])), [stroke, a_stroke()])
 
 
-def test_a_press_in_other_steps_is_divided_by_its_largest() -> None:
-    page = read_uim(uim([a_stroke(press=800.0)], press_metric=InkSensorMetricType.FORCE))
+def test_a_pressure_in_other_steps_is_divided_by_its_largest() -> None:
+    page = read_uim(uim([a_stroke(pressure=800.0)], pressure_metric=InkSensorMetricType.FORCE))
     assert page.strokes[0][:, 3] == pytest.approx(np.linspace(0, 1, 9), abs=1e-4)
 
 

@@ -20,14 +20,14 @@ GOLDEN = Path(__file__).parent / "golden"
 COLOURS = {"fineliner": (0.1, 0.1, 0.1), "marker": (0.0, 0.25, 0.6), "round": (0.85, 0.35, 0.1)}
 
 
-def spiral(turns: float, press: tuple[float, float]) -> NDArray[np.float64]:
+def spiral(turns: float, pressure: tuple[float, float]) -> NDArray[np.float64]:
     t = np.linspace(0, 1, 32)
     angle, radius = 2 * np.pi * turns * t, 0.004 + 0.012 * t
-    return np.stack([0.03 + radius * np.cos(angle), 0.02 + radius * np.sin(angle), np.linspace(*press, 32)], axis=1)
+    return np.stack([0.03 + radius * np.cos(angle), 0.02 + radius * np.sin(angle), np.linspace(*pressure, 32)], axis=1)
 
 
 def painting_with(brush: str) -> Painting:
-    """A light and a pressed line that cross, a spiral of growing press, and a dot."""
+    """A light and a pressed line that cross, a spiral of growing pressure, and a dot."""
     lines = [
         [(0.005, 0.008, 0.0), (0.055, 0.032, 0.0)],
         [(0.005, 0.032, 1.0), (0.055, 0.008, 0.2)],
@@ -37,8 +37,8 @@ def painting_with(brush: str) -> Painting:
     strokes = [Stroke.model_validate({"id": i, "paint": i % 2, "trajectory": line}) for i, line in enumerate(lines)]
     paints = (Paint(colour=COLOURS[brush], brush=brush), Paint(colour=(0.95, 0.8, 0.2), brush=brush))
     return Painting(
-        canvas=Sheet(width=0.06, height=0.04, paper=(0.97, 0.96, 0.92)),
-        made=Provenance(version="0"),
+        sheet=Sheet(width=0.06, height=0.04, paper=(0.97, 0.96, 0.92)),
+        provenance=Provenance(version="0"),
         brushes={brush: load_brush(brush)},
         paints=paints,
         strokes=tuple(strokes),

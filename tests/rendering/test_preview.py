@@ -16,8 +16,8 @@ BRUSHES = {"wide": nominal("round"), "pen": nominal("fineliner").model_copy(upda
 RED, BLUE = Paint(colour=(1, 0, 0), brush="wide"), Paint(colour=(0, 0, 1), brush="pen")
 
 
-def across(y: float, press: float = 0.5) -> tuple[Point, ...]:
-    return ((0.01, y, press), (0.04, y, press), (0.07, y, press))
+def across(y: float, pressure: float = 0.5) -> tuple[Point, ...]:
+    return ((0.01, y, pressure), (0.04, y, pressure), (0.07, y, pressure))
 
 
 def a_painting(
@@ -27,8 +27,8 @@ def a_painting(
     paints: tuple[Paint, ...] = (RED, BLUE),
 ) -> Painting:
     return Painting(
-        canvas=Sheet(width=0.08, height=0.06, paper=paper),
-        made=Provenance(version="1"),
+        sheet=Sheet(width=0.08, height=0.06, paper=paper),
+        provenance=Provenance(version="1"),
         brushes=brushes,
         paints=paints,
         strokes=tuple(Stroke(id=i, paint=paint, trajectory=path) for i, (paint, path) in enumerate(strokes)),
@@ -46,13 +46,13 @@ def test_an_image_has_the_pixels_of_the_canvas_the_paper_s_colour_and_each_strok
 def test_each_paint_is_applied_by_its_own_brush() -> None:
     image = preview(a_painting([(0, across(0.015)), (1, across(0.045))]), CANVAS)
     coloured = (image.min(axis=2) < 0.5)[:, 40]
-    assert coloured[:30].sum() in (5, 6, 7), "a round brush at half its press: 4 mm and half of its edge, each side"
+    assert coloured[:30].sum() in (5, 6, 7), "a round brush at half its pressure: 4 mm and half of its edge, each side"
     assert coloured[30:].sum() in (2, 3), "the pen"
 
 
-def test_press_widens_the_mark_of_a_brush_and_not_of_a_pen() -> None:
-    def inked(paint: int, press: float) -> float:
-        return float((1 - preview(a_painting([(paint, across(0.03, press))]), CANVAS).min(axis=2)).sum())
+def test_pressure_widens_the_mark_of_a_brush_and_not_of_a_pen() -> None:
+    def inked(paint: int, pressure: float) -> float:
+        return float((1 - preview(a_painting([(paint, across(0.03, pressure))]), CANVAS).min(axis=2)).sum())
 
     assert inked(0, 1.0) > 2 * inked(0, 0.0)
     assert inked(1, 1.0) == inked(1, 0.0)
@@ -110,7 +110,7 @@ def test_strokes_go_over_what_is_on_the_sheet() -> None:
     used = np.random.default_rng(0).integers(0, 256, (60, 80, 3)).astype(np.float32) / 255
     painting = a_painting([(0, across(0.0155))])
     sheet = Sheet(width=0.08, height=0.06, picture=encode_png(used))
-    image = preview(painting.model_copy(update={"canvas": sheet}), CANVAS)
+    image = preview(painting.model_copy(update={"sheet": sheet}), CANVAS)
     assert np.array_equal(image[30:], used[30:])
     assert image[15, 40] == pytest.approx([1, 0, 0], abs=FLOAT32)
 

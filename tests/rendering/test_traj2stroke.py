@@ -19,7 +19,16 @@ from tests.support.tolerances import FLOAT32_METRES, FLOAT64_METRES, INK
 NAMES = ("fineliner", "marker", "round")
 MARKER = nominal("marker")
 BENT = Brush(
-    name="bent", source="a test", m_x=1.1, m_y=0.9, b_x=0.002, b_y=-0.001, alpha=0.004, beta=0.001, c=1.5, plateau=0.1
+    name="bent",
+    source="a test",
+    m_x=1.1,
+    m_y=0.9,
+    b_x=0.002,
+    b_y=-0.001,
+    alpha=0.004,
+    beta=0.001,
+    falloff=1.5,
+    plateau=0.1,
 )
 REED = BENT.model_copy(  # with every number that goes beyond the paper
     update={
@@ -34,7 +43,7 @@ REED = BENT.model_copy(  # with every number that goes beyond the paper
 )
 BEYOND = {"curve", "nib", "lag", "touch", "faint", "solid"}
 CONE = MARKER.model_copy(update={"name": "cone", "plateau": 0.0})
-HOLLOW = CONE.model_copy(update={"name": "hollow", "c": 2.5})
+HOLLOW = CONE.model_copy(update={"name": "hollow", "falloff": 2.5})
 PIXELS = 1e-4  # of a coordinate or thickness in float32, some hundreds of pixels
 
 trajectories = st.tuples(st.integers(1, 4), st.integers(1, 6)).flatmap(
@@ -46,14 +55,14 @@ def brushes(*each: Brush) -> Traj2Stroke:
     return Traj2Stroke.of(each)
 
 
-def line(length: float, press: float, centre: tuple[float, float], angle: float, bend: float = 0.0) -> Tensor:
-    """A stroke (1, 32, 3) of even press about a centre, metres, turned; its direction changes by `bend` on the way."""
+def line(length: float, pressure: float, centre: tuple[float, float], angle: float, bend: float = 0.0) -> Tensor:
+    """A stroke (1, 32, 3) of even pressure about a centre, metres, turned; it changes direction by `bend`."""
     t = np.linspace(-0.5, 0.5, 32)
     path = np.stack([t, np.zeros(32)], axis=1) * length
     if bend:
         path = np.stack([np.sin(bend * t), 1 - np.cos(bend * t)], axis=1) * length / bend
     turned = strokes.place(path[None], np.array([[*centre, angle]]))
-    return torch.from_numpy(np.concatenate([turned, np.full((1, 32, 1), press)], axis=2)).float()
+    return torch.from_numpy(np.concatenate([turned, np.full((1, 32, 1), pressure)], axis=2)).float()
 
 
 def darkness(brush: Brush, trajectory: Tensor, height: int, width: int, pixels_per_metre: float) -> Tensor:
@@ -68,9 +77,9 @@ def ink(brush: Brush, trajectory: Tensor, height: int, width: int, pixels_per_me
     return 1e6 * drawn.sum(dtype=torch.float64).item() / pixels_per_metre**2
 
 
-def ink_of_a_line(brush: Brush, length: float, press: float) -> float:
+def ink_of_a_line(brush: Brush, length: float, pressure: float) -> float:
     """What the darkness of design §4 and §5 adds up to over a straight stroke, mm²: along its sides and two caps."""
-    h, c, q = brush.alpha * press + brush.beta, brush.c, brush.plateau
+    h, c, q = brush.alpha * pressure + brush.beta, brush.falloff, brush.plateau
     across = q + (1 - q) / (c + 1)
     around = q**2 / 2 + (1 - q) / (c + 1) - (1 - q) ** 2 / (c + 2)
     return 1e6 * brush.opacity * (2 * length * h * across + 2 * math.pi * h**2 * around)
@@ -118,16 +127,16 @@ def test_marks_lie_where_the_brush_says_that_it_marks(commanded: np.ndarray, pix
         assert points.numpy() == pytest.approx(expected, abs=10 * FLOAT32_METRES * pixels_per_metre)
 
 
-@given(press=arrays(np.float64, (1, 5), elements=st.floats(0, 1)))
-def test_half_widths_are_those_of_the_brush_on_average_over_all_directions(press: np.ndarray) -> None:
+@given(pressure=arrays(np.float64, (1, 5), elements=st.floats(0, 1)))
+def test_half_widths_are_those_of_the_brush_on_average_over_all_directions(pressure: np.ndarray) -> None:
     angles = np.linspace(0, math.pi, 36, endpoint=False)
     along = np.linspace(0, 0.02, 5)
     paths = np.stack([np.outer(np.cos(angles), along), np.outer(np.sin(angles), along)], axis=2)
-    commanded = np.concatenate([paths, np.repeat(press, 36, axis=0)[..., None]], axis=2)
+    commanded = np.concatenate([paths, np.repeat(pressure, 36, axis=0)[..., None]], axis=2)
     straight = REED.model_copy(update={"lag": 0.0, "touch": (0.0, 0.0), "m_x": 1.0, "m_y": 1.0})
     marks = brushes(*[straight] * 36).bare(torch.from_numpy(commanded), 1.0)
-    assert marks.thickness.mean(dim=0).numpy() == pytest.approx(straight.half_width(press[0]), rel=1e-5)
-    assert marks.thickness[0].numpy() == pytest.approx(1.3 * straight.half_width(press[0]), rel=1e-5)
+    assert marks.thickness.mean(dim=0).numpy() == pytest.approx(straight.half_width(pressure[0]), rel=1e-5)
+    assert marks.thickness[0].numpy() == pytest.approx(1.3 * straight.half_width(pressure[0]), rel=1e-5)
 
 
 def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_came_down() -> None:
@@ -140,18 +149,22 @@ def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_
     assert slope == pytest.approx((path - dragged)[1:-1] / 0.004, abs=1e-4)
 
 
-def test_a_lighter_stroke_is_fainter_until_the_press_that_is_solid() -> None:
-    opacities = [brushes(REED).bare(line(0.02, press, (0, 0), 0), 1.0).o.item() for press in (0.0, 0.35, 0.7, 1.0)]
+def test_a_lighter_stroke_is_fainter_until_the_pressure_that_is_solid() -> None:
+    opacities = [
+        brushes(REED).bare(line(0.02, pressure, (0, 0), 0), 1.0).opacity.item() for pressure in (0.0, 0.35, 0.7, 1.0)
+    ]
     assert opacities == pytest.approx([0.4, 0.7, 1.0, 1.0], rel=1e-5)
 
 
-@given(press=arrays(np.float32, (2, 5), elements=st.floats(0, 1, width=32)))
-def test_thickness_is_a_line_in_press_and_no_number_changes_where_edges_are_soft_enough(press: np.ndarray) -> None:
-    commanded = torch.cat([torch.zeros(2, 5, 2), torch.from_numpy(press)[..., None]], dim=2)
+@given(pressure=arrays(np.float32, (2, 5), elements=st.floats(0, 1, width=32)))
+def test_thickness_is_a_line_in_pressure_and_no_number_changes_where_edges_are_soft_enough(
+    pressure: np.ndarray,
+) -> None:
+    commanded = torch.cat([torch.zeros(2, 5, 2), torch.from_numpy(pressure)[..., None]], dim=2)
     marks = brushes(BENT, MARKER).marks(commanded, 20_000)
-    expected = np.stack([0.004 * press[0] + 0.001, 0.0008 * press[1] + 0.0007]) * 20_000
+    expected = np.stack([0.004 * pressure[0] + 0.001, 0.0008 * pressure[1] + 0.0007]) * 20_000
     assert marks.thickness.numpy() == pytest.approx(expected, rel=1e-5)
-    numbers = torch.stack([marks.c, marks.q, marks.o])
+    numbers = torch.stack([marks.falloff, marks.plateau, marks.opacity])
     assert torch.equal(numbers, torch.tensor([[1.5, 1.0], [0.1, 0.6], [1.0, 0.95]]))
 
 
@@ -160,8 +173,8 @@ def test_a_mark_thinner_than_two_pixels_is_drawn_so_wide_and_as_much_paler(pixel
     marks = brushes(CONE).marks(line(0.05, 0.0, (0.1, 0.1), 0.3), pixels_per_metre)
     half_width = 0.0007 * pixels_per_metre  # of a cone: half of it is ink
     assert marks.thickness.numpy() == pytest.approx(2, rel=1e-5)
-    assert marks.o.item() == pytest.approx(0.95 * half_width / 2, rel=1e-5)
-    assert (marks.c.item(), marks.q.item()) == (1, 0)
+    assert marks.opacity.item() == pytest.approx(0.95 * half_width / 2, rel=1e-5)
+    assert (marks.falloff.item(), marks.plateau.item()) == (1, 0)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -169,7 +182,7 @@ def test_every_edge_that_is_drawn_is_two_pixels_wide_or_as_soft_as_the_brush(nam
     brush = nominal(name)
     for pixels_per_metre in np.geomspace(100, 50_000, 40):
         marks = brushes(brush).marks(line(0.05, 0.6, (0.1, 0.1), 0.0), float(pixels_per_metre))
-        edge = (1 - marks.q.item()) * marks.thickness[0, 0].item()
+        edge = (1 - marks.plateau.item()) * marks.thickness[0, 0].item()
         true_edge = (1 - brush.plateau) * (0.6 * brush.alpha + brush.beta) * pixels_per_metre
         assert edge == pytest.approx(true_edge if true_edge >= 4 else 2, rel=1e-4)
 
@@ -185,35 +198,37 @@ def test_every_edge_that_is_drawn_is_two_pixels_wide_or_as_soft_as_the_brush(nam
     ],
     ids=lambda value: value.name if isinstance(value, Brush) else "",
 )
-@pytest.mark.parametrize("press", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("pressure", [0.0, 0.4, 1.0])
 def test_ink_is_what_the_brush_leaves_at_every_resolution_place_and_angle(
-    brush: Brush, side: float, press: float
+    brush: Brush, side: float, pressure: float
 ) -> None:
     assert brush.thinnest * 256 / side >= 1, "the thinnest half-width is at least a pixel"
     length = 0.3 * side
-    expected = ink_of_a_line(brush, length, press)
+    expected = ink_of_a_line(brush, length, pressure)
     for px, count in ((256, 80), (400, 40), (600, 40), (1024, 20)):
         for centre, angle in places(px, count, side):
-            found = ink(brush, line(length, press, centre, angle), px, px, px / side)
+            found = ink(brush, line(length, pressure, centre, angle), px, px, px / side)
             assert found == pytest.approx(expected, rel=INK), f"{px} px, at {centre}, angle {angle}"
 
 
 @pytest.mark.parametrize(("name", "side"), [("fineliner", 0.038), ("marker", 0.160), ("round", 0.160)])
-@pytest.mark.parametrize("press", [0.0, 1.0])
+@pytest.mark.parametrize("pressure", [0.0, 1.0])
 def test_a_bent_stroke_has_the_same_ink_at_every_resolution_place_and_angle(
-    name: str, side: float, press: float
+    name: str, side: float, pressure: float
 ) -> None:
     brush = nominal(name)
-    finest = ink(brush, line(0.3 * side, press, (side / 2, side / 2), 0.2, bend=2.0), 1024, 1024, 1024 / side)
-    assert finest == pytest.approx(ink_of_a_line(brush, 0.3 * side, press), rel=INK), "outside gains what inside loses"
+    finest = ink(brush, line(0.3 * side, pressure, (side / 2, side / 2), 0.2, bend=2.0), 1024, 1024, 1024 / side)
+    assert finest == pytest.approx(ink_of_a_line(brush, 0.3 * side, pressure), rel=INK), (
+        "outside gains what inside loses"
+    )
     for px in (256, 512):
         for centre, angle in places(px, 40, side):
-            found = ink(brush, line(0.3 * side, press, centre, angle, bend=2.0), px, px, px / side)
+            found = ink(brush, line(0.3 * side, pressure, centre, angle, bend=2.0), px, px, px / side)
             assert found == pytest.approx(finest, rel=INK)
 
 
 @pytest.mark.parametrize(("name", "side"), [("marker", 0.160), ("round", 0.160)])
-def test_a_stroke_of_rising_press_has_the_same_ink_at_every_resolution(name: str, side: float) -> None:
+def test_a_stroke_of_rising_pressure_has_the_same_ink_at_every_resolution(name: str, side: float) -> None:
     brush = nominal(name)
     rising = line(0.3 * side, 0.0, (side / 2, side / 2), 0.5)
     rising[..., 2] = torch.linspace(0, 1, 32)
@@ -224,15 +239,15 @@ def test_a_stroke_of_rising_press_has_the_same_ink_at_every_resolution(name: str
 @settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(["marker", "round"]),
-    press=st.floats(0, 1),
+    pressure=st.floats(0, 1),
     shift=st.tuples(st.floats(0, 1), st.floats(0, 1)),
     angle=st.floats(0, 2 * math.pi),
 )
-def test_no_place_on_the_grid_gains_ink(name: str, press: float, shift: tuple[float, float], angle: float) -> None:
+def test_no_place_on_the_grid_gains_ink(name: str, pressure: float, shift: tuple[float, float], angle: float) -> None:
     brush, side, px = nominal(name), 0.160, 256
     centre = (side / 2 + shift[0] * side / px, side / 2 + shift[1] * side / px)
-    found = ink(brush, line(0.3 * side, press, centre, angle), px, px, px / side)
-    assert found == pytest.approx(ink_of_a_line(brush, 0.3 * side, press), rel=INK)
+    found = ink(brush, line(0.3 * side, pressure, centre, angle), px, px, px / side)
+    assert found == pytest.approx(ink_of_a_line(brush, 0.3 * side, pressure), rel=INK)
 
 
 @pytest.mark.parametrize(("height", "width"), [(64, 64), (64, 600), (600, 64), (61, 67)])
@@ -261,7 +276,7 @@ def _gradients(each: Sequence[Brush], commanded: Tensor, pixels_per_metre: float
     commanded = commanded.requires_grad_()
     parts = [getattr(Traj2Stroke.of(each), field.name).requires_grad_() for field in fields(Traj2Stroke)]
     marks: Marks = Traj2Stroke(*parts).marks(commanded, pixels_per_metre)
-    total = sum(x.square().sum() for x in (marks.points, marks.thickness, marks.c, marks.q, marks.o))
+    total = sum(x.square().sum() for x in (marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity))
     return torch.autograd.grad(total, [commanded, *parts])
 
 
@@ -286,13 +301,13 @@ def test_gradients_of_marks_are_those_of_finite_differences(pixels_per_metre: fl
 
     def marks(trajectory: Tensor, *numbers: Tensor) -> tuple[Tensor, ...]:
         drawn = Traj2Stroke(**{**parts, **dict(zip(wanted, numbers, strict=True))}).marks(trajectory, pixels_per_metre)
-        return drawn.points, drawn.thickness, drawn.q, drawn.o
+        return drawn.points, drawn.thickness, drawn.plateau, drawn.opacity
 
     inputs = [x.requires_grad_() for x in (commanded, *(parts[name] for name in wanted))]
     assert torch.autograd.gradcheck(marks, inputs, eps=1e-7, rtol=1e-4)
 
 
-def test_the_ink_of_a_stroke_grows_with_its_press_for_the_optimiser_too() -> None:
+def test_the_ink_of_a_stroke_grows_with_its_pressure_for_the_optimiser_too() -> None:
     for pixels_per_metre in (600.0, 1600.0, 6400.0):
         trajectory = line(0.02, 0.5, (0.02, 0.02), 0.4).requires_grad_()
         px = int(0.04 * pixels_per_metre)

@@ -103,7 +103,12 @@ def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
 @pytest.fixture(scope="module")
 def session() -> Iterator[tuple[FakeEbb, AxiDraw]]:
     narrow = Limits(
-        lower=(0.0100033, -0.1, -0.1), upper=(0.15, -0.0099977, 0.1), speed=1, climb=1, acceleration=5, presses=True
+        lower=(0.0100033, -0.1, -0.1),
+        upper=(0.15, -0.0099977, 0.1),
+        speed=1,
+        climb=1,
+        acceleration=5,
+        varies_pressure=True,
     )
     with FakeEbb(pace=2000, steps=(8000, 0)) as device, AxiDraw(device.port, PEN, narrow) as robot:
         yield device, robot
@@ -136,7 +141,7 @@ def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
 FAULTS = {
     "!5 Err: <axis1> step rate out of range.": r"refused 'SM,.*': 5 Err: <axis1> step rate out of range\.$",
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub, .* --resume",
-    "silent": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick run \.\.\. --resume",
+    "silent": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick paint \.\.\. --resume",
     "closed": r"the line to /dev/\S+ went silent",
 }
 

@@ -16,8 +16,8 @@ from tests.support.robot.small_paintings import SIX, line, painting_of
 from tests.support.robot.trays import TRAY
 from tests.support.tolerances import GCODE_METRES, HPGL_METRES
 
-LIFTS = LIMITS.model_copy(update={"presses": False})
-ONE = painting_of([line(0, (0.01, 0.02), (0.03, 0.02), press=(0.2, 0.8))])
+LIFTS = LIMITS.model_copy(update={"varies_pressure": False})
+ONE = painting_of([line(0, (0.01, 0.02), (0.03, 0.02), pressure=(0.2, 0.8))])
 
 
 def places_of(text: str) -> Floats:

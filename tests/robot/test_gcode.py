@@ -13,7 +13,13 @@ from maulstick.storage.arrays import Floats
 from tests.support.tolerances import FEED, GCODE_METRES
 
 LIMITS = Limits(
-    lower=(0, 0, -0.01), upper=(0.3, 0.2, 0.05), speed=0.1, climb=0.02, acceleration=0.5, deviation=1e-5, presses=True
+    lower=(0, 0, -0.01),
+    upper=(0.3, 0.2, 0.05),
+    speed=0.1,
+    climb=0.02,
+    acceleration=0.5,
+    deviation=1e-5,
+    varies_pressure=True,
 )
 SERVO = Pen(up=500, down=700, seconds=0.25)
 ABOVE = np.array([0.01, 0.02, 0.005])
@@ -116,7 +122,7 @@ def a_machine(draw: st.DrawFn) -> Limits:
         speed=draw(st.floats(1e-3, 0.5)),
         climb=draw(st.floats(1e-3, 0.5)),
         acceleration=0.5,
-        presses=True,
+        varies_pressure=True,
     )
 
 

@@ -62,7 +62,7 @@ def test_a_machine_tells_its_own_limits() -> None:
             acceleration=0.4,
             axes=(0.4, 0.4, 0.4),
             deviation=1e-5,
-            presses=True,
+            varies_pressure=True,
         )
 
 
@@ -88,7 +88,13 @@ def test_a_homed_machine_has_its_travel_below_its_own_origin() -> None:
 
 def test_the_users_limits_narrow_the_machines() -> None:
     narrow = Limits(
-        lower=(0.01, 0.01, -1), upper=(0.1, 1, 1), speed=0.05, climb=1, acceleration=5, presses=True, deviation=1
+        lower=(0.01, 0.01, -1),
+        upper=(0.1, 1, 1),
+        speed=0.05,
+        climb=1,
+        acceleration=5,
+        varies_pressure=True,
+        deviation=1,
     )
     with FakeGrbl() as device, Grbl(device.port, limits=narrow) as robot:
         assert (robot.limits.lower, robot.limits.upper) == ((0.01, 0.01, -0.06), (0.1, 0.22, 0.06))
@@ -168,7 +174,7 @@ FAULTS = {
     "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it with \$X and check where its work origin",
     "ALARM:77": r"raised alarm 77: it does not say why; .* home it with \$H or unlock it with \$X",
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground, .* --resume",
-    "lost": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick run \.\.\. --resume",
+    "lost": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick paint \.\.\. --resume",
     "door": r"cannot draw: its safety door is open; close it",
     "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H",
 }

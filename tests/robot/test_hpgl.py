@@ -11,7 +11,9 @@ from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
 from tests.support.tolerances import HPGL_METRES
 
-LIMITS = Limits(lower=(0, 0, -0.01), upper=(0.297, 0.21, 0.01), speed=0.4, climb=0.4, acceleration=2, presses=False)
+LIMITS = Limits(
+    lower=(0, 0, -0.01), upper=(0.297, 0.21, 0.01), speed=0.4, climb=0.4, acceleration=2, varies_pressure=False
+)
 
 
 def drawn(text: str) -> list[tuple[int, Floats]]:

@@ -9,7 +9,9 @@ from pydantic import ValidationError
 from maulstick.errors import InputError
 from maulstick.robot.limits import Limits
 
-LIMITS = Limits(lower=(0, -0.2, -0.01), upper=(0.3, 0, 0.05), speed=0.1, climb=0.05, acceleration=1, presses=True)
+LIMITS = Limits(
+    lower=(0, -0.2, -0.01), upper=(0.3, 0, 0.05), speed=0.1, climb=0.05, acceleration=1, varies_pressure=True
+)
 places = st.tuples(*[st.floats(-0.5, 0.5)] * 3)
 
 
@@ -83,13 +85,19 @@ def test_limits_without_room_or_motion_are_refused(change: dict[str, Any]) -> No
 
 def test_narrowed_limits_are_the_stricter_ones_in_everything() -> None:
     other = Limits(
-        lower=(-1, -0.1, -0.1), upper=(0.2, 1, 0.01), speed=1, climb=0.01, acceleration=9, presses=False, lifting=0.3
+        lower=(-1, -0.1, -0.1),
+        upper=(0.2, 1, 0.01),
+        speed=1,
+        climb=0.01,
+        acceleration=9,
+        varies_pressure=False,
+        lifting=0.3,
     )
     narrow = LIMITS.narrowed(other)
     assert narrow == other.narrowed(LIMITS)
     assert (narrow.lower, narrow.upper) == ((0, -0.1, -0.01), (0.2, 0, 0.01))
     assert (narrow.speed, narrow.climb, narrow.acceleration) == (0.1, 0.01, 1)
-    assert (narrow.presses, narrow.lifting) == (False, 0.3)
+    assert (narrow.varies_pressure, narrow.lifting) == (False, 0.3)
 
 
 def test_limits_with_no_place_in_common_are_refused_in_a_sentence() -> None:

@@ -14,7 +14,7 @@ from maulstick.strokes.strokes import resample
 from tests.support.tolerances import MEDIUM_BLUR, MEDIUM_COLOUR, MEDIUM_END, MEDIUM_INK
 
 SHEET = Canvas(0.03, 0.02, 5000)
-RADII = {"acrylic": 1e-3, "brush": 0.3e-3, "marker": 1e-3, "marker_fat": 2e-3}  # marks of 0.5 to 1 mm at press 0.7
+RADII = {"acrylic": 1e-3, "brush": 0.3e-3, "marker": 1e-3, "marker_fat": 2e-3}  # marks of 0.5 to 1 mm at pressure 0.7
 WIDEST = 3e-3  # half-width of any of them
 MISSING = "libmypaint or its brushes are not installed; run: apt-get install libmypaint-1.5-1 mypaint-brushes"
 
@@ -34,8 +34,8 @@ def darkness(trajectory: Floats, medium: str, canvas: Canvas = SHEET, speed: flo
     return 1 - paper.photograph().astype(np.float64).mean(axis=2)
 
 
-def line(press: float, y: float = 0.01, end: float = 0.024) -> Floats:
-    return np.array([[0.006, y, press], [end, y, press]])
+def line(pressure: float, y: float = 0.01, end: float = 0.024) -> Floats:
+    return np.array([[0.006, y, pressure], [end, y, pressure]])
 
 
 def wave() -> Floats:
@@ -85,8 +85,8 @@ def test_a_stroke_is_the_same_whatever_was_drawn_before_it(medium: str) -> None:
 
 
 @media
-def test_more_press_never_makes_less_ink(medium: str) -> None:
-    ink = [darkness(line(press), medium).sum() for press in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)]
+def test_more_pressure_never_makes_less_ink(medium: str) -> None:
+    ink = [darkness(line(pressure), medium).sum() for pressure in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)]
     assert (np.diff(ink) >= 0).all()
     assert ink[0] < 0.2 * ink[-1]
 
@@ -153,7 +153,7 @@ def test_a_medium_that_does_not_exist_is_refused() -> None:
         (line(0.5), 0.0, 0.05, "the radius is 0.0; it must be above 0 metres"),
         (line(0.5), float("nan"), 0.05, "the radius is nan; it must be above 0 metres"),
         (line(0.5), 1e-3, 0.0, "the speed is 0.0; it must be at least 0.001 metres a second"),
-        (line(1.5), 1e-3, 0.05, "press is 1.5 to 1.5; it must be in [0, 1]"),
+        (line(1.5), 1e-3, 0.05, "pressure is 1.5 to 1.5; it must be in [0, 1]"),
         (line(0.5, end=np.inf), 1e-3, 0.05, "a point of the trajectory is not a finite number"),
         (line(0.5)[:0], 1e-3, 0.05, "a trajectory has shape (0, 3); it must be (n, 3) with n of at least 1"),
         (line(0.5)[:, :2], 1e-3, 0.05, "a trajectory has shape (2, 2); it must be (n, 3) with n of at least 1"),

@@ -16,7 +16,7 @@ from tests.support.robot.recorder import EASEL, LIMITS
 from tests.support.robot.small_paintings import SIX, line, painting_of
 from tests.support.robot.trays import TRAY
 
-LIFTS = LIMITS.model_copy(update={"presses": False, "lifting": 0.2})
+LIFTS = LIMITS.model_copy(update={"varies_pressure": False, "lifting": 0.2})
 ROUND = nominal("round")
 HARD = ROUND.model_copy(update={"depth": (0.001, 0.009)})
 
@@ -89,16 +89,16 @@ def test_a_speed_beyond_the_machines_is_the_machines() -> None:
     assert fast.motion.speed.max() == LIMITS.speed
 
 
-def test_press_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:
-    soft = painting_of([line(1), line(2, press=(0.2, 0.7))])
+def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:
+    soft = painting_of([line(1), line(2, pressure=(0.2, 0.7))])
     assert refused(soft, limits=LIFTS) == (
-        "stroke 2 varies its press by 0.50, and this machine only lifts its pen; "
-        "plan it again with maulstick paint --press 0.5"
+        "stroke 2 varies its pressure by 0.50, and this machine only lifts its pen; "
+        "plan it again with maulstick plan --pressure 0.5"
     )
 
 
-def test_press_that_changes_no_mark_is_no_matter_for_a_machine_that_only_lifts() -> None:
-    pens = painting_of([line(1, press=(0.2, 0.7))], [nominal("fineliner")])
+def test_pressure_that_changes_no_mark_is_no_matter_for_a_machine_that_only_lifts() -> None:
+    pens = painting_of([line(1, pressure=(0.2, 0.7))], [nominal("fineliner")])
     assert words(routine(pens, EASEL, LIFTS)) == ["1"]
     assert np.all(draws(routine(pens, EASEL, LIFTS))[0].motion.path[:, 2] == 0)
 
@@ -116,7 +116,7 @@ def test_a_brush_that_no_stroke_left_needs_is_not_refused() -> None:
     assert "9 mm deep" in refused(two, done={1})
 
 
-def test_a_depth_that_nobody_knows_is_refused_where_press_matters() -> None:
+def test_a_depth_that_nobody_knows_is_refused_where_pressure_matters() -> None:
     flat = EASEL.model_copy(update={"deepest": 0.0})
     said = refused(painting_of([line(1)], [nominal("marker")]), flat)
     assert said == "neither the brush marker nor the easel says how deep it may be pressed; calibrate the touch again"
@@ -137,20 +137,20 @@ def test_a_tray_without_a_paint_is_refused() -> None:
 # Depth is in metres: the brush's own where it was fitted with some, or the easel's.
 
 
-def depths(brush: Brush, easel: Easel = EASEL, press: tuple[float, float] = (0.0, 1.0)) -> list[float]:
-    path = draws(routine(painting_of([line(1, press=press)], [brush]), easel, LIMITS))[0].motion.path
+def depths(brush: Brush, easel: Easel = EASEL, pressure: tuple[float, float] = (0.0, 1.0)) -> list[float]:
+    path = draws(routine(painting_of([line(1, pressure=pressure)], [brush]), easel, LIMITS))[0].motion.path
     return (-easel.machine_to_canvas(path)[[0, -1], 2]).tolist()
 
 
-def test_press_is_the_depth_that_the_brush_was_fitted_with() -> None:
+def test_pressure_is_the_depth_that_the_brush_was_fitted_with() -> None:
     assert depths(ROUND.model_copy(update={"depth": (0.001, 0.005)})) == pytest.approx([0.001, 0.005])
 
 
-def test_press_is_a_share_of_the_easels_depth_where_the_brush_knows_none() -> None:
+def test_pressure_is_a_share_of_the_easels_depth_where_the_brush_knows_none() -> None:
     assert depths(nominal("marker"), EASEL.model_copy(update={"deepest": 0.002})) == pytest.approx([0, 0.002])
 
 
-def test_a_brush_held_at_a_press_is_held_at_its_depth() -> None:
+def test_a_brush_held_at_a_pressure_is_held_at_its_depth() -> None:
     assert depths(ROUND.held_at(0.5)) == pytest.approx([0.004, 0.004])
 
 

@@ -63,9 +63,9 @@ def lying(draw: st.DrawFn) -> Easel:
 
 
 rooms = st.builds(
-    lambda size, height, speed, presses: LIMITS.model_copy(
+    lambda size, height, speed, varies: LIMITS.model_copy(
         update={
-            "lower": (-size, -size, -0.02), "upper": (size, size, height), "speed": speed, "presses": presses,
+            "lower": (-size, -size, -0.02), "upper": (size, size, height), "speed": speed, "varies_pressure": varies,
         }
     ),
     st.floats(0.02, 0.5), st.floats(0.03, 0.2), st.floats(0.05, 0.5), st.booleans(),
@@ -96,7 +96,7 @@ def test_a_plan_is_refused_before_anything_moves_or_all_of_it_stays_inside(
     strokes = [path for what, path in robot.commands if what == "stroke"]
     drawn = [path for path, action in zip(strokes, moving(actions), strict=True) if isinstance(action, Draw)]
     height = min(easel.machine_to_canvas(path)[:, 2].min() for path in drawn)
-    assert height >= -(easel.deepest if limits.presses else 0) - SLACK
+    assert height >= -(easel.deepest if limits.varies_pressure else 0) - SLACK
 
 
 def moving(actions: Sequence[Action]) -> list[Draw | TrayVisit]:

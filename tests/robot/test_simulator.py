@@ -56,7 +56,7 @@ def stroke(robot: SimulatedEasel, path: Floats = PATH, speed: float = 0.1) -> No
 
 
 def paint(robot: SimulatedEasel, folder: Path, tray: Any = None, painting: Any = SIX) -> None:
-    """As maulstick run does."""
+    """As maulstick paint does."""
     easel = robot.easel(0.06, 0.04)
     with Journal.open(folder / f"{len(list(folder.iterdir()))}.log.jsonl") as journal, robot:
         actions = routine(painting, easel, robot.limits, tray)
@@ -77,7 +77,7 @@ def test_strokes_leave_their_ink_at_their_places_in_the_colour_that_is_held(shee
         assert np.abs(drawn[[0, -1], :2] - np.array(planned.trajectory)[[0, -1], :2]).max() < FLOAT64_METRES_NEAR
 
 
-def test_press_is_how_deep_the_tip_is_in_the_truth(sheet: Notes) -> None:
+def test_pressure_is_how_deep_the_tip_is_in_the_truth(sheet: Notes) -> None:
     stroke(SimulatedEasel(sheet), PATH - (0, 0, 0.001))
     assert np.allclose(sheet.drawn[0][0][:, 2], 0.25)
     stroke(SimulatedEasel(sheet), PATH - (0, 0, 0.006))
@@ -173,7 +173,7 @@ def test_its_sheet_has_room_below_first_touch(sheet: Notes) -> None:
     robot = SimulatedEasel(sheet, limits=ARM)
     easel = robot.easel(0.8, 0.6)
     deep = painting_of(
-        [line(1, press=(1, 1))], [nominal("round").model_copy(update={"depth": (0, sheet.depth)})], (0.8, 0.6)
+        [line(1, pressure=(1, 1))], [nominal("round").model_copy(update={"depth": (0, sheet.depth)})], (0.8, 0.6)
     )
     assert len([a for a in routine(deep, easel, ARM) if isinstance(a, Draw)]) == 1
 

@@ -9,7 +9,7 @@ from maulstick.storage.arrays import Floats
 from tests.support.tolerances import FLOAT64_METRES_NEAR, PROFILE_ACCELERATION, PROFILE_SECONDS, PROFILE_STEPPED
 
 LIMITS = Limits(
-    lower=(-1, -1, -1), upper=(1, 1, 1), speed=0.2, climb=0.05, acceleration=2.0, deviation=1e-4, presses=True
+    lower=(-1, -1, -1), upper=(1, 1, 1), speed=0.2, climb=0.05, acceleration=2.0, deviation=1e-4, varies_pressure=True
 )
 coordinates = st.integers(-20, 20).map(lambda number: number / 200)
 speeds = st.floats(1e-3, 0.5)

@@ -39,10 +39,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def a_stroke(samples: int = 3, **columns: object) -> Floats:
-    """A stroke one millimetre a sample to the right, with columns t, x, y or press changed."""
+    """A stroke one millimetre a sample to the right, with columns t, x, y or pressure changed."""
     stroke = np.full((samples, 4), np.nan)
     stroke[:, 1], stroke[:, 2] = 1e-3 * np.arange(samples), 0.01
-    for column, name in enumerate(("t", "x", "y", "press")):
+    for column, name in enumerate(("t", "x", "y", "pressure")):
         if name in columns:
             stroke[:, column] = columns[name]
     return stroke
@@ -82,7 +82,7 @@ def test_ink_without_strokes_is_ink(tmp_path: Path) -> None:
 
 
 def test_a_dot_is_a_stroke_of_one_sample() -> None:
-    ink = Ink.of([a_stroke(1), a_stroke(3), a_stroke(1, press=0.5)], SHEET)
+    ink = Ink.of([a_stroke(1), a_stroke(3), a_stroke(1, pressure=0.5)], SHEET)
     assert ink.lengths.tolist() == [1, 3, 1]
     assert [len(stroke) for stroke in ink.strokes()] == [1, 3, 1]
 
@@ -97,16 +97,16 @@ def test_times_that_run_backwards_are_refused() -> None:
     assert fault(a_stroke(), a_stroke(t=[0, 0, -1e-9]), a_stroke(t=[0, 1, 2])) == text
 
 
-@pytest.mark.parametrize(("column", "name"), [("t", "times"), ("press", "press")])
+@pytest.mark.parametrize(("column", "name"), [("t", "times"), ("pressure", "pressure")])
 @pytest.mark.parametrize("values", [[0, np.nan, 1], [np.nan, np.nan, 0], [0, 0, np.inf], [-np.inf] * 3])
 def test_what_is_known_at_a_part_of_a_stroke_is_refused(column: str, name: str, values: list[float]) -> None:
     text = f"the {name} of a stroke must be known at all of its samples, or NaN at all of them"
     assert fault(a_stroke(), a_stroke(**{column: values}), a_stroke()) == text
 
 
-def test_a_press_outside_its_range_is_refused() -> None:
-    assert fault(a_stroke(press=[0, 0.5, 1.25]), a_stroke()) == "press is 0 to 1.25; it must be in [0, 1]"
-    assert fault(a_stroke(press=[-0.5, 0, 1])) == "press is -0.5 to 1; it must be in [0, 1]"
+def test_a_pressure_outside_its_range_is_refused() -> None:
+    assert fault(a_stroke(pressure=[0, 0.5, 1.25]), a_stroke()) == "pressure is 0 to 1.25; it must be in [0, 1]"
+    assert fault(a_stroke(pressure=[-0.5, 0, 1])) == "pressure is -0.5 to 1; it must be in [0, 1]"
 
 
 @pytest.mark.parametrize("place", [np.nan, np.inf, -np.inf])
@@ -133,7 +133,7 @@ def test_samples_of_another_shape_are_refused() -> None:
     for shape in ((3, 3), (4,), (1, 3, 4)):
         with pytest.raises(InputError) as caught:
             Ink(np.zeros(shape), np.array([3]), SHEET)
-        assert str(caught.value) == f"samples of ink have shape {shape}; it must be (P, 4) of (t, x, y, press)"
+        assert str(caught.value) == f"samples of ink have shape {shape}; it must be (P, 4) of (t, x, y, pressure)"
 
 
 def test_ink_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
@@ -144,7 +144,7 @@ def test_ink_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"samples": np.zeros((3, 3))}, "samples of ink have shape (3, 3); it must be (P, 4) of (t, x, y, press)"),
+        ({"samples": np.zeros((3, 3))}, "samples of ink have shape (3, 3); it must be (P, 4) of (t, x, y, pressure)"),
         ({"samples": np.array(["a"])}, "could not convert string to float: "),
         ({"lengths": np.array([3.0])}, "the lengths of its strokes are float64; they must be whole numbers"),
         ({"lengths": np.array([np.nan])}, "the lengths of its strokes are float64; they must be whole numbers"),
@@ -174,12 +174,14 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_summary_says_what_there_is() -> None:
-    long = a_stroke(101, t=np.linspace(0, 90, 101), x=np.linspace(0, 0.15, 101), press=0.5)
+    long = a_stroke(101, t=np.linspace(0, 90, 101), x=np.linspace(0, 0.15, 101), pressure=0.5)
     sheet = "drawn on 200 x 150 mm"
     assert Ink.of([], SHEET).summary() == f"0 strokes, 0 m {sheet}"
-    assert Ink.of([a_stroke()], SHEET).summary() == f"1 stroke, 0.002 m {sheet}, times not recorded, press not recorded"
-    assert Ink.of([long], SHEET).summary() == f"1 stroke, 0.15 m {sheet}, 1 min 30 s, press recorded"
+    assert (
+        Ink.of([a_stroke()], SHEET).summary() == f"1 stroke, 0.002 m {sheet}, times not recorded, pressure not recorded"
+    )
+    assert Ink.of([long], SHEET).summary() == f"1 stroke, 0.15 m {sheet}, 1 min 30 s, pressure recorded"
     both = Ink.of([long, a_stroke(t=5)], SHEET).summary()
-    assert both == f"2 strokes, 0.152 m {sheet}, 1 min 30 s, press recorded in 1 of them"
+    assert both == f"2 strokes, 0.152 m {sheet}, 1 min 30 s, pressure recorded in 1 of them"
     assert Ink.of([a_stroke(2, x=[0, 1234])], SHEET).summary().startswith("1 stroke, 1234 m drawn on")
-    assert Ink.of([a_stroke(2, t=[1, 30.46])], SHEET).summary().endswith("29.5 s, press not recorded")
+    assert Ink.of([a_stroke(2, t=[1, 30.46])], SHEET).summary().endswith("29.5 s, pressure not recorded")

@@ -61,7 +61,7 @@ def test_resampled_points_lie_on_the_path(path: Floats) -> None:
         assert np.linalg.norm(u + t[:, None] * (v - u) - point, axis=1).min() <= 1e-9
 
 
-def test_resampling_a_straight_path_gives_equal_steps_and_carries_press_along() -> None:
+def test_resampling_a_straight_path_gives_equal_steps_and_carries_pressure_along() -> None:
     path = np.array([[0.0, 0.0, 0.0], [0.003, 0.004, 0.1], [0.06, 0.08, 1.0]])
     resampled = resample(path)
     assert len(resampled) == POINTS == 32
@@ -251,7 +251,7 @@ def some_strokes() -> dict[str, Floats]:
         ({"poses": np.zeros((3, 3))}, "times have shape (2, 5) and poses (3, 3) for (2, 5, 3) trajectories"),
         ({"poses": np.full((2, 3), np.nan)}, "a point or a pose of a stroke is not a finite number"),
         ({"trajectories": np.full((2, 5, 3), np.inf)}, "a point or a pose of a stroke is not a finite number"),
-        ({"trajectories": np.tile([0, 0, 1.5], (2, 5, 1))}, "press is 1.5 to 1.5; it must be in [0, 1]"),
+        ({"trajectories": np.tile([0, 0, 1.5], (2, 5, 1))}, "pressure is 1.5 to 1.5; it must be in [0, 1]"),
         ({"poses": np.array(["a"])}, "could not convert string to float: "),
     ],
 )

@@ -12,7 +12,7 @@ from maulstick.painting.painting import read_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.style.cards import read_card
 from tests.studio.conftest import RunningStudio
-from tests.studio.test_pen import FORCES, count, press
+from tests.studio.test_pen import FORCES, count, pressure
 from tests.studio.test_plan_page import bring_a_picture
 
 _PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
@@ -38,7 +38,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
 ) -> None:
     tab = page()
     for number in range(_DRAWN):
-        press(tab, curl(number), FORCES)
+        pressure(tab, curl(number), FORCES)
     count(tab, f"^{_DRAWN} strokes, enough for a good style$")
     tab.get_by_label("Name of this hand").fill("anna")
     tab.get_by_role("button", name="Learn this hand").click()

@@ -31,7 +31,7 @@ window.point = (type, x, y, told = {}, coalesced = []) => {
 }"""
 
 
-def press(page: Page, places: Sequence[tuple[float, float]], forces: Sequence[float], kind: str = "pen") -> None:
+def pressure(page: Page, places: Sequence[tuple[float, float]], forces: Sequence[float], kind: str = "pen") -> None:
     """Draw with a stylus through the browser's own input; places are shares of the sheet."""
     box = page.locator(".pen canvas").bounding_box()
     assert box is not None
@@ -109,7 +109,7 @@ def test_strokes_reach_the_ink_with_their_places_pressures_and_tilts(studio: Run
     tab = page()
     count(tab, "An empty sheet")
     for y in (0.2, 0.5, 0.8):
-        press(tab, line(y), FORCES)
+        pressure(tab, line(y), FORCES)
     count(tab, "^3 strokes; 20 make a good style$")
     (_, drawn, _) = on_disk(studio, 3)
     assert [point["pressure"] for point in drawn] == pytest.approx(FORCES, abs=1e-3)
@@ -121,8 +121,8 @@ def test_strokes_reach_the_ink_with_their_places_pressures_and_tilts(studio: Run
 
 def test_two_tabs_show_the_same_sheet(page: Opened) -> None:
     one, two = page(), page()
-    press(one, line(0.3), FORCES)
-    press(two, line(0.6), FORCES, "mouse")
+    pressure(one, line(0.3), FORCES)
+    pressure(two, line(0.6), FORCES, "mouse")
     for tab in (one, two):
         count(tab, "^2 strokes")
     three = page()
@@ -142,7 +142,7 @@ def test_two_tabs_show_the_same_sheet(page: Opened) -> None:
 def test_strokes_are_undone_redone_and_rubbed_out(page: Opened) -> None:
     tab = page()
     for y in (0.2, 0.5, 0.8):
-        press(tab, line(y), FORCES)
+        pressure(tab, line(y), FORCES)
     count(tab, "^3 strokes")
     tab.keyboard.press("Control+z")
     count(tab, "^2 strokes")
@@ -151,15 +151,15 @@ def test_strokes_are_undone_redone_and_rubbed_out(page: Opened) -> None:
     rub = tab.get_by_role("button", name="Rub out", exact=True)
     rub.click()
     expect(rub).to_have_attribute("aria-pressed", "true")
-    press(tab, [(0.5, 0.4), (0.5, 0.6)], [0.5, 0.5])
+    pressure(tab, [(0.5, 0.4), (0.5, 0.6)], [0.5, 0.5])
     count(tab, "^2 strokes")
-    press(tab, [(0.05, 0.5), (0.1, 0.5)], [0.5, 0.5])  # where nothing is
+    pressure(tab, [(0.05, 0.5), (0.1, 0.5)], [0.5, 0.5])  # where nothing is
     tab.keyboard.press("Control+z")
     count(tab, "^3 strokes")
     draw = tab.get_by_role("button", name="Draw", exact=True)
     draw.click()
     expect(draw).to_have_attribute("aria-pressed", "true")
-    press(tab, line(0.6), FORCES)
+    pressure(tab, line(0.6), FORCES)
     count(tab, "^4 strokes")
 
 
@@ -222,7 +222,7 @@ def test_a_stroke_that_is_refused_vanishes_and_the_reason_stands_beside_the_shee
     count(tab, "An empty sheet")
     inked(tab, lambda pixels: pixels == 0)
     assert tab.locator(".q-notification").count() == 0, "it would lie on the sheet"
-    press(other, line(0.3), FORCES)
+    pressure(other, line(0.3), FORCES)
     count(tab, "^1 stroke;")
     expect(trouble).to_be_visible()
     tab.evaluate(stroke, 0.5)
@@ -233,20 +233,20 @@ def test_a_stroke_that_is_refused_vanishes_and_the_reason_stands_beside_the_shee
 
 def test_the_drawing_survives_a_killed_server(studio: RunningStudio, page: Opened) -> None:
     tab = page()
-    press(tab, line(0.3), FORCES)
-    press(tab, line(0.6), FORCES)
+    pressure(tab, line(0.3), FORCES)
+    pressure(tab, line(0.6), FORCES)
     drawn = on_disk(studio, 2)
     before = ink(tab)
     studio.kill()
     warning = tab.get_by_text(_SILENCE)
     expect(warning).to_be_visible()
-    press(tab, line(0.8), FORCES)
+    pressure(tab, line(0.8), FORCES)
     assert ink(tab) == before, "it could not be kept"
     studio.start()
     expect(warning).to_have_count(0, timeout=30_000)
     count(tab, "^2 strokes")
     inked(tab, lambda pixels: pixels == before)
-    press(tab, line(0.8), FORCES)
+    pressure(tab, line(0.8), FORCES)
     assert on_disk(studio, 3)[:2] == drawn
 
 
@@ -257,7 +257,7 @@ def test_the_pen_draws_again_when_a_broken_line_is_mended(studio: RunningStudio,
     tab.evaluate("window.socket.io.engine.close()")
     expect(tab.get_by_text(_SILENCE)).to_be_visible()
     expect(tab.get_by_text(_SILENCE)).to_have_count(0, timeout=30_000)
-    press(tab, line(0.3), FORCES)
+    pressure(tab, line(0.3), FORCES)
     count(tab, "^1 stroke;")
     on_disk(studio, 1)
     assert tab.evaluate("window.isTheSamePage")
@@ -269,13 +269,13 @@ def test_a_hand_is_drawn_and_learned_and_put_away(studio: RunningStudio, page: O
     learn.click()
     trouble = tab.locator(".draw .trouble")
     expect(trouble).to_contain_text("there is nothing on the sheet yet")
-    press(tab, line(0.1), FORCES)
+    pressure(tab, line(0.1), FORCES)
     expect(trouble).to_be_hidden()
     learn.click()
     expect(trouble).to_have_text("draw at least 5 strokes; there is 1", timeout=60_000)
     assert tab.locator(".q-notification").count() == 0, "it would lie on the sheet"
     for number in range(1, 6):
-        press(tab, line(0.1 + 0.13 * number), FORCES)
+        pressure(tab, line(0.1 + 0.13 * number), FORCES)
     count(tab, "^6 strokes")
     name = tab.get_by_label("Name of this hand")
     name.fill("Cat <b>")

@@ -36,7 +36,7 @@ JOB = PlanRequest(
     ink=None,
     paints_from=None,
     brush="round",
-    press=None,
+    pressure=None,
     style="free",
     steps=20,
     ask_every=10,
@@ -131,7 +131,7 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None
     made = asyncio.run(plan())
     assert made.asked.weigh == {"tone": 0.5}
     assert json.loads((made.folder / "job.json").read_bytes())["weigh"] == {"tone": 0.5}
-    assert read_painting(made.folder / "painting.json").made.options["weights"] == {"tone": 0.5}
+    assert read_painting(made.folder / "painting.json").provenance.options["weights"] == {"tone": 0.5}
 
 
 def test_a_plan_that_cannot_be_says_why_and_can_be_thrown_away_and_taken_back(folder: Folder) -> None:

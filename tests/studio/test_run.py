@@ -100,7 +100,7 @@ def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal
             assert run.state.estimate is not None
             assert (run.state.estimate.strokes, round(run.state.estimate.metres, 3)) == (STROKES, 0.9)
             assert not journal_of(painting).exists()
-            assert await run.standing("lines") is None
+            assert await run.status("lines") is None
             seen: list[float] = []
             run.changed.subscribe(lambda: seen.append(0.0 if run.state.going is None else run.state.going.drawn))
             await run.begin("lines", SIM)
@@ -110,9 +110,9 @@ def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal
             assert seen == sorted(seen)
             assert seen[-1] == pytest.approx(0.9)
             assert run.state.photograph.startswith(b"\xff\xd8")
-            standing = await run.standing("lines")
-            assert standing is not None
-            assert standing.is_over
+            status = await run.status("lines")
+            assert status is not None
+            assert status.is_over
 
     asyncio.run(paint())
     assert events(painting, "begin") == events(painting, "end")
@@ -138,11 +138,11 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
             run.stop()
             assert run.state.phase == "stopping"
             assert await over(run) == "You stopped it. The pen is lifted."
-            standing = await run.standing("lines")
-            assert standing is not None
-            assert (standing.strokes, standing.asked.machine) == (STROKES, "sim:real")
-            assert standing.painted == len(events(painting, "end")) < STROKES
-            assert standing.unfinished == events(painting, "begin")[-1]
+            status = await run.status("lines")
+            assert status is not None
+            assert (status.strokes, status.options.machine) == (STROKES, "sim:real")
+            assert status.painted == len(events(painting, "end")) < STROKES
+            assert status.unfinished == events(painting, "begin")[-1]
             await run.resume("lines", SIM, None)
             assert "say whether it is on the paper" in await over(run)
             await run.begin("lines", SIM)
@@ -302,10 +302,10 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
 
         async def go_on() -> None:
             async with opened(tmp_path) as run:
-                standing = await run.standing("lines")
-                assert standing is not None
-                assert standing.painted == painted
-                await run.resume("lines", PaintOptions(), None if standing.unfinished is None else False)
+                status = await run.status("lines")
+                assert status is not None
+                assert status.painted == painted
+                await run.resume("lines", PaintOptions(), None if status.unfinished is None else False)
                 assert await over(run) == "lines is painted."
 
         device.pace = 200.0
@@ -393,9 +393,9 @@ def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
             os.kill(run._process._process.pid or 0, signal.SIGKILL)
             assert "Look at the machine: its pen may still be down." in await over(run)
             assert run.state.fault
-            standing = await run.standing("lines")
-            assert standing is not None
-            assert standing.painted >= 1
+            status = await run.status("lines")
+            assert status is not None
+            assert status.painted >= 1
 
     asyncio.run(paint())
 
@@ -419,7 +419,7 @@ def sentences_of(file: Path) -> Iterator[str]:
 def test_whatever_the_page_says_otherwise_is_said_somewhere(pattern: str) -> None:
     source = Path(maulstick.__file__).parent
     files = [file for folder in ("robot", "jobs/run") for file in (source / folder).rglob("*.py")] + [
-        source / "brush" / "press.py"
+        source / "brush" / "pressure.py"
     ]
     said = chain(SENTENCES_MADE_ELSEWHERE, *map(sentences_of, filter(Path.is_file, files)))
     assert any(re.search(pattern, sentence) for sentence in said)
@@ -428,9 +428,9 @@ def test_whatever_the_page_says_otherwise_is_said_somewhere(pattern: str) -> Non
 @pytest.mark.parametrize(
     ("elsewhere", "here"),
     [
-        ("the line went silent; then go on with maulstick run ... --resume", "the line went silent; then “Go on where"),
+        ("the line went silent; then go on with maulstick paint ... --resume", "the line went silent; then “Go on where"),
         (
-            "the journal's words are damaged: x; start again with --anew",
+            "the journal's words are damaged: x; start again with --restart",
             "the journal's words are damaged: x; “Start again",
         ),
         (
@@ -449,4 +449,4 @@ def test_whatever_the_page_says_otherwise_is_said_somewhere(pattern: str) -> Non
 def test_the_page_does_not_speak_like_the_command_line(elsewhere: str, here: str) -> None:
     said = on_the_page(elsewhere)
     assert said.startswith(here)
-    assert [word for word in ("--", "PORT", "PATH", "maulstick run") if word in said] == []
+    assert [word for word in ("--", "PORT", "PATH", "maulstick paint") if word in said] == []

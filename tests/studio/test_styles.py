@@ -26,7 +26,7 @@ THREE = ["cursive", "loops", "hatching"]
 
 def write_own(name: str) -> Path:
     """A style of the user's own; its JSON."""
-    return write_style(replace(exemplar_of(circle, 8), called=name), "me.ink.npz", STYLES.own())
+    return write_style(replace(exemplar_of(circle, 8), name=name), "me.ink.npz", STYLES.own())
 
 
 @pytest.fixture
@@ -121,10 +121,10 @@ def test_the_drawing_of_a_map_has_a_path_for_each_stroke_and_no_name_in_it(found
 
 
 def test_a_stroke_is_told_of_as_far_as_anybody_knows(found: Found) -> None:
-    some = replace(found.map, lengths=np.array([0.0123]), speeds=np.array([0.1]), press=np.array([np.nan]))
+    some = replace(found.map, lengths=np.array([0.0123]), speeds=np.array([0.1]), pressure=np.array([np.nan]))
     some = replace(some, whose=np.array([1]))
     assert told_of(some, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, drawn at 100 mm a second"
-    pressed = replace(some, speeds=np.array([np.nan]), press=np.array([0.4]))
+    pressed = replace(some, speeds=np.array([np.nan]), pressure=np.array([0.4]))
     assert told_of(pressed, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, pen pressure 40 %"
 
 
@@ -201,7 +201,7 @@ def test_a_style_that_is_learned_anew_is_in_its_place_until_then_and_afterwards_
 
     async def learn() -> None:
         assert (STYLES.own() / "cat.json").read_bytes() == before
-        write_style(replace(exemplar_of(circle, 9), called="cat"), "me.ink.npz", STYLES.own())
+        write_style(replace(exemplar_of(circle, 9), name="cat"), "me.ink.npz", STYLES.own())
 
     assert asyncio.run(styles.renew("cat", learn))
     (thrown,) = styles.thrown_away

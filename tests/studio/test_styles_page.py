@@ -18,7 +18,7 @@ PATIENCE = 60_000  # milliseconds, for a machine that does much else
 @pytest.fixture
 def own(studio: RunningStudio) -> str:
     """The name of a style of one's own, whose recording had a name of its own kind."""
-    write_style(replace(exemplar_of(circle, 8), called="cat"), "<img src=x onerror=alert(1)>", studio.data / "styles")
+    write_style(replace(exemplar_of(circle, 8), name="cat"), "<img src=x onerror=alert(1)>", studio.data / "styles")
     return "cat"
 
 

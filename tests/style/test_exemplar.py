@@ -87,28 +87,28 @@ def test_samples_are_not_copies(one: Drawing) -> None:
 
 def test_a_generator_repeats_samples_to_the_bit_and_no_other_chance_is_taken() -> None:
     before = torch.random.get_rng_state()
-    (codes, press), (again, press_again), (other, _) = (STYLE.sample(9, torch_rng(seed)) for seed in (5, 5, 6))
+    (codes, pressure), (again, press_again), (other, _) = (STYLE.sample(9, torch_rng(seed)) for seed in (5, 5, 6))
     assert torch.equal(torch.random.get_rng_state(), before)
     assert torch.equal(again, codes)
-    assert torch.equal(press_again, press)
+    assert torch.equal(press_again, pressure)
     assert not torch.equal(other, codes)
-    assert codes.dtype == press.dtype == torch.float32
-    assert (codes.shape, press.shape) == ((9, NUMBERS), (9, 4))
+    assert codes.dtype == pressure.dtype == torch.float32
+    assert (codes.shape, pressure.shape) == ((9, NUMBERS), (9, 4))
 
 
 def test_the_longest_sample_goes_where_there_is_most_room_and_keeps_its_length() -> None:
     room = torch.tensor([0.5, 0.001, 3.0, 0.01])
-    codes, press = STYLE.sample_for(room, torch_rng(3))
+    codes, pressure = STYLE.sample_for(room, torch_rng(3))
     drawn_anyway, press_anyway = STYLE.sample(4, torch_rng(3))
     order = drawn_anyway[:, 0].argsort()
     assert torch.equal(codes[room.argsort()], drawn_anyway[order])
-    assert torch.equal(press[room.argsort()], press_anyway[order])
+    assert torch.equal(pressure[room.argsort()], press_anyway[order])
 
 
 def test_no_strokes_are_no_codes_and_cost_nothing() -> None:
-    codes, press = STYLE.sample(0, torch_rng())
+    codes, pressure = STYLE.sample(0, torch_rng())
     assert STYLE.decode(codes).shape == (0, 32, 2)
-    assert STYLE.cost(codes, press).shape == (0,)
+    assert STYLE.cost(codes, pressure).shape == (0,)
 
 
 def test_strokes_are_found_again_in_their_codes_exactly() -> None:
@@ -149,12 +149,12 @@ def test_no_gradient_of_a_path_flows_into_its_residual() -> None:
 def test_cost_has_the_gradient_of_finite_differences_apart_from_what_the_others_do() -> None:
     one = own(STYLE)[:1] + 0.1 * torch.rand(1, NUMBERS, generator=torch_rng(1), dtype=torch.float64)
     gist, residual = one[:, :GIST].clone().requires_grad_(), one[:, GIST:]
-    press = torch.rand(1, 4, generator=torch_rng(), dtype=torch.float64, requires_grad=True)
+    pressure = torch.rand(1, 4, generator=torch_rng(), dtype=torch.float64, requires_grad=True)
 
-    def cost(gist: torch.Tensor, press: torch.Tensor) -> torch.Tensor:
-        return STYLE.cost(torch.cat([gist, residual], dim=1), press)
+    def cost(gist: torch.Tensor, pressure: torch.Tensor) -> torch.Tensor:
+        return STYLE.cost(torch.cat([gist, residual], dim=1), pressure)
 
-    assert torch.autograd.gradcheck(cost, (gist, press))
+    assert torch.autograd.gradcheck(cost, (gist, pressure))
 
 
 @pytest.mark.parametrize("one", KINDS)
@@ -215,17 +215,19 @@ def test_a_plan_that_takes_only_the_hands_longest_stroke_is_pulled_to_its_usual_
 
 
 def test_the_order_of_strokes_is_nothing_to_their_cost() -> None:
-    codes, press = STYLE.sample(30, torch_rng())
+    codes, pressure = STYLE.sample(30, torch_rng())
     order = torch.randperm(30, generator=torch_rng(1))
-    assert STYLE.cost(codes[order], press[order]).numpy() == pytest.approx(STYLE.cost(codes, press)[order].numpy())
+    assert STYLE.cost(codes[order], pressure[order]).numpy() == pytest.approx(
+        STYLE.cost(codes, pressure)[order].numpy()
+    )
 
 
-def test_a_recorded_press_is_sampled_and_priced() -> None:
+def test_a_recorded_pressure_is_sampled_and_priced() -> None:
     falling = np.broadcast_to(np.linspace(0.8, 0.2, 32), (20, 32))
     style = Exemplar.fit("pressed", Hand.of(strokes_of(drawn(circle, 20), falling)), HANDS)
-    codes, press = style.sample(10, torch_rng())
-    assert press.numpy() == pytest.approx(np.tile(np.linspace(0.8, 0.2, 4), (10, 1)), abs=FLOAT32_ROUND_TRIP)
-    assert (style.cost(codes, press.flip(1)) > style.cost(codes, press) + 5).all()
+    codes, pressure = style.sample(10, torch_rng())
+    assert pressure.numpy() == pytest.approx(np.tile(np.linspace(0.8, 0.2, 4), (10, 1)), abs=FLOAT32_ROUND_TRIP)
+    assert (style.cost(codes, pressure.flip(1)) > style.cost(codes, pressure) + 5).all()
 
 
 def test_speeds_are_those_of_the_strokes_most_like_them() -> None:
@@ -245,7 +247,7 @@ def test_speeds_are_those_of_the_strokes_most_like_them() -> None:
 def test_the_hash_changes_with_what_a_code_decodes_to_and_only_with_that() -> None:
     assert STYLE.hash == exemplar_of(circle).hash
     assert STYLE.hash == STYLES[zigzag].hash, "whose hand it is does not matter to decoding"
-    assert STYLE.hash == replace(STYLE, freedom=1.0, held=3.0, called="other").hash
+    assert STYLE.hash == replace(STYLE, freedom=1.0, max_mean_cost=3.0, name="other").hash
     codes = own(STYLE)
     assert torch.equal(STYLES[zigzag].decode(codes), STYLE.decode(codes))
     for hands in (
@@ -288,12 +290,12 @@ def test_freedom_takes_samples_further_from_the_hand() -> None:
 )
 def test_a_hand_of_few_or_like_strokes_has_a_style(paths: np.ndarray) -> None:
     style = Exemplar.fit("few", hand_of(paths), HANDS)
-    codes, press = style.sample(100, torch_rng())
+    codes, pressure = style.sample(100, torch_rng())
     assert style.decode(codes).isfinite().all()
     lengths = style.decode(codes).diff(dim=1).norm(dim=-1).sum(1)
     assert 0.3 * style.decode(own(style)).diff(dim=1).norm(dim=-1).sum(1).min() < lengths.min()
     leaf = codes.requires_grad_()
-    cost = style.cost(leaf, press)
+    cost = style.cost(leaf, pressure)
     (gradient,) = torch.autograd.grad(cost.sum(), leaf)
     assert cost.isfinite().all()
     assert gradient.isfinite().all()
@@ -318,7 +320,7 @@ def test_a_hand_counts_in_what_is_pooled_by_its_strokes_up_to_sixty() -> None:
 
 
 def test_a_style_is_as_strict_as_it_was_made() -> None:
-    assert STYLE.leeway == STYLE.held == 1.5
-    assert replace(STYLE, held=float("inf")).leeway == float("inf")
+    assert STYLE.max_mean_cost == 1.5
+    assert replace(STYLE, max_mean_cost=float("inf")).max_mean_cost == float("inf")
     assert isinstance(STYLE, Style)
     assert STYLE.name == "circle"

@@ -103,12 +103,12 @@ def test_decode_and_cost_have_the_gradients_of_finite_differences() -> None:
     generator = torch.Generator().manual_seed(1)
     code = torch.randn(3, CODE, generator=generator, dtype=torch.float64)
     code[:, 0] = torch.tensor([0.7, -1.1, 6.0])
-    press = torch.rand(3, 4, generator=generator, dtype=torch.float64)
+    pressure = torch.rand(3, 4, generator=generator, dtype=torch.float64)
     assert torch.autograd.gradcheck(STYLE.decode, code.requires_grad_())
-    assert torch.autograd.gradcheck(STYLE.cost, (code, press.requires_grad_()))
+    assert torch.autograd.gradcheck(STYLE.cost, (code, pressure.requires_grad_()))
     small = (code.detach() * 1e-3).requires_grad_()
-    assert STYLE.cost(small, press).min() > 100, "these are too short"
-    assert torch.autograd.gradcheck(STYLE.cost, (small, press), eps=1e-9, atol=1e-2)
+    assert STYLE.cost(small, pressure).min() > 100, "these are too short"
+    assert torch.autograd.gradcheck(STYLE.cost, (small, pressure), eps=1e-9, atol=1e-2)
 
 
 def test_a_stroke_of_no_length_costs_much_and_has_finite_gradients() -> None:
@@ -121,13 +121,13 @@ def test_a_stroke_of_no_length_costs_much_and_has_finite_gradients() -> None:
 
 def test_samples_repeat_with_their_generator_and_take_no_other_chance() -> None:
     torch_rng = torch.random.get_rng_state()
-    code, press = STYLE.sample(20, torch.Generator().manual_seed(5))
+    code, pressure = STYLE.sample(20, torch.Generator().manual_seed(5))
     torch.manual_seed(99)
     again, press_again = STYLE.sample(20, torch.Generator().manual_seed(5))
     torch.random.set_rng_state(torch_rng)
     other, _ = STYLE.sample(20, torch.Generator().manual_seed(6))
     assert torch.equal(again, code)
-    assert torch.equal(press_again, press)
+    assert torch.equal(press_again, pressure)
     assert not torch.equal(other, code)
     generator = torch.Generator().manual_seed(5)
     first, _ = STYLE.sample(20, generator)
@@ -135,14 +135,14 @@ def test_samples_repeat_with_their_generator_and_take_no_other_chance() -> None:
     assert not torch.equal(first, second), "a generator moves on"
 
 
-def test_samples_have_even_press_and_fill_the_limits_of_length() -> None:
-    code, press = STYLE.sample(4000, torch.Generator().manual_seed(0))
+def test_samples_have_even_pressure_and_fill_the_limits_of_length() -> None:
+    code, pressure = STYLE.sample(4000, torch.Generator().manual_seed(0))
     assert code.shape == (4000, CODE)
-    assert press.shape == (4000, 4)
-    assert (press >= 0).all()
-    assert (press <= 1).all()
-    assert torch.equal(press, press[:, :1].expand(-1, 4))
-    assert press[:, 0].std() > 0.2
+    assert pressure.shape == (4000, 4)
+    assert (pressure >= 0).all()
+    assert (pressure <= 1).all()
+    assert torch.equal(pressure, pressure[:, :1].expand(-1, 4))
+    assert pressure[:, 0].std() > 0.2
     drawn = lengths(STYLE.decode(code))
     assert drawn.min() < 1.1 * STYLE.shortest
     assert drawn.max() > 0.9 * STYLE.longest
@@ -158,15 +158,15 @@ def test_samples_stay_within_the_limits_of_length() -> None:
 
 
 def test_no_samples_are_no_codes() -> None:
-    code, press = STYLE.sample(0, torch.Generator())
+    code, pressure = STYLE.sample(0, torch.Generator())
     assert STYLE.decode(code).shape == (0, 32, 2)
-    assert STYLE.cost(code, press).shape == (0,)
+    assert STYLE.cost(code, pressure).shape == (0,)
 
 
 @pytest.mark.parametrize("length", [0.005, 0.03, 0.099])
 def test_a_straight_even_stroke_within_the_limits_costs_nothing(length: float) -> None:
-    for press in (0.0, 0.7):
-        cost = STYLE.cost(straight(length), torch.full((1, 4), press))
+    for pressure in (0.0, 0.7):
+        cost = STYLE.cost(straight(length), torch.full((1, 4), pressure))
         assert cost.shape == (1,)
         assert 0 <= cost.item() < 1e-5
 
@@ -189,7 +189,7 @@ def test_cost_grows_as_a_length_leaves_the_limits() -> None:
     assert longer[1:] == pytest.approx(shorter[1:], rel=1e-3), "twice too long is as bad as twice too short"
 
 
-def test_cost_grows_with_changes_of_press_and_not_with_press() -> None:
+def test_cost_grows_with_changes_of_pressure_and_not_with_pressure() -> None:
     def cost(*knots: float) -> float:
         return STYLE.cost(straight(0.03), torch.tensor([knots])).item()
 
@@ -200,12 +200,12 @@ def test_cost_grows_with_changes_of_press_and_not_with_press() -> None:
 @settings(max_examples=30)
 @given(codes)
 def test_each_stroke_costs_what_it_costs_alone(code: np.ndarray) -> None:
-    tensor, press = torch.from_numpy(code), torch.rand(len(code), 4, generator=torch.Generator().manual_seed(0))
-    together = STYLE.cost(tensor, press)
+    tensor, pressure = torch.from_numpy(code), torch.rand(len(code), 4, generator=torch.Generator().manual_seed(0))
+    together = STYLE.cost(tensor, pressure)
     assert together.shape == (len(code),)
     assert (together >= 0).all()
     for i in range(len(code)):
-        alone = STYLE.cost(tensor[i : i + 1], press[i : i + 1])
+        alone = STYLE.cost(tensor[i : i + 1], pressure[i : i + 1])
         assert together[i].item() == pytest.approx(alone.item(), rel=1e-5)
 
 
@@ -263,16 +263,16 @@ def test_float64_paths_are_decoded_in_float64() -> None:
 
 def test_the_free_style_fills_the_room_there_is_within_its_limits() -> None:
     room = torch.tensor([0.0001, 0.004, 0.02, 0.09, 0.1, 5.0])
-    code, press = STYLE.sample_for(room, torch.Generator().manual_seed(0))
+    code, pressure = STYLE.sample_for(room, torch.Generator().manual_seed(0))
     drawn = lengths(STYLE.decode(code))
     assert drawn.numpy() == pytest.approx([0.004, 0.004, 0.02, 0.09, 0.1, 0.1], rel=1e-5)
-    assert torch.equal(press, press[:, :1].expand(-1, 4))
+    assert torch.equal(pressure, pressure[:, :1].expand(-1, 4))
     again, press_again = STYLE.sample_for(room, torch.Generator().manual_seed(0))
     assert torch.equal(again, code)
-    assert torch.equal(press_again, press)
+    assert torch.equal(press_again, pressure)
 
 
 def test_the_free_style_binds_nobody_and_knows_no_speeds() -> None:
     code, _ = STYLE.sample(3, torch.Generator().manual_seed(0))
-    assert STYLE.leeway == float("inf")
+    assert STYLE.max_mean_cost == float("inf")
     assert STYLE.speeds(code) is None

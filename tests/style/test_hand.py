@@ -28,7 +28,7 @@ def test_a_hand_keeps_its_strokes_without_the_dots() -> None:
     hand = Hand.of(strokes_of(paths))
     assert len(hand) == 5
     assert np.array_equal(hand.paths, strokes_of(paths).trajectories[[1, 2, 3, 4, 6], :, :2])
-    assert hand.press.shape == (5, 4)
+    assert hand.pressure.shape == (5, 4)
     assert hand.speeds.shape == (5, 32)
 
 
@@ -84,37 +84,37 @@ def test_a_hand_without_times_has_no_speeds() -> None:
     assert Hand.of(strokes_of(PATHS)).speeds_of(ROWS) is None
 
 
-def test_press_is_sampled_as_it_was_recorded() -> None:
+def test_pressure_is_sampled_as_it_was_recorded() -> None:
     pressed = np.linspace(0.1, 0.9, 8)[:, None] * np.linspace(1, 0.5, 32)
     pressed[3] = np.nan
     hand = Hand.of(strokes_of(PATHS, pressed))
-    sampled = hand.sample_press(ROWS, torch.Generator().manual_seed(0))
+    sampled = hand.sample_pressure(ROWS, torch.Generator().manual_seed(0))
     seen = ROWS != 3
-    assert sampled[seen].numpy() == pytest.approx(hand.press[seen.numpy()], abs=FLOAT32_VALUE)
-    assert hand.press[0] == pytest.approx(0.1 * np.linspace(1, 0.5, 4), abs=FLOAT64_ROUND_TRIP)
+    assert sampled[seen].numpy() == pytest.approx(hand.pressure[seen.numpy()], abs=FLOAT32_VALUE)
+    assert hand.pressure[0] == pytest.approx(0.1 * np.linspace(1, 0.5, 4), abs=FLOAT64_ROUND_TRIP)
     assert (sampled[3] == sampled[3, 0]).all(), "an even one"
-    assert torch.equal(hand.sample_press(ROWS, torch.Generator().manual_seed(0)), sampled)
+    assert torch.equal(hand.sample_pressure(ROWS, torch.Generator().manual_seed(0)), sampled)
 
 
-def test_press_that_was_never_recorded_is_sampled_evenly_and_of_any_depth() -> None:
+def test_pressure_that_was_never_recorded_is_sampled_evenly_and_of_any_depth() -> None:
     rows = torch.zeros(2000, dtype=torch.long)
-    sampled = Hand.of(strokes_of(PATHS)).sample_press(rows, torch.Generator().manual_seed(0))
+    sampled = Hand.of(strokes_of(PATHS)).sample_pressure(rows, torch.Generator().manual_seed(0))
     assert torch.equal(sampled, sampled[:, :1].expand(-1, 4))
     counts = np.histogram(sampled[:, 0].numpy(), bins=4, range=(0, 1))[0]
     assert counts.min() > 430
 
 
-def test_press_costs_by_how_it_rises_and_falls_and_not_by_its_depth() -> None:
+def test_pressure_costs_by_how_it_rises_and_falls_and_not_by_its_depth() -> None:
     falling = np.broadcast_to(np.linspace(0.6, 0.3, 32), (8, 32))
     hand, unknown = Hand.of(strokes_of(PATHS, falling)), Hand.of(strokes_of(PATHS))
     rows = torch.zeros(4, dtype=torch.long)
-    press = torch.tensor([[0.6, 0.5, 0.4, 0.3], [0.9, 0.8, 0.7, 0.6], [0.5] * 4, [0.3, 0.4, 0.5, 0.6]])
-    costs = hand.press_cost(press, rows)
+    pressure = torch.tensor([[0.6, 0.5, 0.4, 0.3], [0.9, 0.8, 0.7, 0.6], [0.5] * 4, [0.3, 0.4, 0.5, 0.6]])
+    costs = hand.pressure_cost(pressure, rows)
     assert costs[:2].tolist() == pytest.approx([0, 0], abs=FLOAT32_VALUE)
     assert costs[3] == pytest.approx(4 * costs[2].item(), rel=1e-4), "twice as far off"
     assert costs[2] > 0.5
-    assert unknown.press_cost(press, rows)[2] == 0
-    assert 0 < unknown.press_cost(press, rows)[3] < costs[3], "where nobody knows, any press is cheaper"
+    assert unknown.pressure_cost(pressure, rows)[2] == 0
+    assert 0 < unknown.pressure_cost(pressure, rows)[3] < costs[3], "where nobody knows, any pressure is cheaper"
 
 
 def test_the_longest_stroke_goes_where_there_is_most_room() -> None:

@@ -48,9 +48,9 @@ def a_hand(strokes: int = 7) -> Hand:
     bend = np.linspace(0.1, 1.0, strokes)[:, None] * np.linspace(0, np.pi, 32)
     length = np.linspace(0.01, 0.05, strokes)[:, None]
     paths = np.stack([length * np.linspace(0, 1, 32), length * np.sin(bend)], axis=-1)
-    press, speeds = np.full((strokes, 4), 0.25), np.full((strokes, 32), 0.5)
-    press[0], speeds[1] = np.nan, np.nan
-    return Hand(paths, press, speeds)
+    pressure, speeds = np.full((strokes, 4), 0.25), np.full((strokes, 32), 0.5)
+    pressure[0], speeds[1] = np.nan, np.nan
+    return Hand(paths, pressure, speeds)
 
 
 def an_exemplar(name: str = "arcs") -> Exemplar:
@@ -112,7 +112,7 @@ def test_a_style_is_read_as_it_was_written(made: store.Fitted, tmp_path: Path) -
     assert type(read) is type(made)
     assert (read.name, read.hash, len(read.hand)) == (made.name, made.hash, len(made.hand))
     assert read.hand.paths == pytest.approx(made.hand.paths, abs=FLOAT32_METRES)
-    assert np.array_equal(read.hand.press, made.hand.press, equal_nan=True)
+    assert np.array_equal(read.hand.pressure, made.hand.pressure, equal_nan=True)
     assert np.array_equal(read.hand.speeds, made.hand.speeds, equal_nan=True)
     codes, _ = made.sample(5, torch.Generator().manual_seed(1))
     assert torch.equal(read.decode(codes), made.decode(codes))
@@ -139,10 +139,10 @@ def test_every_style_that_comes_along_draws(own: Path) -> None:
     assert len(names) >= 5
     for name in names:
         style = load_style(name, CANVAS)
-        codes, press = style.sample(4, torch.Generator().manual_seed(0))
+        codes, pressure = style.sample(4, torch.Generator().manual_seed(0))
         assert style.name == name
         assert style.decode(codes).isfinite().all()
-        assert ((press >= 0) & (press <= 1)).all()
+        assert ((pressure >= 0) & (pressure <= 1)).all()
     assert (store.load_hands().residual > 0).all()
 
 
@@ -261,8 +261,11 @@ def test_a_card_with_a_fault_is_refused_by_the_name_of_the_field(
         ({"paths": np.full((7, 32, 2), np.nan)}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
         ({"paths": 1 + a_hand().paths}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
         ({"paths": 1e4 * a_hand().paths}, "a stroke of it is no standardised path of 0.1 mm to 100 m"),
-        ({"press": np.full((7, 4), 1.5)}, "its press are impossible, or known along a part of a stroke only"),
-        ({"press": np.tile([0.5, np.nan], (7, 2))}, "its press are impossible, or known along a part of a stroke only"),
+        ({"pressure": np.full((7, 4), 1.5)}, "its pressure are impossible, or known along a part of a stroke only"),
+        (
+            {"pressure": np.tile([0.5, np.nan], (7, 2))},
+            "its pressure are impossible, or known along a part of a stroke only",
+        ),
         ({"speeds": np.full((7, 32), np.inf)}, "its speeds are impossible, or known along a part of a stroke only"),
         ({"covariance": -HANDS.covariance}, "covariance must be positive definite"),
         ({"covariance": np.triu(np.ones((17, 17)))}, "covariance must be finite and symmetric"),

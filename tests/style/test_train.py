@@ -46,7 +46,7 @@ def test_fine_tuning_brings_the_hand_s_own_strokes_nearer_and_does_not_forget_ot
 def test_fine_tuning_repeats_by_its_seed_and_leaves_the_network_as_it_was() -> None:
     before = {name: tensor.clone() for name, tensor in NETWORK.items()}
     torch_rng = torch.random.get_rng_state()
-    first, again, other = (fine_tune(NETWORK, ROUND, seed, called="round", steps=3) for seed in (0, 0, 1))
+    first, again, other = (fine_tune(NETWORK, ROUND, seed, name="round", steps=3) for seed in (0, 0, 1))
     assert first.hash == again.hash != other.hash
     assert first.name == "round"
     assert first.hand is ROUND
@@ -66,9 +66,9 @@ def test_fine_tuning_repeats_by_its_seed_and_leaves_the_network_as_it_was() -> N
 )
 def test_a_hand_of_five_strokes_with_little_in_them_still_makes_a_style(paths: np.ndarray) -> None:
     style = fine_tune(NETWORK, hand_of(paths), seed=0, steps=5)
-    code, press_knots = style.sample(20, torch.Generator().manual_seed(0))
+    code, pressure_knots = style.sample(20, torch.Generator().manual_seed(0))
     assert style.decode(code).isfinite().all()
-    assert style.cost(code, press_knots).isfinite().all()
+    assert style.cost(code, pressure_knots).isfinite().all()
     assert np.median(rms(style, paths)) < 0.1e-3
 
 

@@ -64,10 +64,10 @@ def test_decode_and_cost_have_the_gradients_of_finite_differences_in_the_coarse_
     code = STYLE.encode(torch.from_numpy(ROUND.paths[:2]))
     code = code + 0.1 * torch.randn(code.shape, generator=torch.Generator().manual_seed(0))
     coarse, fine = code[:, :16].clone().requires_grad_(), code[:, 16:]
-    press_knots = torch.rand(2, 4, generator=torch.Generator().manual_seed(1), dtype=torch.float64).requires_grad_()
+    pressure_knots = torch.rand(2, 4, generator=torch.Generator().manual_seed(1), dtype=torch.float64).requires_grad_()
     assert torch.autograd.gradcheck(lambda x: STYLE.decode(torch.cat([x, fine], dim=1)), coarse)
     assert torch.autograd.gradcheck(
-        lambda x, press: STYLE.cost(torch.cat([x, fine], dim=1), press), (coarse, press_knots), rtol=1e-4
+        lambda x, pressure: STYLE.cost(torch.cat([x, fine], dim=1), pressure), (coarse, pressure_knots), rtol=1e-4
     )
 
 
@@ -109,29 +109,29 @@ def test_samples_are_like_the_hand_and_not_like_a_stranger_and_no_copies(hand: H
 
 
 def test_samples_are_pressed_as_the_hand_presses() -> None:
-    _, press_knots = STYLE.sample(10, torch.Generator().manual_seed(0))
-    assert torch.allclose(press_knots, torch.linspace(0.2, 0.8, 4).expand(10, 4), atol=1e-6)
+    _, pressure_knots = STYLE.sample(10, torch.Generator().manual_seed(0))
+    assert torch.allclose(pressure_knots, torch.linspace(0.2, 0.8, 4).expand(10, 4), atol=1e-6)
 
 
 def test_the_longest_stroke_goes_where_there_is_most_room() -> None:
     rooms = torch.tensor([0.03, 0.01, 0.05, 0.02])
-    sampled, press_knots = STYLE.sample_for(rooms, torch.Generator().manual_seed(0))
+    sampled, pressure_knots = STYLE.sample_for(rooms, torch.Generator().manual_seed(0))
     drawn = path_lengths(STYLE.decode(sampled).double().numpy())
     assert drawn.argsort().tolist() == rooms.argsort().tolist()
-    assert press_knots.shape == (4, 4)
+    assert pressure_knots.shape == (4, 4)
 
 
 def test_a_stroke_costs_what_it_costs_in_an_exemplar_of_the_same_hand() -> None:
-    code, press_knots = STYLE.sample(12, torch.Generator().manual_seed(0))
+    code, pressure_knots = STYLE.sample(12, torch.Generator().manual_seed(0))
     hands = PooledHands(*(NETWORK[f"hands.{name}"].double().numpy() for name in ("covariance", "residual")))
     exemplar = Exemplar("", ROUND, hands, 0)
-    expected = exemplar.cost(exemplar.encode(STYLE.decode(code)), press_knots)
-    assert torch.allclose(STYLE.cost(code, press_knots), expected)
-    assert STYLE.leeway == exemplar.leeway
+    expected = exemplar.cost(exemplar.encode(STYLE.decode(code)), pressure_knots)
+    assert torch.allclose(STYLE.cost(code, pressure_knots), expected)
+    assert STYLE.max_mean_cost == exemplar.max_mean_cost
 
 
 def test_own_strokes_cost_little_samples_more_and_a_stranger_s_most() -> None:
-    pressed = torch.from_numpy(ROUND.press)
+    pressed = torch.from_numpy(ROUND.pressure)
     own = STYLE.cost(STYLE.encode(torch.from_numpy(ROUND.paths)), pressed).median()
     sampled = STYLE.cost(*STYLE.sample(200, torch.Generator().manual_seed(0))).median()
     strange = STYLE.cost(STYLE.encode(torch.from_numpy(FLAT.paths)), pressed).median()

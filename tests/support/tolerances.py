@@ -52,7 +52,7 @@ MEDIUM_BLUR = 0.25  # pixels between a path and the middle of its mark
 MEDIUM_INK = 0.08  # of a stroke's ink, from 5 to 20 pixels per millimetre
 MEDIUM_COLOUR = 1e-3  # a colour in steps of 1/32768, after some dabs
 
-# Trials, in the files of their folder: photographs in 8 bits, paths in micrometres (and press in millionths).
+# Trials, in the files of their folder: photographs in 8 bits, paths in micrometres (and pressure in millionths).
 PHOTOGRAPH = 0.5001 / 255
 EXECUTED_PATH = 0.5001e-6
 
@@ -68,7 +68,7 @@ MARK_REACH = 0.6e-3  # metres that a stroke may lie beside its place and not tou
 
 # A brush fitted to 20 simulated strokes of 2 to 5 pixels in half-width, with their noise.
 SIGMAS = 3.5  # of the standard errors that were told
-CLEAN_WIDTH = 0.01  # half-width at a press, as a share
+CLEAN_WIDTH = 0.01  # half-width at a pressure, as a share
 KEPT_WIDTH = 0.02  # the same where much more is sought, or fewer strokes were drawn
 KEPT_NUMBER = 0.05e-3  # metres: a lag
 INK_COLOUR = 0.03

@@ -10,10 +10,10 @@ from torch import Tensor
 from torch.nn.functional import softplus
 
 from maulstick.brush_fit.mosaic import Mosaic
-from maulstick.painting.brush import CURVE_PRESSES
+from maulstick.painting.brush import CURVE_PRESSURES
 from maulstick.rendering.traj2stroke import Traj2Stroke
 
-PAPER = ("scale", "alpha", "beta", "c")
+PAPER = ("scale", "alpha", "beta", "falloff")
 """The paper's numbers but for b, which is the middle of all strokes' own places."""
 
 ADDITIONS = ("plateau", "curve", "lag", "nib")
@@ -70,7 +70,7 @@ class Unknowns:
 
 _FIRST: Mapping[str, Mapping[str, Tensor]] = {
     "plateau": {"plateau": torch.tensor([0.0])},
-    "curve": {"curve": torch.zeros(len(CURVE_PRESSES) + 1)},
+    "curve": {"curve": torch.zeros(len(CURVE_PRESSURES) + 1)},
     "lag": {"lag": torch.tensor([-0.7]), "touch": torch.zeros(2)},
     "nib": {"nib": torch.zeros(2)},
 }
@@ -79,7 +79,7 @@ _MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
     "scale": lambda raw, unit: 1 + 0.1 * raw,
     "alpha": lambda raw, unit: unit * softplus(raw),
     "beta": lambda raw, unit: unit * raw,
-    "c": lambda raw, unit: _LEAST_C + raw.exp(),
+    "falloff": lambda raw, unit: _LEAST_C + raw.exp(),
     "plateau": lambda raw, unit: 0.98 * raw.sigmoid(),
     "curve": lambda raw, unit: raw.softmax(0).cumsum(0)[:-1],
     "lag": lambda raw, unit: unit * raw.exp(),
@@ -91,9 +91,9 @@ _NEUTRAL = {
     "scale": torch.ones(2),
     "alpha": torch.zeros(1),
     "beta": torch.zeros(1),
-    "c": torch.ones(1),
+    "falloff": torch.ones(1),
     "plateau": torch.zeros(1),
-    "curve": torch.tensor(CURVE_PRESSES),
+    "curve": torch.tensor(CURVE_PRESSURES),
     "lag": torch.zeros(1),
     "touch": torch.zeros(2),
     "nib": torch.zeros(2),
@@ -102,7 +102,7 @@ _NEUTRAL = {
 
 def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -> Traj2Stroke:
     """One brush a stroke: the numbers (N, k) of each, its place (N, 2) in metres and its opacity (N,)."""
-    alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "c", "plateau", "lag")}
+    alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "falloff", "plateau", "lag")}
     several = {name: numbers[name] for name in ("scale", "curve", "touch", "nib")}
     solid = torch.ones(len(place))
     return Traj2Stroke(**alone, **several, shift=place, opacity=opacity, faint=solid, solid=solid)

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from maulstick.brush_fit.descent import Unknowns
 from maulstick.brush_fit.evidence import ENOUGH
-from maulstick.brush_fit.initialise import has_presses
+from maulstick.brush_fit.initialise import has_pressures
 from maulstick.storage.arrays import Floats
 
 _WIDTH = 0.1  # of the widest mark
@@ -17,21 +17,23 @@ _SCALE = 0.03
 def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor], opaque: bool) -> tuple[str, ...]:
     """A sentence for each number that these strokes leave open; `opaque`: the ink was taken to be so."""
     said = []
-    press = np.array([path[:, 2] for path in paths])
+    pressure = np.array([path[:, 2] for path in paths])
     if len(paths) < ENOUGH:
         said.append(
             f"only {len(paths)} strokes could be used: nothing was held out and nothing tried beyond the paper's "
             f"numbers; draw {ENOUGH} or more"
         )
-    if not has_presses(paths):
+    if not has_pressures(paths):
         said.append(
-            f"all strokes were drawn at press {press.mean():.2f}: how width depends on press is not known, alpha is 0 "
-            "and every press draws alike; draw some strokes lighter and some deeper"
+            f"all strokes were drawn at pressure {pressure.mean():.2f}: how width depends on pressure is not known, "
+            "alpha is 0 "
+            "and every pressure draws alike; draw some strokes lighter and some deeper"
         )
     elif float(errors["alpha"]) > _WIDTH * float(sum(found.numbers()[name] for name in ("alpha", "beta"))):
         said.append(
-            f"alpha is known to ± {1e3 * float(errors['alpha']):.2g} mm only, since presses go from {press.min():.2f} "
-            f"to {press.max():.2f}; draw strokes over more presses"
+            f"alpha is known to ± {1e3 * float(errors['alpha']):.2g} mm only, "
+            f"since pressures go from {pressure.min():.2f} "
+            f"to {pressure.max():.2f}; draw strokes over more pressures"
         )
     for axis, error in zip("xy", errors["scale"].tolist(), strict=True):
         if error > _SCALE:

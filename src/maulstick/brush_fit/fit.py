@@ -14,7 +14,7 @@ from maulstick.brush_fit.descent import Unknowns, descend, stamped
 from maulstick.brush_fit.doubts import doubts
 from maulstick.brush_fit.evidence import ENOUGH, read_windows
 from maulstick.brush_fit.flow import Flow, fit_flow
-from maulstick.brush_fit.initialise import first_guess, has_presses
+from maulstick.brush_fit.initialise import first_guess, has_pressures
 from maulstick.brush_fit.mosaic import Mosaic
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.brush_fit.window import Pixels, Window, crosses
@@ -29,7 +29,7 @@ ADDITIONS = (*descent.ADDITIONS, "faint")
 _HELD_OUT = 0.3
 _STEPS, _STEPS_ALL = 200, 150
 _BETTER, _SIGMAS = 0.99, 2.0  # of held-out error, and of its standard error, for an addition to stay
-_LEAST_RISE = 0.01  # of the thinnest mark, from press 0 to 1; a medium of less draws all presses alike
+_LEAST_RISE = 0.01  # of the thinnest mark, from pressure 0 to 1; a medium of less draws all pressures alike
 _VIEWS = 12
 _MEDIAN = 1.25  # its standard error, of a mean's
 
@@ -100,7 +100,7 @@ def fit_brush(
         paths = [resample(window.path, POINTS) for window in windows]
         mosaic = Mosaic.of_windows(windows, paths, scale)
         taught = _split(len(windows), seed)
-        tried = [name for name in descent.ADDITIONS if name in additions and (name != "curve" or has_presses(paths))]
+        tried = [name for name in descent.ADDITIONS if name in additions and (name != "curve" or has_pressures(paths))]
         tried = [] if taught.all() else tried
         chosen = _choose(mosaic, first_guess(windows, paths, scale), taught, tried, progress)
         tick = _ticking(progress, "all strokes", _STEPS_ALL)
@@ -158,8 +158,8 @@ def _choose(
         if addition in kept or refused.get(addition) == len(kept):
             continue
         tick = _ticking(progress, addition, _STEPS)
-        anew = start.adding([*kept, addition])  # from what was found it could not get away
-        candidate = descend(mosaic, anew, taught, _STEPS, tick)
+        restart = start.adding([*kept, addition])  # from what was found it could not get away
+        candidate = descend(mosaic, restart, taught, _STEPS, tick)
         error = _held_out(mosaic, candidate, taught)
         gain = (best / error).log()  # a few strokes that go badly wrong would drown all others
         certain = gain.mean() > _SIGMAS * gain.std() / len(gain) ** 0.5
@@ -211,7 +211,7 @@ def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, 
         b_y=float(middle[1]),
         alpha=alpha if alpha > _LEAST_RISE * numbers["beta"][0] else 0.0,
         beta=numbers["beta"][0],
-        c=numbers["c"][0],
+        falloff=numbers["falloff"][0],
         plateau=numbers["plateau"][0],
         curve=tuple(numbers["curve"]),
         nib=tuple(numbers["nib"]),

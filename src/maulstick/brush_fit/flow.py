@@ -24,35 +24,35 @@ class Flow:
     solid: float
     scatter: float
 
-    def at(self, press: Floats) -> Floats:
-        """Opacity of strokes of a mean press."""
-        return self.opacity * (self.faint + (1 - self.faint) * np.minimum(press / self.solid, 1))
+    def at(self, pressure: Floats) -> Floats:
+        """Opacity of strokes of a mean pressure."""
+        return self.opacity * (self.faint + (1 - self.faint) * np.minimum(pressure / self.solid, 1))
 
 
-def fit_flow(press: Floats, opacity: Floats, may_pale: bool) -> Flow:
-    """The flow of strokes (N,) of a mean press and an opacity; pale at a light press only if halves agree on it."""
-    flow = _even(press, opacity)
-    if may_pale and len(press) >= ENOUGH:
-        halves = np.arange(len(press)) % 2 == 0
-        if _crossed(press, opacity, halves, _paling) < _BETTER * _crossed(press, opacity, halves, _even):
-            flow = _paling(press, opacity)
-    scatter = _NORMAL * np.median(np.abs(opacity - flow.at(press))) / flow.opacity
+def fit_flow(pressure: Floats, opacity: Floats, may_pale: bool) -> Flow:
+    """The flow of strokes (N,) of a mean press and an opacity; pale at a light pressure only if halves agree on it."""
+    flow = _even(pressure, opacity)
+    if may_pale and len(pressure) >= ENOUGH:
+        halves = np.arange(len(pressure)) % 2 == 0
+        if _crossed(pressure, opacity, halves, _paling) < _BETTER * _crossed(pressure, opacity, halves, _even):
+            flow = _paling(pressure, opacity)
+    scatter = _NORMAL * np.median(np.abs(opacity - flow.at(pressure))) / flow.opacity
     return Flow(flow.opacity, flow.faint, flow.solid, float(scatter))
 
 
-def _even(press: Floats, opacity: Floats) -> Flow:
+def _even(pressure: Floats, opacity: Floats) -> Flow:
     return Flow(float(np.median(opacity).clip(_LEAST, 1)), 1.0, 1.0, 0.0)
 
 
-def _paling(press: Floats, opacity: Floats) -> Flow:
-    """Least absolute deviation over a grid of presses from which the mark is solid."""
+def _paling(pressure: Floats, opacity: Floats) -> Flow:
+    """Least absolute deviation over a grid of pressures from which the mark is solid."""
     fits = []
     for solid in _PRESSES:
-        risen = np.minimum(press / solid, 1)
+        risen = np.minimum(pressure / solid, 1)
         at_0, at_solid = _line(risen, opacity)
         top = float(np.clip(at_solid, _LEAST, 1))
         fits.append(Flow(top, float(np.clip(at_0 / top, _LEAST, 1)), float(solid), 0.0))
-    return min(fits, key=lambda flow: float(np.abs(opacity - flow.at(press)).mean()))
+    return min(fits, key=lambda flow: float(np.abs(opacity - flow.at(pressure)).mean()))
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, float]:
@@ -65,6 +65,8 @@ def _line(x: Floats, y: Floats) -> tuple[float, float]:
     return float(fit.x[0]), float(fit.x[1])
 
 
-def _crossed(press: Floats, opacity: Floats, half: Bools, fit: Callable[[Floats, Floats], Flow]) -> float:
+def _crossed(pressure: Floats, opacity: Floats, half: Bools, fit: Callable[[Floats, Floats], Flow]) -> float:
     """Mean error on each half of what was fitted to the other."""
-    return float(np.mean([np.abs(opacity[~k] - fit(press[k], opacity[k]).at(press[~k])).mean() for k in (half, ~half)]))
+    return float(
+        np.mean([np.abs(opacity[~k] - fit(pressure[k], opacity[k]).at(pressure[~k])).mean() for k in (half, ~half)])
+    )

@@ -17,17 +17,17 @@ _FURTHEST = 2e-3  # metres, that a stroke may lie beside its place at first
 
 def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Unknowns:
     """Unknowns near enough for gradients to find the rest; `paths` are the windows' with n points each."""
-    press = np.array([path[:, 2].mean() for path in paths])
+    pressure = np.array([path[:, 2].mean() for path in paths])
     half_widths = np.array([_half_width(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)])
     unit = float(np.median(half_widths))
-    (beta, alpha), _ = nnls(np.stack([np.ones_like(press), press], axis=1), _WIDER * half_widths / unit)
+    (beta, alpha), _ = nnls(np.stack([np.ones_like(pressure), pressure], axis=1), _WIDER * half_widths / unit)
     raw = {
         "scale": torch.zeros(2),
         "alpha": torch.tensor([np.log(np.expm1(max(alpha, 0.05)))], dtype=torch.float32),
         "beta": torch.tensor([beta], dtype=torch.float32),
-        "c": torch.tensor([-0.5]),
+        "falloff": torch.tensor([-0.5]),
     }
-    if not has_presses(paths):
+    if not has_pressures(paths):
         raw.pop("alpha")
         raw["beta"] = torch.tensor([_WIDER])
     places = [_place(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)]
@@ -42,10 +42,10 @@ def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_m
     )
 
 
-def has_presses(paths: Sequence[Floats]) -> bool:
-    """Whether the strokes were drawn at more than one press."""
-    press = np.array([path[:, 2] for path in paths])
-    return bool(np.ptp(press) > 0.1)
+def has_pressures(paths: Sequence[Floats]) -> bool:
+    """Whether the strokes were drawn at more than one pressure."""
+    pressure = np.array([path[:, 2] for path in paths])
+    return bool(np.ptp(pressure) > 0.1)
 
 
 def _half_width(window: Window, path: Floats, pixels_per_metre: float) -> float:

@@ -73,7 +73,15 @@ class Mosaic:
         """The photographs after, (C, H, W), if each stroke were drawn by its brush with ink of a colour (C,)."""
         marks = brushes.bare(self.trajectories, self.pixels_per_metre)
         colours = colour.expand(len(self), -1)
-        return composite(self.before, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o.clamp(1e-4, 1))
+        return composite(
+            self.before,
+            marks.points,
+            marks.thickness,
+            colours,
+            marks.falloff,
+            marks.plateau,
+            marks.opacity.clamp(1e-4, 1),
+        )
 
     def loss(self, stamped: Tensor) -> Tensor:
         """The weighted L1 between the photographs after and what was `stamped`, (C, H, W)."""

@@ -34,7 +34,7 @@ class Trial:
     """One stroke alone: what was drawn and what it did to the paper.
 
     name: for people, counted from 1 ("stroke 12").
-    path: (n, 3) as executed: x, y in metres from the photographs' upper left corner, and press in [0, 1].
+    path: (n, 3) as executed: x, y in metres from the photographs' upper left corner, and pressure in [0, 1].
     before, after: (H, W, 3) sRGB in [0, 1]. Where the stroke alone is known they are (H, W, 1): before is all 0, and
     after is the darkness, 1 for full ink. Photographs are read-only, since two trials share one.
     """
@@ -97,7 +97,7 @@ class Trials:
         """A folder without trials as yet: a new one, or one in which nothing is.
 
         medium: what is drawn with, for people.  pixels_per_metre: of all photographs.
-        depth: how far below first touch the tip is at press 0 and at press 1, metres, as in `Brush.depth`.
+        depth: how far below first touch the tip is at pressure 0 and at pressure 1, metres, as in `Brush.depth`.
         Raises InputError for numbers that cannot be, OutputError where the folder is not empty or cannot be written.
         """
         folder = Path(folder)
@@ -153,7 +153,7 @@ class Trials:
 
     @property
     def depth(self) -> tuple[float, float]:
-        """How far below first touch the tip was at press 0 and at press 1, metres, as in `Brush.depth`."""
+        """How far below first touch the tip was at pressure 0 and at pressure 1, metres, as in `Brush.depth`."""
         return self._content.depth
 
     def __len__(self) -> int:

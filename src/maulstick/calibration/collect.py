@@ -91,7 +91,7 @@ def trials_of(
     """The strokes of a painting, drawn apart in its order, as trials in a new folder.
 
     photographs: of the flat sheet (h, w, 3), by the number of strokes that were on it, 0 and all of them at least.
-    depth: metres below first touch at press 0 and at press 1.  room: metres around each stroke that are its own.
+    depth: metres below first touch at pressure 0 and at pressure 1.  room: metres around each stroke that are its own.
     Raises InputError where a photograph is missing, OutputError where the folder cannot be written.
     """
     strokes = painting.strokes
@@ -100,7 +100,7 @@ def trials_of(
             raise InputError(f"there is no photograph of the sheet with {number} strokes on it; take one")
     taken = np.array(sorted(photographs))
     height, width = photographs[0].shape[:2]
-    canvas = Canvas.of_height((painting.canvas.width, painting.canvas.height), height)
+    canvas = Canvas.of_height((painting.sheet.width, painting.sheet.height), height)
     trials = Trials.make(folder, medium=medium, pixels_per_metre=canvas.pixels_per_metre, depth=depth)
     for number, stroke in enumerate(strokes):
         path = np.array(stroke.trajectory)

@@ -22,7 +22,7 @@ MOST_ERROR: Final = 1e-3
 """Metres, root mean square, that touched points may lie beside their places on a plane."""
 
 _LEAST_SPREAD = 0.01  # metres, root mean square, on both sides of a line
-_DEEPEST = 0.02  # metres: a deeper press is a slip of the hand
+_DEEPEST = 0.02  # metres: a deeper pressure is a slip of the hand
 _PROBE = 2e-4  # metres a step
 _READINGS, _PERIOD = 10, 2e-3  # of a force, whose median it is, and seconds from one to the next
 
@@ -80,7 +80,7 @@ def with_deepest(easel: Easel, place: Floats) -> Easel:
     depth = -float(easel.machine_to_canvas(place)[2])
     if not 0 < depth <= _DEEPEST:
         allowed = f"above 0 and at most {1e3 * _DEEPEST:g} mm"
-        raise InputError.of_range("the deepest press", f"{1e3 * depth:.3g} mm", allowed)
+        raise InputError.of_range("the deepest pressure", f"{1e3 * depth:.3g} mm", allowed)
     return easel.model_copy(update={"deepest": depth})
 
 

@@ -55,7 +55,7 @@ def compare(
     named = dict(zip(_names(paintings), plans, strict=True))
     likeness = {name: None if picture is None else _likeness(plan, picture) for name, plan in named.items()}
     panels = [
-        Panel(name, _note(plan, likeness[name]), (plan.canvas.width, plan.canvas.height), partial(preview, plan))
+        Panel(name, _note(plan, likeness[name]), (plan.sheet.width, plan.sheet.height), partial(preview, plan))
         for name, plan in named.items()
     ]
     if picture is not None and photo is not None:
@@ -104,7 +104,7 @@ def _over(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
 
 
 def _measured_on(plan: Painting) -> Canvas:
-    width, height = plan.canvas.width, plan.canvas.height
+    width, height = plan.sheet.width, plan.sheet.height
     return Canvas(width, height, min(_MEASURED_PX / height, _WIDEST_PX / width))
 
 
@@ -141,9 +141,9 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> di
 
     lengths = [plan.lengths() for plan in plans]
     styles = [Counter(stroke.style.name for stroke in plan.strokes if stroke.style is not None) for plan in plans]
-    planned = dict.fromkeys(name for plan in plans for name in plan.made.metrics)
+    planned = dict.fromkeys(name for plan in plans for name in plan.provenance.metrics)
     return {
-        "sheet": [f"{1e3 * plan.canvas.width:g} x {1e3 * plan.canvas.height:g} mm" for plan in plans],
+        "sheet": [f"{1e3 * plan.sheet.width:g} x {1e3 * plan.sheet.height:g} mm" for plan in plans],
         "strokes": [f"{len(plan.strokes)}" for plan in plans],
         "drawn": [f"{each.sum():.2f} m" for each in lengths],
         "mean stroke": [f"{1e3 * each.mean():.1f} mm" if len(each) else _NOTHING for each in lengths],
@@ -152,13 +152,14 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> di
         "sheet covered": [f"{coverage(plan, _measured_on(plan)).mean():.0%}" for plan in plans],
         "style": [_first_names([name for name, _ in each.most_common()]) for each in styles],
         "brush": [_first_names(list(plan.brushes)) for plan in plans],
-        "picture": [plan.made.image or _NOTHING for plan in plans],
+        "picture": [plan.provenance.image or _NOTHING for plan in plans],
         "steps": [_option(plan, "steps") for plan in plans],
-        "seed": [f"{plan.made.seed}" for plan in plans],
+        "seed": [f"{plan.provenance.seed}" for plan in plans],
         "weights": [_option(plan, "weights") for plan in plans],
         **{
             f"{name} when planned": [
-                f"{plan.made.metrics[name]:.3g}" if name in plan.made.metrics else _NOTHING for plan in plans
+                f"{plan.provenance.metrics[name]:.3g}" if name in plan.provenance.metrics else _NOTHING
+                for plan in plans
             ]
             for name in planned
         },
@@ -172,7 +173,7 @@ def _first_names(names: Sequence[str]) -> str:
 
 
 def _option(plan: Painting, name: str) -> str:
-    return _plain(plan.made.options.get(name))
+    return _plain(plan.provenance.options.get(name))
 
 
 def _plain(value: JsonValue) -> str:

@@ -86,7 +86,7 @@ def export(
         wells = read_tray(tray) if tray is not None else None
         limits = place.limits or _around(plan, place, wells, fastest)
         if place.pen is not None or format == "hpgl":
-            limits = limits.model_copy(update={"presses": False})
+            limits = limits.model_copy(update={"varies_pressure": False})
         actions = routine(plan, place, limits, wells, speed=fastest)
         text = {
             "gcode": lambda: as_gcode(actions, limits, spoken, place.pen),
@@ -110,12 +110,12 @@ def _servo(text: str) -> Pen:
 def _at_the_origin(plan: Painting) -> Easel:
     """The sheet's lower left corner at the machine's origin, and pressed as deep as the brushes know."""
     deepest = max((max(brush.depth) for brush in plan.brushes.values()), default=0.0)
-    return Easel(corner=(0, plan.canvas.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=deepest)
+    return Easel(corner=(0, plan.sheet.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=deepest)
 
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
     """Limits for a machine that is not known: the sheet, as deep as the easel allows, and the tray, at that speed."""
-    width, height = plan.canvas.width, plan.canvas.height
+    width, height = plan.sheet.width, plan.sheet.height
     ends = [[x, y, z] for x in (0, width) for y in (0, height) for z in (-max(easel.deepest, _THIN), _CLEAR)]
     places = [np.array(ends)]
     if tray is not None:
@@ -129,5 +129,5 @@ def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Li
         speed=speed,
         climb=speed,
         acceleration=1.0,
-        presses=True,
+        varies_pressure=True,
     )

@@ -56,7 +56,7 @@ def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
 
 
 class VideoRecorder:
-    """Films a plan of so many steps, at most 160 frames of it."""
+    """Records a plan of so many steps, at most 160 frames of it."""
 
     def __init__(self, video: Video, steps: int) -> None:
         self.video = video

@@ -26,12 +26,12 @@ def render(
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     plan = read_painting(painting)
-    longest = px * max(1.0, plan.canvas.width / plan.canvas.height)
+    longest = px * max(1.0, plan.sheet.width / plan.sheet.height)
     if not 1 <= px <= longest <= _LARGEST_PX:
         raise InputError.of_range("--px", px, f"at least 1, with no side of the image above {_LARGEST_PX}")
     check_absent(path, "--out", overwrite)
     from maulstick.rendering.preview import preview  # loads torch
 
-    canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
+    canvas = Canvas.of_height((plan.sheet.width, plan.sheet.height), px)
     atomic_write(path, encode_png(preview(plan, canvas)))
     print(path, flush=True)

@@ -99,7 +99,7 @@ def _painting(file: Path, px: int) -> bytes:
     from maulstick.painting.raster import Canvas
 
     plan = read_painting(file)
-    canvas = Canvas.of_height((plan.canvas.width, plan.canvas.height), px)
+    canvas = Canvas.of_height((plan.sheet.width, plan.sheet.height), px)
     if canvas.width_px > _WIDEST_PX:
         raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
     from maulstick.rendering.preview import preview  # loads torch

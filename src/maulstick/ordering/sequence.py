@@ -20,7 +20,7 @@ def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
 
     Strokes keep their ids, and overlapping strokes of different paints their order; those of one paint may be painted
     in any: one colour over itself is the same colour. The paint never changes more often than before. A stroke may be
-    turned around where its press is even, it has no speeds of its own, and its mark is then the same.
+    turned around where its pressure is even, it has no speeds of its own, and its mark is then the same.
     """
     trajectories = painting.trajectories()
     paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
@@ -58,11 +58,11 @@ def _marks(painting: Painting, paths: Floats) -> Floats:
     return marks
 
 
-def _widest(painting: Painting, press: Floats) -> Floats:
-    """(N,) half-widths of marks with press (N, n) where and in whichever direction they are widest, metres."""
-    widest = np.empty(len(press))
+def _widest(painting: Painting, pressure: Floats) -> Floats:
+    """(N,) half-widths of marks with pressure (N, n) where and in whichever direction they are widest, metres."""
+    widest = np.empty(len(pressure))
     for brush, rows in _brushes(painting):
-        widest[rows] = brush.half_width(press[rows].max(axis=1)) * (1 + np.hypot(*brush.nib))
+        widest[rows] = brush.half_width(pressure[rows].max(axis=1)) * (1 + np.hypot(*brush.nib))
     return widest.clip(min=0)
 
 

@@ -22,7 +22,7 @@ def _printable(name: str) -> str:
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
-CURVE_PRESSES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
+CURVE_PRESSURES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Where a brush's curve is known; between them it is straight."""
 
 _SHORTEST = 1e-12  # metres
@@ -34,15 +34,15 @@ class Brush(BaseModel):
     """A fitted medium: the seven numbers of the paper, and some beyond it that are neutral by default. Metres.
 
     m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark.
-    alpha, beta: half-width of the mark = alpha * press + beta.
-    c: falloff from the centre line.
+    alpha, beta: half-width of the mark = alpha * pressure + beta.
+    falloff: how the mark pales from its centre line to its edge, c.
     plateau: the flat part of the mark, q.  opacity: its darkness there, o.
-    curve: the share of alpha that is reached at each of `CURVE_PRESSES`, instead of a straight line.
+    curve: the share of alpha that is reached at each of `CURVE_PRESSURES`, instead of a straight line.
     nib: half-width times 1 + nib[0] cos 2φ + nib[1] sin 2φ, where φ is the direction of travel.
     lag: the mark is drawn by a tip that is dragged: d tip / d s = (commanded - tip) / lag along the path.
     touch: how far beside its place the tip comes down; it fades over the lag.
-    faint, solid: opacity times faint + (1 - faint) press / solid, at most 1, at the stroke's mean press.
-    depth: how far below first touch the tip was at press 0 and at press 1.
+    faint, solid: opacity times faint + (1 - faint) pressure / solid, at most 1, at the stroke's mean pressure.
+    depth: how far below first touch the tip was at pressure 0 and at pressure 1.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -55,11 +55,11 @@ class Brush(BaseModel):
     b_y: _Number = 0.0
     alpha: Annotated[_Number, Field(ge=0)]
     beta: _Number
-    c: Annotated[_Number, Field(gt=0)] = 1.0
+    falloff: Annotated[_Number, Field(gt=0)] = 1.0
     plateau: Annotated[_Number, Field(ge=0, lt=1)] = 0.0
     opacity: Annotated[_Number, Field(gt=0, le=1)] = 1.0
-    curve: Annotated[tuple[_Number, ...], Field(min_length=len(CURVE_PRESSES), max_length=len(CURVE_PRESSES))] = (
-        CURVE_PRESSES
+    curve: Annotated[tuple[_Number, ...], Field(min_length=len(CURVE_PRESSURES), max_length=len(CURVE_PRESSURES))] = (
+        CURVE_PRESSURES
     )
     nib: tuple[_Number, _Number] = (0.0, 0.0)
     lag: Annotated[_Number, Field(ge=0)] = 0.0
@@ -73,55 +73,55 @@ class Brush(BaseModel):
         if self.alpha + self.beta <= 0:
             raise ValueError("alpha + beta is the half-width of the deepest stroke and must be above 0")
         if not np.all(np.diff((0, *self.curve, 1)) >= 0):
-            raise ValueError("curve must rise from 0 to 1, as width does with press")
+            raise ValueError("curve must rise from 0 to 1, as width does with pressure")
         if np.hypot(*self.nib) >= 1:
             raise ValueError("nib must be shorter than 1, so that every direction leaves a mark")
         return self
 
     @property
-    def presses(self) -> bool:
-        """Whether press changes the mark; most plotters can only lift their pen."""
+    def pressure_matters(self) -> bool:
+        """Whether pressure changes the mark; most plotters can only lift their pen."""
         return self.alpha > 0
 
     @property
     def thinnest(self) -> float:
-        """Half-width at press 0, metres; 0 where the lightest touch leaves no mark."""
+        """Half-width at pressure 0, metres; 0 where the lightest touch leaves no mark."""
         return max(self.beta, 0.0)
 
     @property
     def widest(self) -> float:
-        """Half-width at press 1, metres."""
+        """Half-width at pressure 1, metres."""
         return self.alpha + self.beta
 
-    def half_width(self, press: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Half-width of the mark in metres at each press in [0, 1], any shape; the mean over all directions."""
-        share = np.interp(press, (0, *CURVE_PRESSES, 1), (0, *self.curve, 1))
+    def half_width(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Half-width of the mark in metres at each pressure in [0, 1], any shape; the mean over all directions."""
+        share = np.interp(pressure, (0, *CURVE_PRESSURES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 
-    def held_at(self, press: float) -> "Brush":
-        """The same, held at one press in [0, 1], as by a machine that only lifts it.
+    def held_at(self, pressure: float) -> "Brush":
+        """The same, held at one pressure in [0, 1], as by a machine that only lifts it.
 
         Raises InputError where that leaves no mark.
         """
-        width = float(self.half_width(np.array(press)))
+        width = float(self.half_width(np.array(pressure)))
         if width <= 0:
-            raise InputError(f"the brush {self.name} leaves no mark at press {press:g}; hold it deeper")
+            raise InputError(f"the brush {self.name} leaves no mark at pressure {pressure:g}; hold it deeper")
         touch, deepest = self.depth
-        paled = min(self.faint + (1 - self.faint) * press / self.solid, 1.0)
+        paled = min(self.faint + (1 - self.faint) * pressure / self.solid, 1.0)
         held = {
-            "source": f"{self.source}; held at press {press:g}",
+            "source": f"{self.source}; held at pressure {pressure:g}",
             "alpha": 0.0,
             "beta": width,
             "opacity": self.opacity * paled,
             "faint": 1.0,
-            "depth": (max(touch + press * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
+            "depth": (max(touch + pressure * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
         }
         return Brush.model_validate({**self.model_dump(), **held})
 
-    def press_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The press in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
-        presses = np.array((0, *CURVE_PRESSES, 1))
-        return np.asarray(np.interp(half_width, self.half_width(presses), presses)) * self.presses
+    def pressure_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
+        pressures = np.array((0, *CURVE_PRESSURES, 1))
+        return np.asarray(np.interp(half_width, self.half_width(pressures), pressures)) * self.pressure_matters
 
     def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.

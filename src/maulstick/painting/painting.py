@@ -118,7 +118,7 @@ class Stroke(_Part):
     """One stroke, as it is commanded: R(dtheta)(x, y) + (dx, dy). Where its mark lands is for `Brush.mark` to say.
 
     id: its name for good, unique in the painting.  paint: index into the painting's paints.
-    trajectory: (n, 3) points (x, y, press), metres on the canvas and [0, 1].  speed: metres a second at each point.
+    trajectory: (n, 3) points (x, y, pressure), metres on the canvas and [0, 1].  speed: metres a second at each point.
     """
 
     id: Annotated[int, Field(ge=0)]
@@ -168,21 +168,21 @@ class Provenance(_Part):
 
 
 def _whole_sheet(fields: dict[str, Any]) -> Area:
-    sheet = fields.get("canvas") or Sheet(width=1, height=1)  # a canvas that was refused is reported by itself
+    sheet = fields.get("sheet") or Sheet(width=1, height=1)  # a sheet that was refused is reported by itself
     return (0.0, 0.0, sheet.width, sheet.height)
 
 
 class Painting(_Part):
     """Strokes in painting order, and all that is needed to paint, preview or plan them again.
 
-    canvas: the sheet.  area: the picture's place on it, (x, y, width, height), metres.
+    sheet: what is painted on.  area: the picture's place on it, (x, y, width, height), metres.
     brushes: embedded whole, by name.  paints: what strokes point into.
     """
 
     schema_version: Literal[1] = SCHEMA_VERSION
-    canvas: Sheet
+    sheet: Sheet
     area: Area = Field(default_factory=_whole_sheet)
-    made: Provenance
+    provenance: Provenance
     brushes: dict[Name, Brush]
     paints: tuple[Paint, ...]
     strokes: tuple[Stroke, ...]
@@ -190,9 +190,9 @@ class Painting(_Part):
     @model_validator(mode="after")
     def _agrees_with_itself(self) -> Self:
         x, y, width, height = self.area
-        if min(x, y) < -_SLACK or x + width > self.canvas.width + _SLACK or y + height > self.canvas.height + _SLACK:
-            size = f"{self.canvas.width:g} x {self.canvas.height:g} m"
-            raise ValueError(f"area: {list(self.area)} does not lie on the canvas; it must be within its {size}")
+        if min(x, y) < -_SLACK or x + width > self.sheet.width + _SLACK or y + height > self.sheet.height + _SLACK:
+            size = f"{self.sheet.width:g} x {self.sheet.height:g} m"
+            raise ValueError(f"area: {list(self.area)} does not lie on the sheet; it must be within its {size}")
         for index, paint in enumerate(self.paints):
             if paint.brush not in self.brushes:
                 there = ", ".join(sorted(self.brushes)) or "none"
@@ -208,7 +208,7 @@ class Painting(_Part):
         return self
 
     def trajectories(self) -> NDArray[np.float64]:
-        """(N, n, 3) commanded (x, y, press), metres; a shorter one repeats its last point, which draws nothing new."""
+        """Commanded (x, y, pressure), (N, n, 3), metres; a shorter one repeats its last point, which draws nothing."""
         longest = max((len(stroke.trajectory) for stroke in self.strokes), default=1)
         padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
         return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
@@ -239,7 +239,7 @@ def write_painting(painting: Painting, path: str | Path) -> None:
     Raises OutputError where that fails; what was at `path` is then still there.
     """
     fields = painting.model_dump(mode="json")
-    fields["canvas"] = _said(fields["canvas"])
+    fields["sheet"] = _said(fields["sheet"])
     for name in ("paints", "strokes"):
         fields[name] = [_said(entry) for entry in fields[name]]
     body = ",\n".join(f"  {json.dumps(name)}: {_an_entry_a_line(value)}" for name, value in fields.items())

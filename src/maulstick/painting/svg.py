@@ -36,17 +36,19 @@ def axidraw_svg(painting: Painting) -> str:
 def _coded_label(number: int, paint: Paint, brush: Brush, run: Sequence[Stroke]) -> str:
     pause = "!" if number > 1 else ""
     speeds = {speed for stroke in run for speed in stroke.speed or (None,)}
-    presses = {press for stroke in run for _, _, press in stroke.trajectory} if brush.presses else set()
+    pressures = (
+        {pressure for stroke in run for _, _, pressure in stroke.trajectory} if brush.pressure_matters else set()
+    )
     codes = ""
     if len(speeds) == 1 and (speed := speeds.pop()) is not None:
         codes += f"+S{min(max(round(100 * speed / _AXIDRAW_SPEED), 1), 100)}"
-    if len(presses) == 1:
-        codes += f"+H{round(_AXIDRAW_TOUCH * (1 - presses.pop()))}"
+    if len(pressures) == 1:
+        codes += f"+H{round(_AXIDRAW_TOUCH * (1 - pressures.pop()))}"
     return f"{pause}{number}{codes} {paint.label} {paint.brush}"
 
 
 def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke]], str]) -> str:
-    width, height = (f"{1e3 * side:.6g}" for side in (painting.canvas.width, painting.canvas.height))
+    width, height = (f"{1e3 * side:.6g}" for side in (painting.sheet.width, painting.sheet.height))
     root = ElementTree.Element(
         "svg",
         {
@@ -55,7 +57,7 @@ def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke
             "width": f"{width}mm",
             "height": f"{height}mm",
             "viewBox": f"0 0 {width} {height}",
-            "style": f"background-color:{hex_colour(painting.canvas.paper)}",
+            "style": f"background-color:{hex_colour(painting.sheet.paper)}",
         },
     )
     for number, (index, strokes) in enumerate(groupby(painting.strokes, key=lambda stroke: stroke.paint), start=1):

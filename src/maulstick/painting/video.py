@@ -1,4 +1,4 @@
-"""A film of a plan as it is made: an MP4 (with the film extra) or an animated GIF."""
+"""A video of a plan as it is made: an MP4 (with the video extra) or an animated GIF."""
 
 import io
 from importlib.util import find_spec
@@ -15,24 +15,24 @@ _LARGEST = (1280, 720)  # pixels: 160 frames hold less than half a gigabyte
 
 
 class Video:
-    """Collects frames (H, W, 3) in [0, 1] and returns the film as bytes."""
+    """Collects frames (H, W, 3) in [0, 1] and returns the video as bytes."""
 
     def __init__(self, kind: str) -> None:
         if kind not in FORMATS:
-            raise InputError.of_choice("film format", kind, FORMATS)
+            raise InputError.of_choice("video format", kind, FORMATS)
         if kind == "mp4" and find_spec("av") is None:
-            raise InputError("an mp4 film needs the package av; install maulstick[film], or ask for a gif")
+            raise InputError("an mp4 video needs the package av; install maulstick[video], or ask for a gif")
         self.kind = kind
         self._frames: list[Image.Image] = []
 
     def add(self, frame: NDArray[np.float32]) -> None:
-        """The next frame, scaled down to at most 1280x720; all of one film are of one size."""
+        """The next frame, scaled down to at most 1280x720; all of one video are of one size."""
         image = Image.fromarray(np.round(frame * 255).astype(np.uint8))
         image.thumbnail(_LARGEST)
         self._frames.append(image)
 
     def encode(self) -> bytes:
-        """The whole film of at least one frame; the last stays for two seconds more."""
+        """The whole video of at least one frame; the last stays for two seconds more."""
         return _gif(self._frames) if self.kind == "gif" else _mp4(self._frames)
 
 

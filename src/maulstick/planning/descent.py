@@ -9,7 +9,7 @@ from torch import Tensor
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.state import State, optimiser_state, restore_optimiser
 
-_RATES = {"codes": 0.02, "angles": 0.05, "press_knots": 0.03, "colours": 0.02}
+_RATES = {"codes": 0.02, "angles": 0.05, "pressure_knots": 0.03, "colours": 0.02}
 _CENTRES_IN_SPACINGS = 0.1
 _PAINTS = 0.005
 _WARM_UP = 20
@@ -69,7 +69,7 @@ class Descent:
 
     @torch.no_grad()
     def _clamp(self) -> None:
-        self.strokes.press_knots.clamp_(0, 1)
+        self.strokes.pressure_knots.clamp_(0, 1)
         self.strokes.colours.clamp_(0, 1)
         if self._paints is not None:
             self._paints.clamp_(0, 1)

@@ -26,7 +26,7 @@ from maulstick.style import Style
 Image = NDArray[np.float32]
 
 _DEFAULT_LOSSES = LossOptions()
-_LOOKS = 8  # views through which judges look at what became of a plan
+_LOOKS = 8  # views through which network losses look at what became of a plan
 
 
 def problem_of(
@@ -97,8 +97,8 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -
             terms[network_loss.term.name] = network_loss.weight * losses.mean().item()
     likeness = _beside_the_picture(painted, layout)
     found = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
-    made = painting.made.model_copy(update={"figures": {**found, **terms, "loss": sum(terms.values())}})
-    return painting.model_copy(update={"made": made})
+    made = painting.provenance.model_copy(update={"metrics": {**found, **terms, "loss": sum(terms.values())}})
+    return painting.model_copy(update={"provenance": made})
 
 
 def _beside_the_picture(painted: Image, layout: Layout) -> Metrics | None:
@@ -137,9 +137,9 @@ def as_painting(
     colours = [tuple(colour) for colour in planned.paints[used].tolist()]
     paints = [Paint(colour=colour, brush=brush.name, name=names.get(hex_colour(colour))) for colour in colours]
     return Painting(
-        canvas=layout.sheet,
+        sheet=layout.sheet,
         area=layout.area,
-        made=made,
+        provenance=made,
         brushes={brush.name: brush},
         paints=tuple(paints),
         strokes=tuple(strokes),

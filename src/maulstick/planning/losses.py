@@ -18,10 +18,10 @@ from maulstick.planning.problem import Weighted
 
 Image = NDArray[np.float32]
 
-STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "words": 0.1, "look": 0.01}
+STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
 """The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""
 
-_NEEDS = {"words": "a text", "look": "the look of a picture"}
+_NEEDS = {"text": "a text", "look": "the look of a picture"}
 _VIEWS = 32
 _HEAVIEST = 1000  # beyond, nothing else would count, and float32 overflow in the end
 
@@ -39,7 +39,7 @@ class LossOptions:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        given = {"words": self.text, "look": self.look}
+        given = {"text": self.text, "look": self.look}
         for name, weight in self.weights.items():
             if name not in STRENGTHS:
                 raise InputError.of_choice("term to weigh", name, STRENGTHS)
@@ -52,7 +52,7 @@ class LossOptions:
 
     def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
         """All terms that count. Raises InputError where none does, or one needs a picture and there is none."""
-        asked = {"words": self.text is not None, "look": self.look is not None}
+        asked = {"text": self.text is not None, "look": self.look is not None}
         weights = {"tone": has_picture, **asked, **self.weights}
         counting = {name: float(weight) for name, weight in weights.items() if weight}
         if not counting:
@@ -76,7 +76,7 @@ class Reference:
 def losses_of(
     loss_options: LossOptions, reference: Reference, network: Callable[[], Network]
 ) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[NetworkLoss], ...]]:
-    """The objectives and judges that the wishes come to; `network` is called where a judge needs one."""
+    """The objectives and network losses that the wishes come to; `network` is called where a network loss needs one."""
     network = cache(network)  # which takes seconds and a lot of memory to load
     objectives: list[Weighted[Objective]] = []
     network_losses: list[Weighted[NetworkLoss]] = []
@@ -99,7 +99,7 @@ def _objective(name: str, reference: Reference) -> Objective:
 def _network_loss(name: str, loss_options: LossOptions, reference: Reference, network: Network) -> NetworkLoss:
     torch_rng = Generator().manual_seed(0)  # the same views for every seed, so that plans can be compared
     views = random_views(_VIEWS, reference.weights.shape[0], reference.weights.shape[1], torch_rng)
-    if name == "words":
+    if name == "text":
         if not isinstance(network, ReadingNetwork):
             raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with --clip")
         return TextMatch(network, loss_options.text or "", views, reference.paper)

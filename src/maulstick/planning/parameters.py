@@ -8,7 +8,7 @@ from torch import Tensor
 
 from maulstick.rendering.traj2stroke import place
 from maulstick.style import Style
-from maulstick.style.pressure import press_along
+from maulstick.style.pressure import pressure_along
 
 
 @dataclass(frozen=True)
@@ -16,13 +16,13 @@ class StrokeParameters:
     """What is optimised of N strokes.
 
     codes: (N, K).  centres: (N, 2) metres, where the middle of each path lies; turning a stroke about it moves both
-    ends alike.  angles: (N,) radians.  press_knots: (N, 4) in [0, 1].  colours: (N, C) in [0, 1].
+    ends alike.  angles: (N,) radians.  pressure_knots: (N, 4) in [0, 1].  colours: (N, C) in [0, 1].
     """
 
     codes: Tensor
     centres: Tensor
     angles: Tensor
-    press_knots: Tensor
+    pressure_knots: Tensor
     colours: Tensor
 
     def __len__(self) -> int:
@@ -47,9 +47,9 @@ class StrokeParameters:
         return torch.cat([self.centres - place(paths, turned).mean(dim=1), self.angles[:, None]], dim=1)
 
     def trajectories(self, style: Style) -> Tensor:
-        """Commanded trajectories (N, n, 3): x, y in metres, press."""
+        """Commanded trajectories (N, n, 3): x, y in metres, pressure."""
         paths = style.decode(self.codes)
-        return torch.cat([place(paths, self.poses(paths)), press_along(self.press_knots)[..., None]], dim=-1)
+        return torch.cat([place(paths, self.poses(paths)), pressure_along(self.pressure_knots)[..., None]], dim=-1)
 
     @torch.no_grad()
     def keep_inside(self, style: Style, width: float, height: float) -> None:

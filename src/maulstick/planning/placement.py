@@ -82,9 +82,9 @@ def start_strokes(
     """Strokes of the style at the places, as long as the style lets them be for the room there."""
     spacing = places.spacing / pixels_per_metre
     codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
-    if brush.presses:
-        press = brush.press_for(_WIDTH_IN_SPACINGS * spacing)
-        knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(press)[:, None]).clamp(0, 1)
+    if brush.pressure_matters:
+        pressure = brush.pressure_for(_WIDTH_IN_SPACINGS * spacing)
+        knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(0, 1)
     else:
         knots = torch.zeros_like(knots)
     return StrokeParameters(

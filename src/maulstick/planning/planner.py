@@ -103,7 +103,7 @@ class _Planning:
         if options.one_ink:  # greys are made of lines, and only seen from further off
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
-        self._allowed_cost = self._style.leeway * self._usual_cost()
+        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
         self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
         if start is None:
@@ -112,7 +112,7 @@ class _Planning:
             "codes": True,
             "centres": True,
             "angles": True,
-            "press_knots": problem.brush.presses,
+            "pressure_knots": problem.brush.pressure_matters,
             "colours": not options.one_ink,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
@@ -185,7 +185,7 @@ class _Planning:
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
-        if self._surrogate is not None and "slope" in state:  # there may have been no judges before
+        if self._surrogate is not None and "slope" in state:  # there may have been no network losses before
             self._surrogate.restore(state)
         restore_rng(state, self._rng, self._torch_rng)
 
@@ -200,7 +200,7 @@ class _Planning:
         if self._surrogate is not None and self._taken % self._options.ask_every == 0:
             self._surrogate.ask(canvas, self._torch_rng)
         loss, parts = self._loss(canvas, now)
-        costs = self._style.cost(strokes.codes, strokes.press_knots)
+        costs = self._style.cost(strokes.codes, strokes.pressure_knots)
         price = (costs * (1 + costs / self._allowed_cost)).mean()  # few that go far pay more than many that go a little
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)
         excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
@@ -209,7 +209,7 @@ class _Planning:
         return loss.item(), parts, canvas.detach()
 
     def _loss(self, canvas: Tensor, now: float) -> tuple[Tensor, dict[str, float]]:
-        """Without the style, and its terms by name, each times its weight; judges' as they last said."""
+        """Without the style, and its terms by name, each times its weight; network losses' as they last said."""
         parts = {each.term.name: each.weight * each.term.loss(canvas, now) for each in self._asked.objectives}
         told = {name: part.item() for name, part in parts.items()}
         loss = sum(parts.values(), torch.zeros((), device=canvas.device))
@@ -224,7 +224,7 @@ class _Planning:
         return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
 
     def _view(self) -> TargetView:
-        """How the canvas is compared with the target, or where there is none with what the judges would rather see."""
+        """How the canvas is compared with the target, or where there is none, with what the surrogate proposes."""
         target = self._asked.target
         if target is None:
             assert self._surrogate is not None

@@ -74,7 +74,7 @@ class StrokeCanvas:
             shown[own] = torch.from_numpy(wanted[self.order])
             marks = Marks(**{name: tensor[shown] for name, tensor in vars(marks).items()})
             colours, own = colours[shown], own[shown]
-        numbers = marks.c, marks.q, marks.o
+        numbers = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
         return composite(self.paper, marks.points, marks.thickness, colours, *numbers, trainable=trainable)
 

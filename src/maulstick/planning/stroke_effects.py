@@ -40,7 +40,7 @@ def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor
     squares over pixels, is estimated from random signs (Hutchinson).
     """
     marks, colours = _detached(marks), colours.detach()
-    opacity = marks.o.requires_grad_()
+    opacity = marks.opacity.requires_grad_()
     difference = view.difference(_painted(paper, marks, colours))
     slope, curvature = _slope_and_curvature(difference, opacity, generator)
     amount = opacity.detach()
@@ -88,4 +88,4 @@ def _detached(marks: Marks) -> Marks:
 
 
 def _painted(paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
-    return composite(paper, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)
+    return composite(paper, marks.points, marks.thickness, colours, marks.falloff, marks.plateau, marks.opacity)

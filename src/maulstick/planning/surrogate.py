@@ -18,7 +18,7 @@ _RADIUS = 0.2
 
 
 class Surrogate:
-    """What judges think of the canvas, by the slope that they gave when they were last asked.
+    """What network losses think of the canvas, by the slope that they gave when they were last asked.
 
     A call gives their loss v and its slope at a canvas c0. Until the next one, their loss is taken to be
 
@@ -38,7 +38,7 @@ class Surrogate:
 
     @usual_torch_threads()
     def ask(self, canvas: Tensor, torch_rng: Generator) -> None:
-        """Call all judges, each for some of its views of the canvas (C, H, W)."""
+        """Call all network losses, each for some of its views of the canvas (C, H, W)."""
         canvas = canvas.detach().requires_grad_()
         which = torch.randperm(self._views, generator=torch_rng)[:_AT_ONCE].tolist()
         parts = {each.term.name: each.weight * each.term.losses(canvas, which).mean() for each in self._network_losses}
@@ -65,10 +65,10 @@ class Surrogate:
         """What they said last."""
         last = {"parts": self.parts, "value": self._value, "calls": self.calls}
         judged, slope = self._anchor.cpu().numpy(), self._slope.cpu().numpy()
-        return {"judged": judged, "slope": slope, "last": np.array(json.dumps(last))}
+        return {"anchor": judged, "slope": slope, "last": np.array(json.dumps(last))}
 
     def restore(self, state: State) -> None:
         """Take that for what they said last."""
         last = json.loads(str(state["last"]))
         self.parts, self._value, self.calls = last["parts"], last["value"], last["calls"]
-        self._anchor, self._slope = (torch.from_numpy(state[name]).to(self._anchor) for name in ("judged", "slope"))
+        self._anchor, self._slope = (torch.from_numpy(state[name]).to(self._anchor) for name in ("anchor", "slope"))

@@ -1,1 +1,1 @@
-"""Plates: pictures of ink, strokes and brushes, for people to look at."""
+"""Plots: pictures of ink, strokes and brushes, for people to look at."""

@@ -1,4 +1,4 @@
-"""The plate of a brush: a mark from the lightest press to the deepest, its width, its profile, and its numbers."""
+"""The plot of a brush: a mark from the lightest pressure to the deepest, its width, its profile, and its numbers."""
 
 from textwrap import wrap
 
@@ -52,28 +52,28 @@ def brush_plot(brush: Brush, title: str, px: int) -> bytes:
 
 
 def width_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
-    """Width over press, its upper left corner at (x, y), pixels; type is above, below and to the left of it."""
+    """Width over pressure, its upper left corner at (x, y), pixels; type is above, below and to the left of it."""
     line, widest = plot.line, 2e3 * brush.widest
     axes = plot.axes(x, y, wide, high, 1.0)
-    press = np.linspace(0, 1, 201)
-    width = 2e3 * brush.half_width(press).clip(min=0)
-    axes.fill_between(press * wide, high - width / widest * high, high, color=PAPER, lw=0)
-    axes.plot(press * wide, high - width / widest * high, color=INK, lw=plot.points(0.1 * line), clip_on=False)
+    pressure = np.linspace(0, 1, 201)
+    width = 2e3 * brush.half_width(pressure).clip(min=0)
+    axes.fill_between(pressure * wide, high - width / widest * high, high, color=PAPER, lw=0)
+    axes.plot(pressure * wide, high - width / widest * high, color=INK, lw=plot.points(0.1 * line), clip_on=False)
     for share in _SHARES:
         _level(plot, axes, high * (1 - share), FAINT if share else QUIET)
         plot.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{widest * share:.3g}", ha="right")
         plot.text(x + share * wide, y + high + 1.4 * line, f"{share:g}", ha="center")
     plot.text(x, y - 0.8 * line, "width, mm")
-    plot.text(x + wide - 1.2 * line, y + high + 1.4 * line, "press", ha="right")
+    plot.text(x + wide - 1.2 * line, y + high + 1.4 * line, "pressure", ha="right")
 
 
 def profile_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
-    """Darkness across the mark at three presses, its upper left corner at (x, y), pixels; type as above."""
+    """Darkness across the mark at three pressures, its upper left corner at (x, y), pixels; type as above."""
     line, widest = plot.line, brush.widest
     axes = plot.axes(x, y, wide, high, 1.0)
-    for press, colour in _PRESSES:
-        across = np.linspace(-1, 1, 401) * max(float(brush.half_width(np.array(press))), 0.0)
-        places, darkness = (1 + across / widest) / 2 * wide, profile(brush, press, across)
+    for pressure, colour in _PRESSES:
+        across = np.linspace(-1, 1, 401) * max(float(brush.half_width(np.array(pressure))), 0.0)
+        places, darkness = (1 + across / widest) / 2 * wide, profile(brush, pressure, across)
         axes.fill_between(places, high * (1 - darkness), high, color=PAPER, lw=0)
         axes.plot(places, high * (1 - darkness), color=colour, lw=plot.points(0.1 * line), clip_on=False)
     for share in _SHARES:
@@ -81,7 +81,7 @@ def profile_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, hig
         plot.text(x - 0.6 * line, y + high * (1 - share) + 0.3 * line, f"{share:g}", ha="right")
         distance = 1e3 * widest * abs(2 * share - 1)
         plot.text(x + share * wide, y + high + 1.4 * line, f"{distance:.3g}", ha="center")
-    plot.text(x, y - 0.8 * line, "darkness over distance, mm, at press 0, 0.5 and 1", room=wide)
+    plot.text(x, y - 0.8 * line, "darkness over distance, mm, at pressure 0, 0.5 and 1", room=wide)
 
 
 def _level(plot: Plot, axes: Axes, y: float, colour: str) -> None:
@@ -89,12 +89,12 @@ def _level(plot: Plot, axes: Axes, y: float, colour: str) -> None:
     axes.axhline(y, color=colour, lw=plot.points(0.08 * plot.line), zorder=1.5, clip_on=False)
 
 
-def profile(brush: Brush, press: float, distance: Floats) -> Floats:
-    """Darkness (n,) at so many metres (n,) from the centre line of a stroke of this press."""
-    half_width = max(float(brush.half_width(np.array(press))), 1e-12)
-    flow = brush.faint + (1 - brush.faint) * min(press / brush.solid, 1)
+def profile(brush: Brush, pressure: float, distance: Floats) -> Floats:
+    """Darkness (n,) at so many metres (n,) from the centre line of a stroke of this pressure."""
+    half_width = max(float(brush.half_width(np.array(pressure))), 1e-12)
+    flow = brush.faint + (1 - brush.faint) * min(pressure / brush.solid, 1)
     shape = np.clip((1 - np.abs(distance) / half_width) / (1 - brush.plateau), 0, 1)
-    darkness: Floats = brush.opacity * flow * shape**brush.c
+    darkness: Floats = brush.opacity * flow * shape**brush.falloff
     return darkness
 
 
@@ -109,9 +109,9 @@ def _mark(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float
     in_place = brush.model_copy(update={"m_x": 1.0, "m_y": 1.0, "b_x": 0.0, "b_y": 0.0})
     length = _LENGTH * 2 * brush.widest
     scale = min(0.6 * high / (2 * brush.widest), 0.88 * wide / length)
-    press = torch.linspace(0, 1, _POINTS)
-    along = (wide / scale - length) / 2 + length * press
-    path = torch.stack([along, torch.full_like(press, high / scale / 2), press], dim=1)
+    pressure = torch.linspace(0, 1, _POINTS)
+    along = (wide / scale - length) / 2 + length * pressure
+    path = torch.stack([along, torch.full_like(pressure, high / scale / 2), pressure], dim=1)
     paper = torch.ones(3, max(1, round(high)), max(1, round(wide)))
     with torch.no_grad():
         image = paint(paper, path[None], torch.tensor([_COLOUR]), Traj2Stroke.of([in_place]), scale)
@@ -132,7 +132,7 @@ def _numbers(plot: Plot, brush: Brush, x: float, y: float, wide: float) -> None:
     told = [
         ("alpha", mm(brush.alpha)),
         ("beta", mm(brush.beta)),
-        ("c", f"{brush.c:.3g}"),
+        ("falloff", f"{brush.falloff:.3g}"),
         ("plateau", f"{brush.plateau:.3g}"),
         ("opacity", f"{brush.opacity:.3g}"),
         ("m", f"{brush.m_x:.4g}, {brush.m_y:.4g}"),

@@ -1,4 +1,4 @@
-"""The plate of a brush that was fitted: its width, its profile, its numbers, and how it draws strokes it never saw."""
+"""The plot of a brush that was fitted: its width, its profile, its numbers, and how it draws strokes it never saw."""
 
 from collections.abc import Sequence
 from math import floor, inf, log10
@@ -105,7 +105,7 @@ def _views(plot: Plot, views: Sequence[HeldOutStroke], y: float, high: float) ->
 
 
 def _draw(plot: Plot, view: HeldOutStroke, x: float, y: float, wide: float, high: float, step: float) -> None:
-    """The three pictures of a view, so many pixels of the plate below one another."""
+    """The three pictures of a view, so many pixels of the plot below one another."""
     for part, picture in enumerate((_seen(view.after), _seen(view.predicted), _difference(view))):
         axes = plot.axes(x, y + part * step, wide, high, 1.0)
         axes.imshow(picture, extent=(0, wide, high, 0), aspect="auto")

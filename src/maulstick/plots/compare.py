@@ -1,4 +1,4 @@
-"""The plate of several paintings side by side, all at one scale."""
+"""The plot of several paintings side by side, all at one scale."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _TITLE = 4.2  # lines above a picture
 
 @dataclass(frozen=True)
 class Panel:
-    """A picture on a plate. size: (width, height), metres.  draw: its image (H, W, 3) in [0, 1] on a canvas' pixels."""
+    """A picture on a plot. size: (width, height), metres.  draw: its image (H, W, 3) in [0, 1] on a canvas' pixels."""
 
     name: str
     note: str

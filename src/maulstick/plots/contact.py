@@ -1,4 +1,4 @@
-"""The plate of a drawing's heights, by which a person sets the threshold: what was taken for touching, over time."""
+"""The plot of a drawing's heights, by which a person sets the threshold: what was taken for touching, over time."""
 
 from math import ceil
 

@@ -1,4 +1,4 @@
-"""The plate of some ink: the sheet as it was drawn on."""
+"""The plot of some ink: the sheet as it was drawn on."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,18 +11,18 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import path_lengths, resample
 
-_WIDTH = 0.4e-3  # metres, without press
-_WIDTHS = 0.15e-3, 1.2e-3  # at press 0 and at press 1
+_WIDTH = 0.4e-3  # metres, without pressure
+_WIDTHS = 0.15e-3, 1.2e-3  # at pressure 0 and at pressure 1
 _THINNEST, _LEAST_DOT = 0.9, 2.2  # pixels
 _STEP = 1.5  # pixels along a stroke, after which its width may change
 _WIDTH_STEP = 0.4  # pixels
 _MOST_STARTS = 400
-_WIDEST = 3.0  # widths of a plate in its heights
+_WIDEST = 3.0  # widths of a plot in its heights
 _NARROWEST = 0.75
 
 
 def ink_plot(ink: Ink, title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: all strokes on their sheet, as wide as their press where it was recorded."""
+    """A PNG, `px` pixels high: all strokes on their sheet, as wide as their pressure where it was recorded."""
     high, margins = (1 - FOOT / LINES) * px, 2 * MARGIN / LINES * px
     width, height = ink.size
     scale = min(high / height, (_WIDEST * px - margins) / width)
@@ -57,10 +57,10 @@ def ink_plot(ink: Ink, title: str, px: int) -> bytes:
     return plot.png()
 
 
-def _pixels(press: Floats, scale: float) -> Floats:
-    """Width in pixels at each press."""
+def _pixels(pressure: Floats, scale: float) -> Floats:
+    """Width in pixels at each pressure."""
     light, deep = _WIDTHS
-    return np.maximum(scale * (light + (deep - light) * press), _THINNEST)
+    return np.maximum(scale * (light + (deep - light) * pressure), _THINNEST)
 
 
 def _runs(stroke: Floats, scale: float) -> Iterator[tuple[float, Floats]]:

@@ -1,4 +1,4 @@
-"""What all plates share: colours, type, captions, and the step to a PNG."""
+"""What all plots share: colours, type, captions, and the step to a PNG."""
 
 import io
 import warnings
@@ -19,10 +19,10 @@ _DPI = 128  # a power of two: pixels / dpi * dpi is then exact
 _TYPE = ["STIXGeneral", "DejaVu Sans"]
 
 LINES = 56
-"""Of type in the height of a plate."""
+"""Of type in the height of a plot."""
 
 MARGIN = 2.0
-"""Lines, around a plate."""
+"""Lines, around a plot."""
 
 FOOT = 2 * MARGIN + 5.4
 """Lines that a caption takes, with its margins."""
@@ -92,7 +92,7 @@ class Plot:
         self.figure.add_artist(Line2D(xs, ys, color=colour, lw=self.points(weight * self.line), solid_capstyle="butt"))
 
     def caption(self, title: str, told: str, note: str, scale: float) -> None:
-        """At the foot of the plate: a title, two lines about it, and a scale bar for `scale` pixels a metre."""
+        """At the foot of the plot: a title, two lines about it, and a scale bar for `scale` pixels a metre."""
         left, right, base = self.margin, self.width - self.margin, self.height - self.margin
         bar = round_length(self.width / 5 / scale)
         y = base - 2.75 * self.line
@@ -107,7 +107,7 @@ class Plot:
         return pixels * 72 / _DPI
 
     def png(self) -> bytes:
-        """The plate as a PNG."""
+        """The plot as a PNG."""
         file = io.BytesIO()
         with _missing_glyphs():
             self.figure.savefig(file, format="png", dpi=_DPI, metadata={"Software": None})

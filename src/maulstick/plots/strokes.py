@@ -1,4 +1,4 @@
-"""The plate of some strokes: a specimen sheet, like that of a typeface."""
+"""The plot of some strokes: a specimen sheet, like that of a typeface."""
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -10,7 +10,7 @@ from maulstick.strokes.strokes import Strokes
 
 _MOST = 240
 _PROPORTION = 1.4
-_LEAST_HEIGHT = 20e-3  # metres on the whole plate: what is smaller is not blown up further
+_LEAST_HEIGHT = 20e-3  # metres on the whole plot: what is smaller is not blown up further
 
 
 def strokes_plot(strokes: Strokes, title: str, px: int) -> bytes:

@@ -17,7 +17,7 @@ def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> I
 
     strokes: only the first so many.
     """
-    sheet = torch.from_numpy(painting.canvas.image(canvas)).permute(2, 0, 1)
+    sheet = torch.from_numpy(painting.sheet.image(canvas)).permute(2, 0, 1)
     shown = painting.strokes[:strokes]
     colours = [painting.paints[stroke.paint].colour for stroke in shown]
     return _painted(sheet, painting, torch.tensor(colours, dtype=torch.float32).reshape(-1, 3), canvas)

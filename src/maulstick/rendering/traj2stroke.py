@@ -7,10 +7,10 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from maulstick.painting.brush import CURVE_PRESSES, Brush
+from maulstick.painting.brush import CURVE_PRESSURES, Brush
 from maulstick.rendering.kernels.render import composite
 
-_PIECES = len(CURVE_PRESSES) + 1
+_PIECES = len(CURVE_PRESSURES) + 1
 _SHORTEST = 1e-9  # metres
 _SOFT_ENOUGH = 4.0
 """Pixels. Edges at least this wide are sampled well enough by the pixels' centres."""
@@ -25,13 +25,16 @@ def place(paths: Tensor, poses: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Marks:
-    """What the kernels draw. points: (N, n, 2) pixels; thickness: (N, n) pixels; c, q, o: (N,)."""
+    """What the kernels draw. points: (N, n, 2) pixels; thickness: (N, n) pixels.
+
+    falloff, plateau, opacity: (N,), the paper's c and our q and o.
+    """
 
     points: Tensor
     thickness: Tensor
-    c: Tensor
-    q: Tensor
-    o: Tensor
+    falloff: Tensor
+    plateau: Tensor
+    opacity: Tensor
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class Traj2Stroke:
     touch: Tensor
     alpha: Tensor
     beta: Tensor
-    c: Tensor
+    falloff: Tensor
     plateau: Tensor
     opacity: Tensor
     lag: Tensor
@@ -61,25 +64,25 @@ class Traj2Stroke:
         rows = [
             (
                 *(b.m_x, b.m_y, b.b_x, b.b_y, *b.curve, *b.nib, *b.touch),
-                *(b.alpha, b.beta, b.c, b.plateau, b.opacity, b.lag, b.faint, b.solid),
+                *(b.alpha, b.beta, b.falloff, b.plateau, b.opacity, b.lag, b.faint, b.solid),
             )
             for b in brushes
         ]
-        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 16 + len(CURVE_PRESSES))
-        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSES), 2, 2, 8], dim=1)
+        numbers = torch.tensor(rows, dtype=torch.float32).reshape(-1, 16 + len(CURVE_PRESSURES))
+        scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSURES), 2, 2, 8], dim=1)
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
     def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
-        """Marks of commanded trajectories (N, n, 3) of x, y in metres and press in [0, 1], as the equations say."""
-        start, press = trajectories[:, :1, :2], trajectories[..., 2]
+        """Marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1], as the equations say."""
+        start, pressure = trajectories[:, :1, :2], trajectories[..., 2]
         tips = self._dragged(trajectories[..., :2])
         points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
-        half_width = self.alpha[:, None] * self._risen(press) + self.beta[:, None]
-        flow = self.faint + (1 - self.faint) * (press.mean(dim=1) / self.solid).clamp(max=1)
+        half_width = self.alpha[:, None] * self._risen(pressure) + self.beta[:, None]
+        flow = self.faint + (1 - self.faint) * (pressure.mean(dim=1) / self.solid).clamp(max=1)
         return Marks(
             points * pixels_per_metre,
             half_width * self._broad(points) * pixels_per_metre,
-            self.c,
+            self.falloff,
             self.plateau,
             self.opacity * flow,
         )
@@ -93,10 +96,10 @@ class Traj2Stroke:
         resolution.
         """
         bare = self.bare(trajectories, pixels_per_metre)
-        inked = bare.q + (1 - bare.q) / (bare.c + 1)  # half-width of a hard mark with as much ink
+        inked = bare.plateau + (1 - bare.plateau) / (bare.falloff + 1)  # half-width of a hard mark with as much ink
         mean = bare.thickness.clamp(min=1e-3).mean(dim=1)
-        slope = torch.where(bare.c > 1, (2 / (bare.c * (bare.c + 1))).sqrt(), bare.c)
-        edge = (1 - bare.q) * slope * mean  # how wide a cone's would be that is as hard to sample
+        slope = torch.where(bare.falloff > 1, (2 / (bare.falloff * (bare.falloff + 1))).sqrt(), bare.falloff)
+        edge = (1 - bare.plateau) * slope * mean  # how wide a cone's would be that is as hard to sample
         hard = inked * mean
         q = ((hard - 1) / (hard + 1)).clamp(min=0)
         even = (hard * 2 / (1 + q)).clamp(min=2) / mean
@@ -104,17 +107,17 @@ class Traj2Stroke:
         return Marks(
             bare.points,
             torch.where(soft, 1.0, even)[:, None] * bare.thickness,
-            torch.where(soft, bare.c, 1.0),
-            torch.where(soft, bare.q, q),
-            torch.where(soft, bare.o, bare.o * hard.clamp(max=1)),
+            torch.where(soft, bare.falloff, 1.0),
+            torch.where(soft, bare.plateau, q),
+            torch.where(soft, bare.opacity, bare.opacity * hard.clamp(max=1)),
         )
 
-    def _risen(self, press: Tensor) -> Tensor:
-        """The share of alpha at each press, (N, n): straight within each piece of the curve."""
+    def _risen(self, pressure: Tensor) -> Tensor:
+        """The share of alpha at each pressure, (N, n): straight within each piece of the curve."""
         ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
-        piece = (press.detach() * _PIECES).long().clamp(0, _PIECES - 1)
+        piece = (pressure.detach() * _PIECES).long().clamp(0, _PIECES - 1)
         below, above = ends.gather(1, piece), ends.gather(1, piece + 1)
-        return below + (above - below) * (press * _PIECES - piece)
+        return below + (above - below) * (pressure * _PIECES - piece)
 
     def _dragged(self, path: Tensor) -> Tensor:
         """Where the tip is at each commanded point (N, n, 2), as `Brush.mark` says."""
@@ -146,4 +149,4 @@ def paint(
 ) -> Tensor:
     """The canvas (C, H, W) after all strokes, in order: trajectories (N, n, 3), colours (N, C)."""
     marks = brushes.marks(trajectories, pixels_per_metre)
-    return composite(canvas, marks.points, marks.thickness, colours, marks.c, marks.q, marks.o)
+    return composite(canvas, marks.points, marks.thickness, colours, marks.falloff, marks.plateau, marks.opacity)

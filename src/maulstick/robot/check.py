@@ -106,7 +106,7 @@ class _Trial:
     def draws(self) -> str:
         drawn = self._robot.stroke(self._path, np.full(2, self._robot.limits.speed))
         _demand(drawn.shape == self._path.shape, f"for a path {self._path.shape} it returned one {drawn.shape}")
-        axes = 3 if self._robot.limits.presses else 2
+        axes = 3 if self._robot.limits.varies_pressure else 2
         worst = _distance(drawn[:, :axes], self._path[:, :axes])
         _demand(worst <= _RESOLUTION, f"it says that it drew {1e3 * worst:.3g} mm beside the path")
         above = self._square[1, 2]
@@ -176,7 +176,7 @@ class _Trial:
     def comes_back(self) -> str:
         self.enters()
         height = self._robot.place[2] - self._path[-1, 2]
-        if self._robot.limits.presses:
+        if self._robot.limits.varies_pressure:
             _demand(height >= _UP, f"after it was stopped, its tip is {1e3 * height:.2g} mm above the stroke")
         self.moves()
         return "and goes where it is sent, as before"

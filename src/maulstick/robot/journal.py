@@ -164,7 +164,7 @@ class Journal:
         content = read_whole(file_to_read(path, "painting"), "painting", _LARGEST)
         if hashlib.sha256(content).hexdigest() != self.revision.sha256:
             raise InputError(
-                f"{path} is not the file that {self.path} was begun with; put that one back, or start again with --anew"
+                f"{path} is not the file that {self.path} was begun with; put that one back, or start again with --restart"
             )
         return path
 
@@ -188,7 +188,7 @@ class Journal:
         return len(whole)
 
     def _take(self, line: bytes, number: int) -> None:
-        fault = f"line {number} of {self.path} is not one of a journal; mend it, or start again with --anew"
+        fault = f"line {number} of {self.path} is not one of a journal; mend it, or start again with --restart"
         try:
             entry = _LINE.validate_python(json.loads(line))  # pydantic's own reader knows no names of any bytes
         except (ValueError, RecursionError) as error:
@@ -225,7 +225,7 @@ class Journal:
             with suppress(OSError):
                 os.ftruncate(self._file, size)
             raise OutputError(
-                f"cannot write {self.path}: {error.strerror}; mend that, and maulstick run --resume goes on"
+                f"cannot write {self.path}: {error.strerror}; mend that, and maulstick paint --resume goes on"
             ) from error
         self._understand(entry)
 

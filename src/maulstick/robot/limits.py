@@ -24,7 +24,7 @@ class Limits(BaseModel):
     speed: of the tip at most.  climb: of its height at most.  acceleration: of either at most.
     axes: what x, y and z accelerate at most, where each has a limit of its own rather than the tip, as Grbl's do.
     deviation: how far from a corner its tip may pass to keep moving (GRBL's junction deviation); 0 stops at corners.
-    presses: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
+    varies_pressure: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
     lifting: how long it takes to lift or to lower, where that is not a matter of height.
     tilt: of the paper against its x and y axes at most, radians.
     """
@@ -38,7 +38,7 @@ class Limits(BaseModel):
     acceleration: _Above
     axes: tuple[_Above, _Above, _Above] | None = None
     deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
-    presses: bool
+    varies_pressure: bool
     lifting: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     tilt: _Above = 0.1
 
@@ -94,7 +94,7 @@ class Limits(BaseModel):
             acceleration=min(self.acceleration, other.acceleration),
             axes=None if self.axes is other.axes is None else tuple(np.minimum(self._gains, other._gains).tolist()),
             deviation=min(self.deviation, other.deviation),
-            presses=self.presses and other.presses,
+            varies_pressure=self.varies_pressure and other.varies_pressure,
             lifting=max(self.lifting, other.lifting),
             tilt=min(self.tilt, other.tilt),
         )

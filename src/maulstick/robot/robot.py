@@ -98,7 +98,7 @@ class Robot(ABC):
         """Lower the tip to the first point of the path (n, 3), and follow it; the pen stays down.
 
         speed: (n,) metres a second at most at each point; the machine's acceleration may make it slower.
-        The tip must be above the first point. A machine that does not press takes any height as "down".
+        The tip must be above the first point. A machine that does not pressure takes any height as "down".
         Returns the path commanded, (n, 3).
         """
         path, speed = np.asarray(path, dtype=np.float64), np.asarray(speed, dtype=np.float64)

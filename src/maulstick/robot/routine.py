@@ -16,7 +16,7 @@ from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres
-_STEADY = 0.02  # of press: what a machine that only lifts may leave out
+_STEADY = 0.02  # of pressure: what a machine that only lifts may leave out
 
 
 @dataclass(frozen=True)
@@ -153,13 +153,13 @@ def drawn_metres(actions: Sequence[Action]) -> float:
 
 def _straight(start: Floats, end: Floats, limits: Limits) -> float:
     path = np.stack([start, end])
-    if not limits.presses:
+    if not limits.varies_pressure:
         path[:, 2] = 0.0  # its height is not a distance
     return Profile.of(path, np.full(2, limits.speed), limits).seconds
 
 
 def _lowering(height: float, limits: Limits) -> float:
-    if not limits.presses:
+    if not limits.varies_pressure:
         return limits.lifting
     return limits.lifting + _straight(np.zeros(3), np.array([0.0, 0.0, height]), limits)
 
@@ -173,10 +173,11 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
     points = np.array(stroke.trajectory, dtype=np.float64)
     kept = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > _SAME])
     points = points[kept]
-    if not limits.presses and np.ptp(points[:, 2]) > _STEADY and brush.presses:
+    if not limits.varies_pressure and np.ptp(points[:, 2]) > _STEADY and brush.pressure_matters:
         raise InputError(
-            f"stroke {stroke.id} varies its press by {np.ptp(points[:, 2]):.2f}, and this machine only lifts its pen; "
-            "plan it again with maulstick paint --press 0.5"
+            f"stroke {stroke.id} varies its pressure by {np.ptp(points[:, 2]):.2f}, "
+            "and this machine only lifts its pen; "
+            "plan it again with maulstick plan --pressure 0.5"
         )
     most = limits.speed if speed is None else min(speed, limits.speed)
     speeds = np.full(len(points), most)
@@ -188,25 +189,25 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
                 f"{1e3 * limits.speed:g}; slow all strokes down with --speed {1e3 * limits.speed:g}"
             )
         speeds = own.clip(max=most)
-    heights = -_depth(points[:, 2], brush, easel) if limits.presses else np.zeros(len(points))
+    heights = -_depth(points[:, 2], brush, easel) if limits.varies_pressure else np.zeros(len(points))
     path = easel.canvas_to_machine(np.concatenate([points[:, :2], heights[:, None]], axis=1))
     return Motion(path, speeds, *(_height(easel, path[end], easel.travel) for end in (0, -1)))
 
 
-def _depth(press: Floats, brush: Brush, easel: Easel) -> Floats:
+def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
     """Metres below first touch: those that the brush was fitted with, or where it does not know, the easel's."""
-    if not brush.presses:
-        return np.full(press.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
+    if not brush.pressure_matters:
+        return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
     touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
-    return np.asarray(touch + press * (deepest - touch))
+    return np.asarray(touch + pressure * (deepest - touch))
 
 
 def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
-    if limits.presses and brush.presses and not any(brush.depth) and not easel.deepest:
+    if limits.varies_pressure and brush.pressure_matters and not any(brush.depth) and not easel.deepest:
         raise InputError(
             f"neither the brush {brush.name} nor the easel says how deep it may be pressed; calibrate the touch again"
         )
-    if limits.presses and max(brush.depth) > easel.deepest + SLACK:
+    if limits.varies_pressure and max(brush.depth) > easel.deepest + SLACK:
         raise InputError(
             f"the brush {brush.name} is pressed {1e3 * max(brush.depth):g} mm deep, and the easel allows "
             f"{1e3 * easel.deepest:g} mm: {1e3 * (max(brush.depth) - easel.deepest):.3g} mm less; calibrate the touch "

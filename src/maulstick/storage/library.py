@@ -43,7 +43,7 @@ class Library:
         return path.parent == self.built_in
 
     def check_name(self, name: str) -> str:
-        """The name itself. Raises InputError where nothing on this shelf may be called so."""
+        """The name itself. Raises InputError where nothing on this library may be called so."""
         if not re.fullmatch(NAME, name) or name == self.taken:
             allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
             if self.taken is not None:

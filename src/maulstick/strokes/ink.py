@@ -19,9 +19,9 @@ _LARGEST_SHEET = 100.0  # metres
 class Ink:
     """Raw strokes on a sheet, ragged.
 
-    samples: (P, 4) of (t, x, y, press), stroke after stroke: seconds since the recording began; metres, x to the right
-    and y down from the sheet's upper left corner; press in [0, 1].  A stroke whose times or press were not recorded
-    has NaN there throughout.
+    samples: (P, 4) of (t, x, y, pressure), stroke after stroke: seconds since the recording began; metres, x to the
+    right and y down from the sheet's upper left corner; pressure in [0, 1].  A stroke whose times or pressure were not
+    recorded     has NaN there throughout.
     lengths: (N,) how many samples each stroke has, at least 1.
     size: (width, height) of the sheet, metres.
     source: where it comes from, for people.
@@ -34,7 +34,9 @@ class Ink:
 
     def __post_init__(self) -> None:
         if self.samples.ndim != 2 or self.samples.shape[1] != 4:
-            raise InputError(f"samples of ink have shape {self.samples.shape}; it must be (P, 4) of (t, x, y, press)")
+            raise InputError(
+                f"samples of ink have shape {self.samples.shape}; it must be (P, 4) of (t, x, y, pressure)"
+            )
         counts = self.lengths.ravel().tolist()  # whose sum does not overflow
         if self.lengths.ndim != 1 or min(counts, default=1) < 1 or sum(counts) != len(self.samples):
             raise InputError("the lengths of the strokes must be at least 1 each and add up to the number of samples")
@@ -42,14 +44,14 @@ class Ink:
             raise InputError("a sample of the ink has no place; every x and y must be a finite number of metres")
         if not all(0 < side <= _LARGEST_SHEET for side in self.size):
             raise InputError.of_range("the sheet of the ink", f"{self.size} m", "between 0 and 100 m wide and high")
-        for name, column in (("times", 0), ("press", 3)):
+        for name, column in (("times", 0), ("pressure", 3)):
             values = self.samples[:, column]
             known = np.add.reduceat(np.isfinite(values), self._starts()) if len(values) else self.lengths
             if np.isinf(values).any() or ((known != 0) & (known != self.lengths)).any():
                 raise InputError(f"the {name} of a stroke must be known at all of its samples, or NaN at all of them")
-        press = self.samples[:, 3]
-        if ((press < 0) | (press > 1)).any():
-            raise InputError.of_range("press", f"{np.nanmin(press):g} to {np.nanmax(press):g}", "in [0, 1]")
+        pressure = self.samples[:, 3]
+        if ((pressure < 0) | (pressure > 1)).any():
+            raise InputError.of_range("pressure", f"{np.nanmin(pressure):g} to {np.nanmax(pressure):g}", "in [0, 1]")
         backwards = np.diff(self.samples[:, 0]) < 0
         backwards[self._starts()[1:] - 1] = False
         if backwards.any():
@@ -60,7 +62,7 @@ class Ink:
 
     @classmethod
     def of(cls, strokes: Sequence[Floats], size: tuple[float, float], source: str = "") -> Self:
-        """Ink of strokes (m, 4) of (t, x, y, press), each with a number of samples of its own."""
+        """Ink of strokes (m, 4) of (t, x, y, pressure), each with a number of samples of its own."""
         samples = np.concatenate([np.zeros((0, 4)), *strokes])
         return cls(samples, np.array([len(stroke) for stroke in strokes], dtype=np.int64), size, source)
 
@@ -82,7 +84,7 @@ class Ink:
         told += ", times not recorded" if unknown else f", {_duration(np.nanmax(times) - np.nanmin(times))}"
         pressed = sum(not np.isnan(stroke[0, 3]) for stroke in strokes)
         part = {0: "not recorded", len(self): "recorded"}.get(pressed, f"recorded in {pressed} of them")
-        return f"{told}, press {part}"
+        return f"{told}, pressure {part}"
 
     def _starts(self) -> NDArray[np.int64]:
         return np.cumsum(self.lengths) - self.lengths

@@ -22,7 +22,7 @@ _CLOSED = 0.02
 class Strokes:
     """N standardised strokes of one hand.
 
-    trajectories: (N, n, 3) of x, y in metres and press in [0, 1]; press is NaN where it was not recorded.
+    trajectories: (N, n, 3) of x, y in metres and pressure in [0, 1]; pressure is NaN where it was not recorded.
     times: (N, n) seconds since each stroke began; NaN where they were not recorded.
     poses: (N, 3) (dx, dy, dθ), which put each stroke back where it was drawn.
     """
@@ -41,9 +41,9 @@ class Strokes:
             )
         if not (np.isfinite(self.trajectories[..., :2]).all() and np.isfinite(self.poses).all()):
             raise InputError("a point or a pose of a stroke is not a finite number")
-        press = self.trajectories[..., 2]
-        if ((press < 0) | (press > 1)).any():
-            raise InputError.of_range("press", f"{np.nanmin(press):g} to {np.nanmax(press):g}", "in [0, 1]")
+        pressure = self.trajectories[..., 2]
+        if ((pressure < 0) | (pressure > 1)).any():
+            raise InputError.of_range("pressure", f"{np.nanmin(pressure):g} to {np.nanmax(pressure):g}", "in [0, 1]")
 
     @classmethod
     def of(cls, ink: Ink, n: int = POINTS) -> Self:

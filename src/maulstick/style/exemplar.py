@@ -59,16 +59,17 @@ class Exemplar(Style):
 
     Its likelihood is that of its gist and of how large its residual is; the residual's direction is free.
 
-    called: its name.  hand: whose strokes.  hands: what others have in common.  held: its `leeway`.
+    name: what the painting file calls it.  hand: whose strokes.  hands: what others have in common.
+    max_mean_cost: as in `Style`.
     freedom: in [0, 1], how far samples may leave the hand's strokes. At 0 a straight stroke stays straight and keeps
     its residual; at 1 all strokes are bent alike, and most of the residual comes from the hand's others.
     """
 
-    called: str
+    name: str
     hand: Hand
     hands: PooledHands
     freedom: float
-    held: float = 1.5
+    max_mean_cost: float = 1.5
 
     @classmethod
     def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
@@ -83,11 +84,6 @@ class Exemplar(Style):
             if (np.abs(drawn.mean(axis=0) - seen.mean(axis=0)) <= allowed).all():
                 return freer
         return style
-
-    @property
-    def name(self) -> str:
-        """The name that ``--style`` takes."""
-        return self.called
 
     @cached_property
     def hash(self) -> str:
@@ -152,26 +148,26 @@ class Exemplar(Style):
         mixed = others * shares @ directions + (1 - others) * directions[around]
         residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
-        return codes.float(), self.hand.sample_press(around, generator)
+        return codes.float(), self.hand.sample_pressure(around, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """As many strokes as there are places, the longest where there is most room."""
-        codes, press_knots = self.sample(len(lengths), generator)
+        codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(codes[:, 0], lengths)
-        return codes[chosen], press_knots[chosen]
+        return codes[chosen], pressure_knots[chosen]
 
-    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+    def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """That of the strokes' numbers; no gradient flows into the residual."""
-        return self.price(self._numbers_of(codes), press_knots)
+        return self.price(self._numbers_of(codes), pressure_knots)
 
-    def price(self, numbers: Tensor, press_knots: Tensor) -> Tensor:
+    def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
         """How far each stroke is from the nearest of the hand's, and all of them together from how the hand's vary.
 
-        numbers: (N, 63), of strokes (`style.shape`).  press_knots: (N, 4).
+        numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 
-        The first is of the gist, of how large the residual is, and of how press rises and falls. The second keeps the
-        strokes of a plan from becoming long, or flat, one by one: in each number of the gist they are to be spread as
-        the hand's are (squared distance of sorted values, Wasserstein's in one dimension).
+        The first is of the gist, of how large the residual is, and of how pressure rises and falls. The second keeps
+        the strokes of a plan from becoming long, or flat, one by one: in each number of the gist they are to be spread
+        as the hand's are (squared distance of sorted values, Wasserstein's in one dimension).
         """
         points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
@@ -179,18 +175,13 @@ class Exemplar(Style):
         together = (points - self._as_spread(points.detach())) / (
             _BANDWIDTHS_TOGETHER * self._covariance.diagonal().sqrt()
         )
-        return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.press_cost(press_knots, nearest)
+        return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def _as_spread(self, points: Tensor) -> Tensor:
         """Points (N, 17) in the same order in each of their numbers, and spread as the hand's."""
         ranks = points.argsort(dim=0, stable=True).argsort(dim=0)
         quantiles = (torch.arange(len(points), dtype=torch.float64) + 0.5) / len(points)
         return torch.quantile(self._centres, quantiles, dim=0).gather(0, ranks)
-
-    @property
-    def leeway(self) -> float:
-        """As it was made."""
-        return self.held
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """As fast as the hand's stroke that is most like it."""

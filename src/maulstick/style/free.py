@@ -1,8 +1,9 @@
 """A style that belongs to nobody: any smooth stroke within limits of length."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 from typing import Self
 
 import torch
@@ -30,6 +31,8 @@ class FreeStyle(Style):
 
     shortest: float
     longest: float
+    name: str = field(default="free", init=False)
+    max_mean_cost: float = field(default=inf, init=False)
 
     def __post_init__(self) -> None:
         if not 0 < self.shortest < self.longest:
@@ -41,11 +44,6 @@ class FreeStyle(Style):
         """Strokes from a fiftieth to a half of the canvas' shorter side."""
         side = min(canvas.width, canvas.height)
         return cls(shortest=side / 50, longest=side / 2)
-
-    @property
-    def name(self) -> str:
-        """The name that ``--style`` takes."""
-        return "free"
 
     @property
     def hash(self) -> str:
@@ -82,13 +80,13 @@ class FreeStyle(Style):
         return controls * self.unit
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Gently bent strokes, log-uniform in length, of even press."""
+        """Gently bent strokes, log-uniform in length, of even pressure."""
         return self.sample_for(
             self.shortest * (self.longest / self.shortest) ** torch.rand(k, generator=generator), generator
         )
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Gently bent strokes of these lengths, as far as its limits allow, of even press."""
+        """Gently bent strokes of these lengths, as far as its limits allow, of even pressure."""
         k = len(lengths)
         along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]
         bend = 0.5 * torch.randn(k, 1, generator=generator) * along * (1 - along)
@@ -98,21 +96,16 @@ class FreeStyle(Style):
         wanted = lengths.to(drawn).clamp(self.shortest, self.longest)[:, None]
         return shapes * wanted / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
 
-    @property
-    def leeway(self) -> float:
-        """Nobody's strokes need not look like anybody's."""
-        return float("inf")
-
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Nobody's."""
         return None
 
-    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
-        """Bending of the control polygon, in units of its length, length beyond the limits, and changes of press."""
+    def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
+        """Bending of the control polygon, in units of its length, length beyond the limits, and changes of pressure."""
         steps = self._controls(codes).diff(dim=1)
         length = steps.square().sum(-1).add(1e-12).sqrt().sum(1)
         even = length[:, None, None] / (CONTROL_POINTS - 1)
         bending = (steps.diff(dim=1) / even).square().sum((1, 2))
         shorter = (torch.log(self.shortest / length)).clamp(min=0)
         longer = (torch.log(length / self.longest)).clamp(min=0)
-        return bending + 100 * (shorter + longer).square() + press_knots.diff(dim=1).square().sum(1)
+        return bending + 100 * (shorter + longer).square() + pressure_knots.diff(dim=1).square().sum(1)

@@ -25,12 +25,12 @@ _PRESS_UNKNOWN = 0.3
 class Hand:
     """M strokes of one hand.
 
-    paths: (M, 32, 2), standardised, metres.  press: (M, 4) knots in [0, 1], NaN where a stroke's was not recorded.
+    paths: (M, 32, 2), standardised, metres.  pressure: (M, 4) knots in [0, 1], NaN where a stroke's was not recorded.
     speeds: (M, 32), metres a second at each point, NaN where a stroke's times were not recorded.
     """
 
     paths: Floats
-    press: Floats
+    pressure: Floats
     speeds: Floats
 
     @classmethod
@@ -48,20 +48,20 @@ class Hand:
     def __len__(self) -> int:
         return len(self.paths)
 
-    def sample_press(self, rows: Tensor, generator: Generator) -> Tensor:
-        """Press knots (k, 4) as in the strokes `rows` (k,); even ones of any depth where press was not recorded."""
+    def sample_pressure(self, rows: Tensor, generator: Generator) -> Tensor:
+        """Press knots (k, 4) as in the strokes `rows` (k,); even ones of any depth where pressure was not recorded."""
         even = torch.rand(len(rows), 1, generator=generator).expand(-1, KNOTS)
-        seen = torch.from_numpy(self.press).to(even)[rows]
+        seen = torch.from_numpy(self.pressure).to(even)[rows]
         return torch.where(seen.isfinite(), seen, even).clone()
 
-    def press_cost(self, press_knots: Tensor, rows: Tensor) -> Tensor:
-        """How unlike the strokes `rows` (N,) the press knots (N, 4) rise and fall, (N,), nats.
+    def pressure_cost(self, pressure_knots: Tensor, rows: Tensor) -> Tensor:
+        """How unlike the strokes `rows` (N,) the pressure knots (N, 4) rise and fall, (N,), nats.
 
         Their mean is left free: it makes a mark as wide as a picture needs it.
         """
-        seen = torch.from_numpy(self.press).to(press_knots)[rows]
+        seen = torch.from_numpy(self.pressure).to(pressure_knots)[rows]
         spread = torch.where(seen.isfinite(), _PRESS_VARIES, _PRESS_UNKNOWN)
-        differs = _centred(press_knots) - _centred(seen.nan_to_num())
+        differs = _centred(pressure_knots) - _centred(seen.nan_to_num())
         return (differs / spread).square().sum(1) / 2
 
     def speeds_of(self, rows: Tensor) -> Tensor | None:

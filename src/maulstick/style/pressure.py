@@ -15,14 +15,14 @@ KNOTS = 4
 """Press knots of a stroke, equally spaced along it."""
 
 
-def press_along(knots: Tensor) -> Tensor:
-    """Press (N, 32) at each point of strokes with press knots (N, 4): straight from knot to knot."""
+def pressure_along(knots: Tensor) -> Tensor:
+    """Press (N, 32) at each point of strokes with pressure knots (N, 4): straight from knot to knot."""
     return knots @ torch.from_numpy(_hats()).to(knots)
 
 
-def fit_knots(press: Floats) -> Floats:
-    """Press knots (N, 4) in [0, 1] nearest to the press (N, 32); NaN where a stroke's was not recorded."""
-    return np.clip(press @ np.linalg.pinv(_hats()), 0, 1)
+def fit_knots(pressure: Floats) -> Floats:
+    """Press knots (N, 4) in [0, 1] nearest to the pressure (N, 32); NaN where a stroke's was not recorded."""
+    return np.clip(pressure @ np.linalg.pinv(_hats()), 0, 1)
 
 
 @cache

@@ -21,7 +21,7 @@ from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 
-_HAND = {"paths": (POINTS, 2), "press": (KNOTS,), "speeds": (POINTS,)}
+_HAND = {"paths": (POINTS, 2), "pressure": (KNOTS,), "speeds": (POINTS,)}
 _HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}
 _SHORTEST, _LONGEST = 1e-4, 100.0  # metres
 
@@ -117,7 +117,7 @@ def _hand(arrays: Arrays, strokes: int) -> Hand:
     lengths = path_lengths(hand.paths)
     if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
         raise ValueError("a stroke of it is no standardised path of 0.1 mm to 100 m")
-    for name, values, most in (("press", hand.press, 1.0), ("speeds", hand.speeds, np.inf)):
+    for name, values, most in (("pressure", hand.pressure, 1.0), ("speeds", hand.speeds, np.inf)):
         known = np.isfinite(values).all(axis=1)
         if not (known | np.isnan(values).all(axis=1)).all() or (values < 0).any() or (values > most).any():
             raise ValueError(f"its {name} are impossible, or known along a part of a stroke only")

@@ -1,4 +1,4 @@
-"""The abstract style (design §3): decodes a code into a trajectory, samples codes, says how likely one is."""
+"""The abstract style (docs/equations.md): decodes a code into a trajectory, samples codes, says how likely one is."""
 
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
@@ -12,12 +12,14 @@ class Style(ABC):
 
     Codes are scaled so that a change of 1 in any of their numbers is a large change of the stroke: a planner can
     take steps of one size in the codes of any style.
+
+    name: what the painting file calls it.
+    max_mean_cost: the mean cost of a plan's strokes, at most, in multiples of the mean cost of the style's own samples;
+    inf for no bound.
     """
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """What the painting file calls it."""
+    name: str
+    max_mean_cost: float
 
     @property
     @abstractmethod
@@ -34,7 +36,7 @@ class Style(ABC):
 
     @abstractmethod
     def sample(self, k: int, generator: "Generator") -> "tuple[Tensor, Tensor]":
-        """Codes (k, K) and press knots (k, 4) in [0, 1]; all chance comes from the generator."""
+        """Codes (k, K) and pressure knots (k, 4) in [0, 1]; all chance comes from the generator."""
 
     @abstractmethod
     def sample_for(self, lengths: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
@@ -45,13 +47,8 @@ class Style(ABC):
         """
 
     @abstractmethod
-    def cost(self, codes: "Tensor", press_knots: "Tensor") -> "Tensor":
+    def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":
         """How unlikely each stroke is, (N,), in nats above about the style's likeliest; differentiable."""
-
-    @property
-    @abstractmethod
-    def leeway(self) -> float:
-        """How many times as unlikely as its samples the strokes of a plan may be on average; inf binds nobody."""
 
     @abstractmethod
     def speeds(self, codes: "Tensor") -> "Tensor | None":

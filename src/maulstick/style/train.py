@@ -53,7 +53,7 @@ def pretrain(hands: list[Hand], seed: int, steps: int = 4000) -> Weights:
 
 
 @one_torch_thread()
-def fine_tune(weights: Weights, hand: Hand, seed: int, called: str = "trajvae", steps: int = 200) -> TrajVAE:
+def fine_tune(weights: Weights, hand: Hand, seed: int, name: str = "trajvae", steps: int = 200) -> TrajVAE:
     """A style of this hand: the network, trained some more on its strokes.
 
     Half of what it sees is drawn by itself as it was, so that it does not forget what all hands have in common.
@@ -66,7 +66,7 @@ def fine_tune(weights: Weights, hand: Hand, seed: int, called: str = "trajvae", 
         drawn = _varied(own, _BATCH_FINE // 2, _LONGER_FINE, _BENT_FINE, generator)
         return shape.encode(shape.decode(torch.cat([drawn, remembered])))
 
-    return TrajVAE(called, hand, _descend(weights, batch, generator, steps, _RATE_FINE))
+    return TrajVAE(name, hand, _descend(weights, batch, generator, steps, _RATE_FINE))
 
 
 def _turned(paths: Floats) -> Floats:

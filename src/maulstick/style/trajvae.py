@@ -78,15 +78,10 @@ class TrajVAE(Style):
     which is that of everybody; and how unlikely a stroke is, is judged by the stroke itself, as in an `Exemplar`.
     """
 
-    called: str
+    name: str
     hand: Hand
     weights: Weights
-    held: float = 1.5
-
-    @property
-    def name(self) -> str:
-        """The name that ``--style`` takes."""
-        return self.called
+    max_mean_cost: float = 1.5
 
     @cached_property
     def hash(self) -> str:
@@ -99,14 +94,14 @@ class TrajVAE(Style):
         return {_PREFIX + name: tensor.numpy() for name, tensor in self.weights.items()}
 
     @classmethod
-    def from_arrays(cls, called: str, hand: Hand, arrays: Mapping[str, NDArray[Any]]) -> Self:
+    def from_arrays(cls, name: str, hand: Hand, arrays: Mapping[str, NDArray[Any]]) -> Self:
         """The style of this hand with the network in `arrays`. Raises InputError where there is none."""
-        return cls(called, hand, check_weights({name: arrays.get(_PREFIX + name) for name in shapes()}))
+        return cls(name, hand, check_weights({name: arrays.get(_PREFIX + name) for name in shapes()}))
 
     @cached_property
     def _exemplar(self) -> Exemplar:
         hands = PooledHands(*(self.weights[f"hands.{field}"].double().numpy() for field in ("covariance", "residual")))
-        return Exemplar(self.called, self.hand, hands, 0, self.held)
+        return Exemplar(self.name, self.hand, hands, 0, self.max_mean_cost)
 
     @cached_property
     def _latents(self) -> Density:
@@ -148,22 +143,17 @@ class TrajVAE(Style):
         much bent.
         """
         codes, around = self._latents.sample(k, generator)
-        return codes.float(), self.hand.sample_press(around, generator)
+        return codes.float(), self.hand.sample_pressure(around, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """As many strokes as there are places, the longest where there is most room."""
-        codes, press_knots = self.sample(len(lengths), generator)
+        codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(numbers_of(self.weights, codes)[:, 0], lengths)
-        return codes[chosen], press_knots[chosen]
+        return codes[chosen], pressure_knots[chosen]
 
-    def cost(self, codes: Tensor, press_knots: Tensor) -> Tensor:
+    def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """That of the strokes as an `Exemplar` of the same hand has it."""
-        return self._exemplar.price(shape.encode(self.decode(codes)), press_knots)
-
-    @property
-    def leeway(self) -> float:
-        """As it was made."""
-        return self.held
+        return self._exemplar.price(shape.encode(self.decode(codes)), pressure_knots)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """As fast as the hand's stroke that is most like it."""

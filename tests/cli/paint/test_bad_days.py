@@ -22,13 +22,13 @@ def test_two_runs_of_one_painting_do_not_paint_at_once(begun: Path) -> None:
         assert other.stdout is not None
         assert other.stdout.readline() == b"open\n"
         before = path.read_bytes()
-        for words in (["--resume", "--unfinished", "again"], ["--anew"]):
-            ran = run("run", begun, *words)
+        for words in (["--resume", "--unfinished", "again"], ["--restart"]):
+            ran = run("paint", begun, *words)
             assert ran.code == 2
             assert ran.mistake == f"another maulstick paints by {path}; wait until it has finished, or stop it"
         other.kill()
         assert path.read_bytes() == before
-    assert run("run", begun, "--resume", "--unfinished", "again").code == 0
+    assert run("paint", begun, "--resume", "--unfinished", "again").code == 0
 
 
 def failing_at(call: int, error: Exception) -> Callable[..., Any]:
@@ -51,14 +51,14 @@ def test_a_full_disk_stops_the_machine_with_one_sentence_and_painting_goes_on_la
     answers(monkeypatch, "\n\n\n\n")
     with monkeypatch.context() as patch:
         patch.setattr("os.write", failing_at(5, OSError(28, "No space left on device")))
-        ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+        ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 1
     assert ran.stderr.splitlines()[-1] == (
-        f"maulstick: cannot write {journal_of(painting)}: No space left on device; mend that, and maulstick run "
+        f"maulstick: cannot write {journal_of(painting)}: No space left on device; mend that, and maulstick paint "
         "--resume goes on"
     )
     assert not recorder.down
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0", "--resume", "--unfinished", "painted")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0", "--resume", "--unfinished", "painted")
     assert ran.code == 0, ran.stderr
     assert recorder.said.count("stroke") == 6
 
@@ -73,17 +73,17 @@ def test_a_machine_that_fails_is_one_sentence_and_painting_goes_on_later(
     robot = Recorder(before=fail)
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
-    ran: Ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    ran: Ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 3
     assert ran.stderr.splitlines()[-1] == "maulstick: the cable is off; plug it in"
     assert len(painted(painting)) == 2
     robot.commands.append(("stroke", np.empty((0, 3))))  # it is mended
-    assert run("run", painting, "--robot", "grbl:/x", "--resume", "--unfinished", "again").code == 0
+    assert run("paint", painting, "--robot", "grbl:/x", "--resume", "--unfinished", "again").code == 0
     assert sorted(painted(painting)) == ALL
 
 
 def test_a_machine_that_is_not_there_is_one_sentence(painting: Path) -> None:
-    ran = run("run", painting, "--robot", "grbl:/dev/null/none")
+    ran = run("paint", painting, "--robot", "grbl:/dev/null/none")
     assert ran.code == 2
     assert ran.mistake.startswith("cannot open the port /dev/null/none: ")
     assert not journal_of(painting).exists()
@@ -97,6 +97,6 @@ def test_where_the_pen_cannot_be_lifted_the_operator_is_told(painting: Path, mon
     robot = Recorder(before=fail)
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 3
     assert "stopped, and the pen may still be down: lift it by hand; " in ran.stderr

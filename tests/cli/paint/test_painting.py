@@ -18,7 +18,7 @@ from tests.support.tolerances import PAINTED_CORRELATION, SAME_SHEET
 def test_a_dry_run_says_how_long_it_takes_and_neither_moves_nor_writes(painting: Path, recorder: Recorder) -> None:
     before = contents(painting.parent)
     for machine in ("sim", "sim:real", "grbl:/dev/ttyUSB0"):
-        ran = run("run", painting, "--dry-run", "--robot", machine)
+        ran = run("paint", painting, "--dry-run", "--robot", machine)
         assert (ran.code, ran.stdout) == (0, "")
         assert ran.stderr.strip() == MESSAGE
     assert recorder.said == ["close"], "it was asked for its limits, and no more"
@@ -28,13 +28,13 @@ def test_a_dry_run_says_how_long_it_takes_and_neither_moves_nor_writes(painting:
 def test_a_dry_run_refuses_what_a_run_would(painting: Path) -> None:
     narrow = LIMITS.model_copy(update={"upper": (0.01, 0.1, 0.1)})
     write_easel(EASEL.model_copy(update={"limits": narrow}), painting.with_name("easel.json"))
-    ran = run("run", painting, "--dry-run", "--easel", painting.with_name("easel.json"))
+    ran = run("paint", painting, "--dry-run", "--easel", painting.with_name("easel.json"))
     assert ran.code == 2
     assert "less far" in ran.mistake
 
 
 def test_it_paints_every_stroke_once_and_shows_the_sheet(painting: Path) -> None:
-    ran = run("run", painting)
+    ran = run("paint", painting)
     assert ran.code == 0, ran.stderr
     assert ran.stdout == f"{painting.with_name('painting-painted.png')}\n"
     assert MESSAGE in ran.stderr
@@ -44,14 +44,14 @@ def test_it_paints_every_stroke_once_and_shows_the_sheet(painting: Path) -> None
 
 
 def test_what_is_painted_is_like_the_preview(calibrated: Path) -> None:
-    assert run("run", calibrated).code == 0
+    assert run("paint", calibrated).code == 0
     assert correlation(calibrated) > PAINTED_CORRELATION
 
 
 def test_a_painting_of_one_paint_has_its_colour(tmp_path: Path) -> None:
     path = tmp_path / "red.json"
-    write_painting(painting_of([line(1, press=(1, 1))]), path)
-    assert run("run", path).code == 0
+    write_painting(painting_of([line(1, pressure=(1, 1))]), path)
+    assert run("paint", path).code == 0
     image = picture_of(tmp_path / "red-painted.png")
     darkest = image.reshape(-1, 3)[image.sum(axis=2).argmin()]
     assert darkest[0] > darkest[1] + 0.3
@@ -59,26 +59,26 @@ def test_a_painting_of_one_paint_has_its_colour(tmp_path: Path) -> None:
 
 def test_a_brush_is_dipped_into_its_wells(calibrated: Path) -> None:
     (calibrated.parent / "tray.json").write_text(json.dumps(WORDS))
-    ran = run("run", calibrated, "--tray", calibrated.with_name("tray.json"))
+    ran = run("paint", calibrated, "--tray", calibrated.with_name("tray.json"))
     assert ran.code == 0, ran.stderr
     assert correlation(calibrated) > PAINTED_CORRELATION
 
 
 def test_the_simulated_sheet_lies_where_the_easel_says(painting: Path) -> None:
-    assert run("run", painting).code == 0
+    assert run("paint", painting).code == 0
     usual = picture_of(painting.with_name("painting-painted.png"))
     easel = EASEL.model_copy(
         update={"corner": (0.1, 0.05, 0.01), "right": (0.0, 1.0, 0.0), "down": (1.0, 0.0, 0.0), "deepest": 2e-3}
     )
     write_easel(easel, painting.with_name("easel.json"))
-    assert run("run", painting, "--anew", "--easel", painting.with_name("easel.json")).code == 0
+    assert run("paint", painting, "--restart", "--easel", painting.with_name("easel.json")).code == 0
     assert np.abs(picture_of(painting.with_name("painting-painted.png")) - usual).mean() < SAME_SHEET
 
 
 def test_the_easel_may_narrow_the_limits_of_the_simulator(painting: Path) -> None:
     narrow = LIMITS.model_copy(update={"upper": (0.02, 0.1, 0.1)})
     write_easel(EASEL.model_copy(update={"limits": narrow}), painting.with_name("easel.json"))
-    ran = run("run", painting, "--easel", painting.with_name("easel.json"))
+    ran = run("paint", painting, "--easel", painting.with_name("easel.json"))
     assert ran.code == 2
     assert "the machine's x is" in ran.mistake
     assert ran.mistake.endswith("lay the sheet elsewhere, or plan for a smaller one")

@@ -18,7 +18,7 @@ def test_a_machine_with_pens_asks_for_each_and_paints_when_enter_is_pressed(
     painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     answers(monkeypatch, "\n\n")
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert (ran.code, ran.stdout) == (0, "")
     first, second = (ran.stderr.index(f"put in the marker with the paint {hue}, and press Enter") for hue in HEXES)
     assert first < second
@@ -30,7 +30,7 @@ def test_where_nobody_changes_pens_nothing_is_drawn(
     painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     answers(monkeypatch, "")
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 2
     assert ran.stderr.splitlines()[-1] == (
         f"maulstick: nobody is there to put in the marker with the paint {HEXES[0]}; run it in a terminal"
@@ -59,9 +59,9 @@ def test_ctrl_c_while_a_pen_is_asked_for_stops_it_between_two_strokes(
 ) -> None:
     monkeypatch.setattr("sys.stdin", Interrupting(at))
     before = signal.getsignal(signal.SIGINT)
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 130
-    assert f"stopped, with the pen lifted; maulstick run {painting} --resume goes on" in ran.stderr
+    assert f"stopped, with the pen lifted; maulstick paint {painting} --resume goes on" in ran.stderr
     assert len(painted(painting)) == len([event for event in events(painting) if event.startswith("begin")]) == count
     assert not recorder.down
     assert signal.getsignal(signal.SIGINT) == before
@@ -78,9 +78,9 @@ def test_ctrl_c_at_any_command_lifts_the_pen_and_nothing_is_lost(
     robot = Recorder(before=interrupt)
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
-    assert run("run", painting, "--robot", "grbl:/dev/ttyUSB0").code == 130
+    assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 130
     assert not robot.down
     assert len(painted(painting)) == (3 if during == "lift" else 2)
     robot.commands.append((during, np.empty((0, 3))))  # nobody interrupts again
-    assert run("run", painting, "--robot", "grbl:/x", "--resume", "--unfinished", "painted").code == 0
+    assert run("paint", painting, "--robot", "grbl:/x", "--resume", "--unfinished", "painted").code == 0
     assert sorted(painted(painting)) == ALL

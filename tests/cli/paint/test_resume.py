@@ -16,11 +16,11 @@ from tests.support.tolerances import SAME_SHEET
 
 def test_a_painting_that_was_begun_is_not_begun_again(begun: Path) -> None:
     before = contents(begun.parent)
-    ran = run("run", begun)
+    ran = run("paint", begun)
     assert ran.code == 2
     assert ran.mistake == (
         f"{journal_of(begun)} says that this painting was begun; go on with --resume, or start on a new sheet with "
-        "--anew"
+        "--restart"
     )
     assert contents(begun.parent) == before
 
@@ -29,7 +29,7 @@ def test_a_painting_that_was_begun_is_not_begun_again(begun: Path) -> None:
 def test_a_run_goes_on_when_it_is_told_what_became_of_the_unfinished_stroke(
     begun: Path, answer: str, again: bool
 ) -> None:
-    ran = run("run", begun, "--resume", "--unfinished", answer)
+    ran = run("paint", begun, "--resume", "--unfinished", answer)
     assert ran.code == 0, ran.stderr
     assert "4 strokes" in ran.stderr if not again else "5 strokes" in ran.stderr
     assert events(begun)[3] == ("again 11" if again else "end 11")
@@ -44,7 +44,7 @@ def test_a_run_asks_what_became_of_the_unfinished_stroke(
     begun: Path, monkeypatch: pytest.MonkeyPatch, typed: str, again: bool
 ) -> None:
     answers(monkeypatch, typed)
-    ran = run("run", begun, "--resume")
+    ran = run("paint", begun, "--resume")
     assert ran.code == 0, ran.stderr
     question = "stroke 11 was under the brush when the run ended. Is it on the paper? [y/n]"
     assert ran.stderr.count(question) == typed.count("\n")
@@ -55,17 +55,17 @@ def test_a_run_asks_what_became_of_the_unfinished_stroke(
 def test_where_nobody_answers_nothing_is_done(begun: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     answers(monkeypatch, "")
     before = contents(begun.parent)
-    ran = run("run", begun, "--resume")
+    ran = run("paint", begun, "--resume")
     assert ran.code == 2
     assert ran.stderr.endswith("Nobody answers; add --unfinished painted, or --unfinished again\n")
     assert contents(begun.parent) == before
 
 
 def test_a_painting_that_is_finished_has_nothing_left(painting: Path) -> None:
-    assert run("run", painting).code == 0
+    assert run("paint", painting).code == 0
     before = journal_of(painting).read_bytes()
     sheet = picture_of(painting.with_name("painting-painted.png"))
-    ran = run("run", painting, "--resume")
+    ran = run("paint", painting, "--resume")
     assert ran.code == 0
     assert ran.stderr == "all strokes are painted\n"
     assert journal_of(painting).read_bytes() == before
@@ -73,7 +73,7 @@ def test_a_painting_that_is_finished_has_nothing_left(painting: Path) -> None:
 
 
 def test_a_painting_that_was_not_begun_cannot_go_on(painting: Path) -> None:
-    ran = run("run", painting, "--resume")
+    ran = run("paint", painting, "--resume")
     assert ran.code == 2
     assert ran.mistake == f"there is no journal {journal_of(painting)}; nothing was begun, so leave out --resume"
 
@@ -81,17 +81,17 @@ def test_a_painting_that_was_not_begun_cannot_go_on(painting: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b'{"event": "rev'])
 def test_a_journal_of_which_nothing_reached_the_disk_is_no_hindrance(painting: Path, content: bytes) -> None:
     journal_of(painting).write_bytes(content)
-    ran = run("run", painting, "--resume")
+    ran = run("paint", painting, "--resume")
     assert ran.code == 2
     assert ran.mistake == f"the journal {journal_of(painting)} is empty; nothing was begun, so leave out --resume"
-    assert run("run", painting).code == 0
+    assert run("paint", painting).code == 0
     assert sorted(painted(painting)) == ALL
 
 
 def test_starting_anew_keeps_the_old_journal(begun: Path) -> None:
     old = journal_of(begun).read_bytes()
     for number in (1, 2):
-        assert run("run", begun, "--anew").code == 0
+        assert run("paint", begun, "--restart").code == 0
         assert sorted(painted(begun)) == ALL
         kept = begun.with_name(f"painting.run{number}") / "painting.log.jsonl"
         assert kept.read_bytes() == old
@@ -100,7 +100,7 @@ def test_starting_anew_keeps_the_old_journal(begun: Path) -> None:
 
 def test_where_the_machine_is_not_reached_starting_anew_leaves_all_as_it_was(begun: Path) -> None:
     before = contents(begun.parent)
-    ran = run("run", begun, "--anew", "--robot", "grbl:/dev/null/none")
+    ran = run("paint", begun, "--restart", "--robot", "grbl:/dev/null/none")
     assert ran.code != 0
     assert "cannot open the port /dev/null/none" in ran.stderr
     assert contents(begun.parent) == before
@@ -108,7 +108,7 @@ def test_where_the_machine_is_not_reached_starting_anew_leaves_all_as_it_was(beg
 
 def test_a_painting_that_has_changed_since_does_not_go_on(begun: Path) -> None:
     write_painting(SIX.model_copy(update={"strokes": SIX.strokes[:3]}), begun)
-    ran = run("run", begun, "--resume", "--unfinished", "again")
+    ran = run("paint", begun, "--resume", "--unfinished", "again")
     assert ran.code == 2
     assert ran.mistake.startswith(f"{begun} is not the file that {journal_of(begun)} was begun with; ")
 
@@ -116,9 +116,9 @@ def test_a_painting_that_has_changed_since_does_not_go_on(begun: Path) -> None:
 def test_it_may_begin_with_a_later_stroke(painting: Path) -> None:
     whole = painting.with_name("whole.json")
     shutil.copy(painting, whole)
-    assert run("run", whole).code == 0
+    assert run("paint", whole).code == 0
     order = painted(whole)
-    ran = run("run", painting, "--from-stroke", "4")
+    ran = run("paint", painting, "--from-stroke", "4")
     assert ran.code == 0
     assert "3 strokes" in ran.stderr
     assert "3 are painted" in ran.stderr
@@ -129,7 +129,7 @@ def test_it_may_begin_with_a_later_stroke(painting: Path) -> None:
 
 @pytest.mark.parametrize("number", [-1, 0, 7])
 def test_a_stroke_that_is_not_there_is_not_begun_with(painting: Path, number: int) -> None:
-    ran = run("run", painting, "--from-stroke", str(number))
+    ran = run("paint", painting, "--from-stroke", str(number))
     assert ran.code == 2
     assert ran.mistake == f"--from-stroke is {number}; it must be 1 to the 6 strokes"
 
@@ -145,23 +145,23 @@ def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
 
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", machine)
     answers(monkeypatch, "\ns\n")
-    ran = run("run", painting, "--robot", "grbl:/dev/ttyUSB0", "--speed", "40")
+    ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0", "--speed", "40")
     assert ran.code == 130
     assert 0 < len(painted(painting)) < 6
-    assert run("run", painting, "--resume", "--robot", "sim").mistake == (
+    assert run("paint", painting, "--resume", "--robot", "sim").mistake == (
         "this painting was begun on grbl:/dev/ttyUSB0, and what is left belongs on the same sheet; leave out "
-        "--robot, or start on a new sheet with --anew"
+        "--robot, or start on a new sheet with --restart"
     )
     answers(monkeypatch, "\n\n\n")
-    assert run("run", painting, "--resume").code == 0
+    assert run("paint", painting, "--resume").code == 0
     assert sorted(painted(painting)) == ALL
-    assert run("run", painting, "--resume", "--robot", "grbl:/dev/ttyUSB1").code == 0
+    assert run("paint", painting, "--resume", "--robot", "grbl:/dev/ttyUSB1").code == 0
     assert words == ["grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB1"]
     asked = [json.loads(line)["words"] for line in journal_of(painting).read_text().splitlines() if "words" in line]
     assert asked[0] == {"robot": "grbl:/dev/ttyUSB0", "speed": 0.04}
 
 
 def test_what_was_begun_in_the_simulator_does_not_go_on_elsewhere(painting: Path) -> None:
-    assert run("run", painting).code == 0
-    ran = run("run", painting, "--resume", "--robot", "grbl:/dev/ttyUSB0")
+    assert run("paint", painting).code == 0
+    ran = run("paint", painting, "--resume", "--robot", "grbl:/dev/ttyUSB0")
     assert (ran.code, "this painting was begun on sim" in ran.mistake) == (2, True)

@@ -1,4 +1,4 @@
-"""``maulstick run`` with a person at the terminal, who presses keys, and with power cuts."""
+"""``maulstick paint`` with a person at the terminal, who presses keys, and with power cuts."""
 
 import json
 import os
@@ -19,10 +19,10 @@ LONG = painting_of([line(i, (0.005, 0.005 * i), (0.035, 0.005 * i)) for i in ran
 
 
 class Terminal(Running):
-    """``maulstick run`` in a terminal of its own, whose keys are pressed here."""
+    """``maulstick paint`` in a terminal of its own, whose keys are pressed here."""
 
     def __init__(self, *words: str | Path) -> None:
-        super().__init__("run", *words, keys=True)
+        super().__init__("paint", *words, keys=True)
 
     def press(self, keys: str) -> None:
         os.write(self._terminal, keys.encode())
@@ -83,12 +83,12 @@ def wait_for_stroke(painting: Path, terminal: Terminal, count: int = 1) -> None:
 def is_stopped(painting: Path, terminal: Terminal) -> None:
     """It stopped in a stroke, said so, and goes on to paint all."""
     assert terminal.leave() == 130
-    assert f"stopped, with the pen lifted; maulstick run {painting} --resume goes on" in " ".join(terminal.said.split())
+    assert f"stopped, with the pen lifted; maulstick paint {painting} --resume goes on" in " ".join(terminal.said.split())
     painted, unfinished = said_of(painting)
     assert len(painted) < 3
     assert unfinished is not None
     assert painting.with_name("painting-painted.png").exists()
-    assert run("run", painting, "--resume", "--unfinished", "again").code == 0
+    assert run("paint", painting, "--resume", "--unfinished", "again").code == 0
     assert said_of(painting) == ({1, 2, 3}, None)
     assert begun(painting).count(unfinished) == 2
 

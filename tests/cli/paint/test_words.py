@@ -26,8 +26,8 @@ from tests.support.robot.small_paintings import line, painting_of
             ["--unfinished", "maybe", "--resume"],
             "there is no answer to --unfinished 'maybe'; there are: again, painted",
         ),
-        (["--resume", "--anew"], "--resume knows where to go on; leave out --anew and --from-stroke"),
-        (["--resume", "--from-stroke", "2"], "--resume knows where to go on; leave out --anew and --from-stroke"),
+        (["--resume", "--restart"], "--resume knows where to go on; leave out --restart and --from-stroke"),
+        (["--resume", "--from-stroke", "2"], "--resume knows where to go on; leave out --restart and --from-stroke"),
         (
             ["--unfinished", "again"],
             "--unfinished is about the stroke that an earlier run began; it goes with --resume",
@@ -37,16 +37,16 @@ from tests.support.robot.small_paintings import line, painting_of
 def test_words_that_make_no_run_are_refused_in_one_line_and_leave_nothing(
     painting: Path, words: list[str], said: str
 ) -> None:
-    ran = run("run", painting, *words)
+    ran = run("paint", painting, *words)
     assert ran.code == 2
     assert said in ran.mistake
     assert os.listdir(painting.parent) == ["painting.json"]
 
 
 def test_a_painting_that_is_not_there_or_has_no_strokes_is_refused(tmp_path: Path) -> None:
-    assert run("run", tmp_path / "none.json").mistake.startswith("there is no painting ")
+    assert run("paint", tmp_path / "none.json").mistake.startswith("there is no painting ")
     write_painting(painting_of([]), tmp_path / "empty.json")
-    ran = run("run", tmp_path / "empty.json")
+    ran = run("paint", tmp_path / "empty.json")
     assert ran.code == 2
     assert ran.mistake == f"{tmp_path / 'empty.json'} has no strokes; plan it again with more"
 
@@ -54,20 +54,20 @@ def test_a_painting_that_is_not_there_or_has_no_strokes_is_refused(tmp_path: Pat
 def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down(tmp_path: Path) -> None:
     path = tmp_path / "fast.json"
     write_painting(painting_of([line(1, speed=0.4)]), path)
-    ran = run("run", path, "--robot", "sim:real")
+    ran = run("paint", path, "--robot", "sim:real")
     assert ran.code == 2
     assert ran.mistake.endswith("slow all strokes down with --speed 250")
-    assert run("run", path, "--robot", "sim:real", "--speed", "250").code == 0
+    assert run("paint", path, "--robot", "sim:real", "--speed", "250").code == 0
 
 
-def test_press_that_a_plotter_does_not_have_is_refused_with_the_flag_that_plans_it_again(
+def test_pressure_that_a_plotter_does_not_have_is_refused_with_the_flag_that_plans_it_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot = Recorder(LIMITS.model_copy(update={"presses": False}))
+    robot = Recorder(LIMITS.model_copy(update={"varies_pressure": False}))
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
     path = tmp_path / "soft.json"
-    write_painting(painting_of([line(1, press=(0, 1))], [nominal("round")]), path)
-    ran = run("run", path, "--robot", "grbl:/dev/ttyUSB0")
+    write_painting(painting_of([line(1, pressure=(0, 1))], [nominal("round")]), path)
+    ran = run("paint", path, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 2
-    assert ran.mistake.endswith("plan it again with maulstick paint --press 0.5")
+    assert ran.mistake.endswith("plan it again with maulstick plan --pressure 0.5")
     assert robot.said == ["close"]

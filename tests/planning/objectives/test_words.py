@@ -17,7 +17,7 @@ CANVAS = noise(1, 3, 30, 40)
 def test_it_is_one_minus_the_cosine_of_what_is_seen_and_said() -> None:
     network = TinyNetwork()
     network_loss = TextMatch(network, "a cat", VIEWS, PAPER)
-    assert (network_loss.name, network_loss.views) == ("words", 4)
+    assert (network_loss.name, network_loss.views) == ("text", 4)
     _, seen = network.features(through(CANVAS, VIEWS[[3, 1]], network.side, PAPER))
     wanted = 1 - cosine_similarity(seen, network.embed_text(["a cat"]))
     assert torch.allclose(network_loss.losses(CANVAS, [3, 1]), wanted, atol=FLOAT32_VALUE)

@@ -35,9 +35,9 @@ class Scene(NamedTuple):
     points: Tensor
     thickness: Tensor
     colours: Tensor
-    c: Tensor
-    q: Tensor
-    o: Tensor
+    falloff: Tensor
+    plateau: Tensor
+    opacity: Tensor
 
     def to(self, dtype: torch.dtype) -> "Scene":
         return Scene(*(x.to(dtype) for x in self))
@@ -67,14 +67,14 @@ def random_scene(
         points=uniform(-0.3, 1.3, strokes, 1, 2) * size + uniform(-6, 6, strokes, points, 2).cumsum(1),
         thickness=uniform(thinnest, 4, strokes, points),
         colours=uniform(0, 1, strokes, channels),
-        c=uniform(1, 3, numbers),
-        q=uniform(0.05, 0.6, numbers),
-        o=uniform(0.3, 1, numbers),
+        falloff=uniform(1, 3, numbers),
+        plateau=uniform(0.05, 0.6, numbers),
+        opacity=uniform(0.3, 1, numbers),
     )
 
 
 def one_stroke(
-    points: list[list[float]], thickness: list[float], *, height: int = 20, width: int = 24, q: float = 0.0
+    points: list[list[float]], thickness: list[float], *, height: int = 20, width: int = 24, plateau: float = 0.0
 ) -> Scene:
     """A single black stroke with c = 1 and o = 1 on white paper."""
     return Scene(
@@ -82,9 +82,9 @@ def one_stroke(
         points=torch.tensor([points]),
         thickness=torch.tensor([thickness]),
         colours=torch.zeros(1, 1),
-        c=torch.ones(1),
-        q=torch.tensor([q]),
-        o=torch.ones(1),
+        falloff=torch.ones(1),
+        plateau=torch.tensor([plateau]),
+        opacity=torch.ones(1),
     )
 
 

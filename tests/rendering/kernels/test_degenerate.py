@@ -50,7 +50,7 @@ def test_a_stroke_without_thickness_leaves_no_mark_and_gets_no_gradient(renderer
 
 @each_fast_renderer
 def test_a_stroke_whose_thickness_passes_through_zero_marks_only_its_thick_part(fast: Renderer) -> None:
-    scene = one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], q=0.2)
+    scene = one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], plateau=0.2)
     assert_as_the_reference(fast, scene)
     image = fast.darkness(*scene[1:3], *scene[4:], height=20, width=24)[0]
     assert image[:, :6].sum() == 0
@@ -70,22 +70,22 @@ def test_a_stroke_off_the_canvas_leaves_no_mark_and_gets_no_gradient(
 @pytest.mark.parametrize("shift", [(-11.0, 0.0), (13.0, 0.0), (0.0, -8.0), (0.0, 11.0), (13.0, 11.0)])
 def test_a_stroke_partly_off_the_canvas_is_cut_off_at_its_edge(fast: Renderer, shift: tuple[float, float]) -> None:
     x, y = shift
-    scene = one_stroke([[5.2 + x, 6.1 + y], [15.3 + x, 12.7 + y], [7.4 + x, 14.6 + y]], [2.0, 3.0, 1.0], q=0.2)
+    scene = one_stroke([[5.2 + x, 6.1 + y], [15.3 + x, 12.7 + y], [7.4 + x, 14.6 + y]], [2.0, 3.0, 1.0], plateau=0.2)
     assert_as_the_reference(fast, scene)
 
 
 @each_fast_renderer
 def test_a_segment_without_length_is_as_the_reference_says(fast: Renderer) -> None:
     assert_as_the_reference(
-        fast, one_stroke([[3.1, 4.2], [9.3, 8.1], [9.3, 8.1], [14.2, 5.7]], [1.0, 2.0, 3.0, 1.5], q=0.1)
+        fast, one_stroke([[3.1, 4.2], [9.3, 8.1], [9.3, 8.1], [14.2, 5.7]], [1.0, 2.0, 3.0, 1.5], plateau=0.1)
     )
-    assert_as_the_reference(fast, one_stroke([[9.3, 8.1], [9.3, 8.1]], [2.0, 3.0], q=0.1))
+    assert_as_the_reference(fast, one_stroke([[9.3, 8.1], [9.3, 8.1]], [2.0, 3.0], plateau=0.1))
 
 
 @each_renderer
 def test_one_point_is_a_dot_and_so_are_equal_points(renderer: Renderer) -> None:
-    dot = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]], [4.0], q=0.1))
-    points = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]] * 3, [4.0] * 3, q=0.1))
+    dot = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]], [4.0], plateau=0.1))
+    points = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]] * 3, [4.0] * 3, plateau=0.1))
     y, x = 10.5 - 8.1, 7.5 - 9.3
     expected = (1 - (x * x + y * y) ** 0.5 / 4) / 0.9
     assert float(dot["value"][0, 10, 7]) == pytest.approx(expected, abs=tolerances.FLOAT32_VALUE)
@@ -104,19 +104,19 @@ def test_one_point_has_the_reference_gradients(fast: Renderer) -> None:
 @each_renderer
 def test_a_tie_between_segments_counts_once(renderer: Renderer) -> None:
     a, b = [3.1, 4.2], [15.3, 11.8]
-    once = composite_with_gradients(renderer, one_stroke([a, b], [2.0, 3.0], q=0.2))
-    again = composite_with_gradients(renderer, one_stroke([a, b, a, b], [2.0, 3.0, 2.0, 3.0], q=0.2))
+    once = composite_with_gradients(renderer, one_stroke([a, b], [2.0, 3.0], plateau=0.2))
+    again = composite_with_gradients(renderer, one_stroke([a, b, a, b], [2.0, 3.0, 2.0, 3.0], plateau=0.2))
     torch.testing.assert_close(again["value"], once["value"], atol=tolerances.FLOAT32_VALUE, rtol=0)
     for name in ("points", "thickness"):
         gradient = again[name][:, :2] + again[name][:, 2:]
         torch.testing.assert_close(gradient, once[name], rtol=tolerances.FLOAT32_GRADIENT, atol=1e-5)
-    for name in ("colours", "c", "q", "o", "canvas"):
+    for name in ("colours", "falloff", "plateau", "opacity", "canvas"):
         torch.testing.assert_close(again[name], once[name], rtol=tolerances.FLOAT32_GRADIENT, atol=1e-5)
 
 
 @each_renderer
 def test_the_first_of_equal_segments_gets_the_gradient(renderer: Renderer) -> None:
-    result = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]] * 4, [3.0] * 4, q=0.1))
+    result = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]] * 4, [3.0] * 4, plateau=0.1))
     for name in ("points", "thickness"):
         assert result[name][0, 0].abs().max() > 0
         assert not result[name][0, 2:].any()
@@ -127,7 +127,7 @@ def test_on_a_kink_both_renderers_choose_the_same_side(fast: Renderer) -> None:
     # Exact numbers: pixels on the centre line, at right angles to an end, and a half-width away from it.
     scene = one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0])
     assert_as_the_reference(fast, scene)
-    assert_as_the_reference(fast, scene._replace(q=torch.tensor([0.5])))
+    assert_as_the_reference(fast, scene._replace(plateau=torch.tensor([0.5])))
 
 
 @each_renderer
@@ -137,7 +137,7 @@ def test_an_empty_set_of_strokes_leaves_the_canvas_as_it_was(renderer: Renderer)
         result = composite_with_gradients(renderer, scene)
         assert torch.equal(result["value"], scene.canvas)
         assert torch.equal(result["canvas"], weights_like(scene.canvas))
-        for name in ("points", "thickness", "colours", "c", "q", "o"):
+        for name in ("points", "thickness", "colours", "falloff", "plateau", "opacity"):
             assert result[name].shape == getattr(scene, name).shape
             assert not result[name].any()
         image = renderer.darkness(*scene[1:3], *scene[4:], height=3, width=5)
@@ -156,7 +156,7 @@ def test_a_canvas_of_any_shape_is_painted_as_the_reference_does(fast: Renderer, 
 @pytest.mark.parametrize("channels", [1, 4])
 def test_hundreds_of_strokes_over_one_tile_are_painted_as_the_reference_does(fast: Renderer, channels: int) -> None:
     scene = random_scene(23, strokes=420, points=4, channels=channels, height=18, width=22)
-    scene = scene._replace(o=scene.o * 0.2)
+    scene = scene._replace(opacity=scene.opacity * 0.2)
     trainable = torch.arange(420) % 3 > 0
     truth = composite_with_gradients(REFERENCE, scene.to(torch.float64), trainable)
     assert truth["colours"][:9].any()  # the lowest still matter
@@ -210,9 +210,9 @@ def test_a_number_that_is_not_finite_is_refused_and_its_stroke_named(renderer: R
         ("points", (3, 2, 1), r"stroke 3 has a point that is not finite: \[.*(nan|inf)\] at index 2"),
         ("thickness", (1, 4), r"stroke 1 has a thickness that is not finite: (nan|-?inf) at index 4"),
         ("colours", (4, 0), r"stroke 4 has a colour that is not finite: (nan|-?inf) at index 0"),
-        ("c", (2,), r"c of stroke 2 is (nan|-?inf); it must be above 0"),
-        ("q", (2,), r"q of stroke 2 is (nan|-?inf); it must be in \[0, 1\)"),
-        ("o", (2,), r"o of stroke 2 is (nan|-?inf); it must be in \(0, 1\]"),
+        ("falloff", (2,), r"falloff of stroke 2 is (nan|-?inf); it must be above 0"),
+        ("plateau", (2,), r"plateau of stroke 2 is (nan|-?inf); it must be in \[0, 1\)"),
+        ("opacity", (2,), r"opacity of stroke 2 is (nan|-?inf); it must be in \(0, 1\]"),
     ):
         scene = scene_with(name, index, value)
         with pytest.raises(InputError, match=message):
@@ -226,12 +226,12 @@ def test_a_number_that_is_not_finite_is_refused_and_its_stroke_named(renderer: R
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("c", 0.0, r"c of stroke 1 is 0; it must be above 0"),
-        ("c", -2.0, r"c of stroke 1 is -2; it must be above 0"),
-        ("q", 1.0, r"q of stroke 1 is 1; it must be in \[0, 1\)"),
-        ("q", -0.25, r"q of stroke 1 is -0.25; it must be in \[0, 1\)"),
-        ("o", 0.0, r"o of stroke 1 is 0; it must be in \(0, 1\]"),
-        ("o", 1.5, r"o of stroke 1 is 1.5; it must be in \(0, 1\]"),
+        ("falloff", 0.0, r"falloff of stroke 1 is 0; it must be above 0"),
+        ("falloff", -2.0, r"falloff of stroke 1 is -2; it must be above 0"),
+        ("plateau", 1.0, r"plateau of stroke 1 is 1; it must be in \[0, 1\)"),
+        ("plateau", -0.25, r"plateau of stroke 1 is -0.25; it must be in \[0, 1\)"),
+        ("opacity", 0.0, r"opacity of stroke 1 is 0; it must be in \(0, 1\]"),
+        ("opacity", 1.5, r"opacity of stroke 1 is 1.5; it must be in \(0, 1\]"),
     ],
 )
 def test_a_number_out_of_range_is_refused_and_its_stroke_named(
@@ -253,9 +253,9 @@ def test_a_number_out_of_range_is_refused_and_its_stroke_named(
         ),
         ({"thickness": torch.ones(5, 4)}, r"thickness has shape \(5, 4\); points ask for \(5, 6\)"),
         ({"thickness": torch.ones(5)}, r"thickness has shape \(5,\); points ask for \(5, 6\)"),
-        ({"c": torch.ones(2)}, r"c has shape \(2,\); it must be \(5,\) or \(1,\)"),
-        ({"q": torch.tensor(0.5)}, r"q has shape \(\); it must be \(5,\) or \(1,\)"),
-        ({"o": torch.ones(5, 1)}, r"o has shape \(5, 1\); it must be \(5,\) or \(1,\)"),
+        ({"falloff": torch.ones(2)}, r"falloff has shape \(2,\); it must be \(5,\) or \(1,\)"),
+        ({"plateau": torch.tensor(0.5)}, r"plateau has shape \(\); it must be \(5,\) or \(1,\)"),
+        ({"opacity": torch.ones(5, 1)}, r"opacity has shape \(5, 1\); it must be \(5,\) or \(1,\)"),
         ({"colours": torch.zeros(5, 4)}, r"colours have shape \(5, 4\); it must be \(5, 3\)"),
         ({"canvas": torch.zeros(37, 70)}, r"the canvas has shape \(37, 70\); it must be \(C, H, W\), none of them 0"),
         (
@@ -296,8 +296,8 @@ def test_an_image_without_pixels_is_refused(renderer: Renderer, height: int, wid
         ("points", (3, 2, 1), 1e300, "stroke 3 has a point that is not finite"),
         ("thickness", (1, 4), -1e39, "stroke 1 has a thickness that is not finite"),
         ("colours", (4, 0), 1e39, "stroke 4 has a colour that is not finite"),
-        ("c", (2,), 1e-60, "c of stroke 2 is 0; it must be above 0"),
-        ("q", (2,), 1 - 1e-12, r"q of stroke 2 is 1; it must be in \[0, 1\)"),
+        ("falloff", (2,), 1e-60, "falloff of stroke 2 is 0; it must be above 0"),
+        ("plateau", (2,), 1 - 1e-12, r"plateau of stroke 2 is 1; it must be in \[0, 1\)"),
     ],
 )
 def test_a_number_that_float32_cannot_hold_is_refused(

@@ -120,16 +120,16 @@ def test_any_stroke_alone_is_as_dark_as_the_reference_says(scene: Scene) -> None
 
 
 def test_a_falloff_below_one_has_the_reference_values_and_gradients() -> None:
-    assert_composites_as_the_reference(small_scene(11)._replace(c=torch.tensor([0.7])))
+    assert_composites_as_the_reference(small_scene(11)._replace(falloff=torch.tensor([0.7])))
 
 
 def test_neutral_plateau_and_opacity_have_the_reference_values_and_gradients() -> None:
-    assert_composites_as_the_reference(small_scene(13)._replace(q=torch.zeros(1), o=torch.ones(1)))
+    assert_composites_as_the_reference(small_scene(13)._replace(plateau=torch.zeros(1), opacity=torch.ones(1)))
 
 
 def test_strokes_one_upon_another_are_painted_as_the_reference_does() -> None:
     scene = random_scene(23, strokes=60, points=3, channels=1, height=16, width=16, thinnest=2)
-    scene = scene._replace(points=scene.points.remainder(16), o=scene.o * 0.3)
+    scene = scene._replace(points=scene.points.remainder(16), opacity=scene.opacity * 0.3)
     result = assert_composites_as_the_reference(scene, torch.arange(60) % 3 > 0)
     assert result["colours"][:9].any()  # the lowest still matter
 
@@ -141,7 +141,7 @@ def test_only_trainable_strokes_get_gradients_and_the_canvas_keeps_its_own() -> 
     some = composite_with_gradients(GPU, scene, trainable)
     for name in ("value", "canvas"):
         assert torch.equal(some[name], everything[name])
-    for name in ("points", "thickness", "colours", "c", "q", "o"):
+    for name in ("points", "thickness", "colours", "falloff", "plateau", "opacity"):
         assert not some[name][~trainable].any(), name
         assert torch.equal(some[name][trainable], everything[name][trainable]), name
         assert everything[name][~trainable].any(), name
@@ -166,7 +166,7 @@ def test_a_stroke_without_thickness_leaves_no_mark_and_gets_no_gradient(thicknes
 
 
 def test_a_stroke_whose_thickness_passes_through_zero_marks_only_its_thick_part() -> None:
-    assert_as_the_reference(one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], q=0.2))
+    assert_as_the_reference(one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], plateau=0.2))
 
 
 @pytest.mark.parametrize("shift", [(-40.0, 0.0), (40.0, 0.0), (0.0, -40.0), (0.0, 40.0)])
@@ -179,12 +179,14 @@ def test_a_stroke_off_the_canvas_leaves_no_mark_and_gets_no_gradient(shift: tupl
 def test_a_stroke_partly_off_the_canvas_is_cut_off_at_its_edge(shift: tuple[float, float]) -> None:
     x, y = shift
     assert_composites_as_the_reference(
-        one_stroke([[5.2 + x, 6.1 + y], [15.3 + x, 12.7 + y], [7.4 + x, 14.6 + y]], [2.0, 3.0, 1.0], q=0.2)
+        one_stroke([[5.2 + x, 6.1 + y], [15.3 + x, 12.7 + y], [7.4 + x, 14.6 + y]], [2.0, 3.0, 1.0], plateau=0.2)
     )
 
 
 def test_a_segment_without_length_is_as_the_reference_says() -> None:
-    assert_as_the_reference(one_stroke([[3.1, 4.2], [9.3, 8.1], [9.3, 8.1], [14.2, 5.7]], [1.0, 2.0, 3.0, 1.5], q=0.1))
+    assert_as_the_reference(
+        one_stroke([[3.1, 4.2], [9.3, 8.1], [9.3, 8.1], [14.2, 5.7]], [1.0, 2.0, 3.0, 1.5], plateau=0.1)
+    )
 
 
 def test_one_point_is_a_dot_with_the_reference_gradients() -> None:
@@ -193,10 +195,10 @@ def test_one_point_is_a_dot_with_the_reference_gradients() -> None:
 
 def test_the_first_of_equal_segments_gets_the_gradient() -> None:
     a, b = [3.1, 4.2], [15.3, 11.8]
-    again = darkness_with_gradients(GPU, one_stroke([a, b, b, a, b], [2.0, 3.0, 3.0, 2.0, 3.0], q=0.2))
+    again = darkness_with_gradients(GPU, one_stroke([a, b, b, a, b], [2.0, 3.0, 3.0, 2.0, 3.0], plateau=0.2))
     assert again["points"][0, :2].abs().max() > 0
     assert not again["points"][0, 4].any()
-    dot = darkness_with_gradients(GPU, one_stroke([[9.3, 8.1]] * 4, [3.0] * 4, q=0.1))
+    dot = darkness_with_gradients(GPU, one_stroke([[9.3, 8.1]] * 4, [3.0] * 4, plateau=0.1))
     assert dot["points"][0, 0].abs().max() > 0
     assert not dot["points"][0, 2:].any()
 
@@ -205,7 +207,7 @@ def test_on_a_kink_the_same_side_is_chosen_as_by_the_reference() -> None:
     # Exact numbers: pixels on the centre line, at right angles to an end, and a half-width away from it.
     scene = one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0])
     assert_as_the_reference(scene)
-    assert_as_the_reference(scene._replace(q=torch.tensor([0.5])))
+    assert_as_the_reference(scene._replace(plateau=torch.tensor([0.5])))
 
 
 @pytest.mark.parametrize("shared", [False, True])
@@ -253,7 +255,7 @@ def test_what_cannot_be_drawn_is_refused_in_the_words_of_the_reference() -> None
     scene = small_scene(25)
     for change, message in (
         ({"thickness": torch.ones(5)}, r"thickness has shape \(5,\); points ask for \(5, 4\)"),
-        ({"q": torch.tensor([0, 1.0, 0, 0, 0])}, r"q of stroke 1 is 1; it must be in \[0, 1\)"),
+        ({"plateau": torch.tensor([0, 1.0, 0, 0, 0])}, r"plateau of stroke 1 is 1; it must be in \[0, 1\)"),
         ({"colours": torch.full((5, 3), 1e39, dtype=torch.float64)}, "stroke 0 has a colour that is not finite"),
         ({"canvas": torch.zeros(3, 0, 7)}, r"the canvas has shape \(3, 0, 7\); it must be \(C, H, W\)"),
     ):

@@ -76,14 +76,16 @@ def test_any_stroke_alone_is_as_dark_as_the_reference_says(scene: Scene) -> None
 
 @each_fast_renderer
 def test_a_falloff_below_one_has_the_reference_values_and_gradients(fast: Renderer) -> None:
-    scene = random_scene(11)._replace(c=torch.tensor([0.7]))
+    scene = random_scene(11)._replace(falloff=torch.tensor([0.7]))
     truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
     assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
 
 
 @each_fast_renderer
 def test_neutral_plateau_and_opacity_have_the_reference_values_and_gradients(fast: Renderer) -> None:
-    scene = random_scene(13)._replace(q=torch.zeros(1), o=torch.ones(1))  # no pixel centre is near an apex of a cone
+    scene = random_scene(13)._replace(
+        plateau=torch.zeros(1), opacity=torch.ones(1)
+    )  # no pixel centre is near an apex of a cone
     truth = composite_with_gradients(REFERENCE, scene.to(torch.float64))
     assert_same(composite_with_gradients(fast, scene), truth, **FLOAT32)
 
@@ -96,7 +98,7 @@ def test_only_trainable_strokes_get_gradients_and_the_canvas_keeps_its_own(rende
     some = composite_with_gradients(renderer, scene, trainable)
     for name in ("value", "canvas"):
         assert torch.equal(some[name], everything[name])
-    for name in ("points", "thickness", "colours", "c", "q", "o"):
+    for name in ("points", "thickness", "colours", "falloff", "plateau", "opacity"):
         assert not some[name][~trainable].any(), name
         assert torch.equal(some[name][trainable], everything[name][trainable]), name
         assert everything[name][~trainable].any(), name
@@ -144,8 +146,8 @@ def test_the_projection_is_signed_and_clamped(renderer: Renderer) -> None:
 @each_renderer
 def test_falloff_plateau_opacity_and_thickness_combine_as_computed_by_hand(renderer: Renderer) -> None:
     scene = one_stroke([[2.5, 2.5], [6.5, 2.5]], [1.0, 3.0])
-    c, q, o = torch.tensor([2.0]), torch.tensor([0.25]), torch.tensor([0.8])
-    image = renderer.darkness(*scene[1:3], c, q, o, height=6, width=12)[0]
+    falloff, plateau, opacity = torch.tensor([2.0]), torch.tensor([0.25]), torch.tensor([0.8])
+    image = renderer.darkness(*scene[1:3], falloff, plateau, opacity, height=6, width=12)[0]
     expected = {
         (4, 3): 0.8 * ((1 - 1 / 2) / 0.75) ** 2,  # T = 1/2: half-width 2, 1 pixel away
         (8, 2): 0.8 * ((1 - 2 / 3) / 0.75) ** 2,  # beyond the end: half-width 3, 2 pixels away
@@ -159,12 +161,12 @@ def test_falloff_plateau_opacity_and_thickness_combine_as_computed_by_hand(rende
 
 @each_renderer
 def test_strokes_cover_one_another_in_order(renderer: Renderer) -> None:
-    dot = one_stroke([[1.5, 1.5]], [2.0], height=3, width=3, q=0.5)
+    dot = one_stroke([[1.5, 1.5]], [2.0], height=3, width=3, plateau=0.5)
     scene = dot._replace(
         points=dot.points.expand(2, 1, 2),
         thickness=dot.thickness.expand(2, 1),
         colours=torch.tensor([[0.2], [0.6]]),
-        o=torch.tensor([1.0, 0.5]),
+        opacity=torch.tensor([1.0, 0.5]),
     )
     assert float(renderer.composite(*scene)[0, 1, 1]) == pytest.approx(0.2 * 0.5 + 0.6 * 0.5)
 

@@ -1,7 +1,7 @@
 """Trials of a simulated table: strokes of a known brush, drawn one after another and photographed by a plain camera.
 
-Strokes cross a sheet from any side, with a bend and a press that changes along the way; after some, a new sheet is laid
-out. Every photograph has its own noise, exposure and slope of the light, and its specks lie where they like.
+Strokes cross a sheet from any side, with a bend and a pressure that changes along the way; after some, a new sheet is
+laid out. Every photograph has its own noise, exposure and slope of the light, and its specks lie where they like.
 """
 
 from collections.abc import Callable
@@ -52,12 +52,12 @@ def draw_trials(
     faults: Faults = CLEAN,
     *,
     sheet_of: int = 4,
-    press: Callable[[Floats], Floats] = lambda press: press,
+    pressure: Callable[[Floats], Floats] = lambda pressure: pressure,
     shape: tuple[int, int] = SHAPE,
 ) -> list[Trial]:
     """The photographs before and after each stroke, `sheet_of` strokes a sheet.
 
-    press: what becomes of presses in [0, 1] before they are drawn.  shape: height and width of the photographs.
+    pressure: what becomes of pressures in [0, 1] before they are drawn.  shape: height and width of the photographs.
     """
     rng = np.random.default_rng(seed)
     trials = []
@@ -66,7 +66,7 @@ def draw_trials(
         if i % sheet_of == 0:
             sheet = np.broadcast_to(np.float32(PAPER), (*shape, 3))
             before = _photograph(sheet, rng, faults)
-        path = _path(rng, press, shape)
+        path = _path(rng, pressure, shape)
         sheet = _drawn(sheet, path, brush, INK, rng, faults)
         after = _photograph(sheet, rng, faults)
         trials.append(Trial(f"stroke {i + 1}", path, before, after))
@@ -80,20 +80,20 @@ def draw_darkness(brush: Brush, count: int, seed: int, faults: Faults = CLEAN) -
     empty = np.zeros((*SHAPE, 1), dtype=np.float32)
     trials = []
     for i in range(count):
-        path = _path(rng, lambda press: press, SHAPE)
+        path = _path(rng, lambda pressure: pressure, SHAPE)
         after = _drawn(empty, path, brush, (1.0,), rng, faults)
         noisy = after + rng.normal(0, faults.noise, after.shape) if faults.noise else after
         trials.append(Trial(f"stroke {i + 1}", path, empty, noisy.clip(0, 1).astype(np.float32)))
     return trials
 
 
-def _path(rng: np.random.Generator, press: Callable[[Floats], Floats], shape: tuple[int, int]) -> Floats:
+def _path(rng: np.random.Generator, pressure: Callable[[Floats], Floats], shape: tuple[int, int]) -> Floats:
     low, high = np.full(2, _MARGIN), np.array(shape[::-1]) / SCALE - _MARGIN
     while np.hypot(*(ends := rng.uniform(low, high, (2, 2)))[0] - ends[1]) < (high - low).min() / 2:
         continue
     along = np.linspace(0, 1, _POINTS)[:, None]
     bend = rng.normal(0, 3e-3, 2) * np.sin(np.pi * along)
-    pressed = press((rng.uniform(0, 1) + rng.normal(0, 0.3) * along).clip(0, 1))
+    pressed = pressure((rng.uniform(0, 1) + rng.normal(0, 0.3) * along).clip(0, 1))
     return np.hstack([(ends[0] + (ends[1] - ends[0]) * along + bend).clip(low, high), pressed])
 
 
@@ -105,7 +105,9 @@ def _drawn(
     stroke = Traj2Stroke.of([brush.model_copy(update={"opacity": opacity})])
     marks = stroke.bare(torch.tensor((path + beside)[None], dtype=torch.float32), SCALE)
     canvas = torch.tensor(np.ascontiguousarray(sheet.transpose(2, 0, 1)))
-    painted = composite(canvas, marks.points, marks.thickness, torch.tensor([ink]), marks.c, marks.q, marks.o)
+    painted = composite(
+        canvas, marks.points, marks.thickness, torch.tensor([ink]), marks.falloff, marks.plateau, marks.opacity
+    )
     return np.ascontiguousarray(painted.numpy().transpose(1, 2, 0))
 
 

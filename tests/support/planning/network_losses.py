@@ -1,4 +1,4 @@
-"""A judge without a network, for tests of how judges are asked."""
+"""A network loss without a network, for tests of how network losses are asked."""
 
 from collections.abc import Sequence
 

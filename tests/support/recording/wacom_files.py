@@ -38,18 +38,18 @@ def uim(
     strokes: Sequence[Floats],
     sensors: bool = True,
     splines: bool = True,
-    press_metric: InkSensorMetricType = InkSensorMetricType.NORMALIZED,
+    pressure_metric: InkSensorMetricType = InkSensorMetricType.NORMALIZED,
     place_metric: InkSensorMetricType = InkSensorMetricType.LENGTH,
     shared: bool = False,
 ) -> bytes:
-    """A document of strokes (m, 4) of (t, x, y, press), metres and seconds; press NaN is left out.
+    """A document of strokes (m, 4) of (t, x, y, pressure), metres and seconds; pressure NaN is left out.
 
     Splines are in device-independent pixels. shared: all strokes point to the sensor data of the first.
     """
     model = InkModel()
     provider, device, environment = InkInputProvider(input_type=InkInputType.PEN), InputDevice(), Environment()
     kinds = [(InkSensorType.X, place_metric, 1e6), (InkSensorType.Y, place_metric, 1e6)]
-    kinds += [(InkSensorType.TIMESTAMP, InkSensorMetricType.TIME, 1e3), (InkSensorType.PRESSURE, press_metric, 1e4)]
+    kinds += [(InkSensorType.TIMESTAMP, InkSensorMetricType.TIME, 1e3), (InkSensorType.PRESSURE, pressure_metric, 1e4)]
     channels = [
         SensorChannel(
             channel_type=kind,
@@ -118,7 +118,7 @@ def varint(number: int) -> bytes:
 
 
 def uim_3_0(strokes: Sequence[Floats]) -> bytes:
-    """A document of version 3.0, which Wacom's library reads but no longer writes; metres, seconds and press."""
+    """A document of version 3.0, which Wacom's library reads but no longer writes; metres, seconds and pressure."""
     document = InkObject()
     inputs = document.inputData
     names = {name: str(uuid.UUID(int=number)) for number, name in enumerate("abcdefgh", start=1)}

@@ -13,7 +13,13 @@ from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
 LIMITS = Limits(
-    lower=(0.2, -0.2, 0.0), upper=(0.5, 0.2, 0.3), speed=0.5, climb=0.5, acceleration=5.0, deviation=1e-4, presses=True
+    lower=(0.2, -0.2, 0.0),
+    upper=(0.5, 0.2, 0.3),
+    speed=0.5,
+    climb=0.5,
+    acceleration=5.0,
+    deviation=1e-4,
+    varies_pressure=True,
 )
 EASEL = Easel(corner=(0.3, 0.1, 0.02), right=(1, 0, 0), down=(0, -1, 0))
 

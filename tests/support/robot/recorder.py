@@ -9,7 +9,9 @@ from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot
 from maulstick.storage.arrays import Floats
 
-LIMITS = Limits(lower=(-0.1, -0.2, -0.02), upper=(0.2, 0.1, 0.1), speed=0.2, climb=0.1, acceleration=2.0, presses=True)
+LIMITS = Limits(
+    lower=(-0.1, -0.2, -0.02), upper=(0.2, 0.1, 0.1), speed=0.2, climb=0.1, acceleration=2.0, varies_pressure=True
+)
 EASEL = Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=0.008)
 Command = tuple[str, Floats]
 

@@ -18,12 +18,12 @@ def line(
     end: tuple[float, float] = (0.03, 0.01),
     *,
     paint: int = 0,
-    press: tuple[float, float] = (0.5, 0.5),
+    pressure: tuple[float, float] = (0.5, 0.5),
     speed: float | None = None,
     points: int = 5,
 ) -> Stroke:
-    """A straight stroke whose press changes evenly."""
-    trajectory = np.linspace([*start, press[0]], [*end, press[1]], points)
+    """A straight stroke whose pressure changes evenly."""
+    trajectory = np.linspace([*start, pressure[0]], [*end, pressure[1]], points)
     return Stroke(
         id=number,
         paint=paint,
@@ -43,8 +43,8 @@ def painting_of(
     needed = 1 + max((stroke.paint for stroke in strokes), default=0)
     colours = [RED, BLUE]
     return Painting(
-        canvas=Sheet(width=size[0], height=size[1]),
-        made=Provenance(version="1"),
+        sheet=Sheet(width=size[0], height=size[1]),
+        provenance=Provenance(version="1"),
         brushes={brush.name: brush for brush in tools},
         paints=tuple(Paint(colour=colours[i % 2], brush=tools[i % len(tools)].name) for i in range(needed)),
         strokes=strokes,

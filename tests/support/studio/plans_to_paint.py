@@ -23,7 +23,7 @@ def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = Tr
     """Put a finished plan into the studio's folder; returns its painting.json. mixed: whether its paints are."""
     folder = root / "plans" / name
     folder.mkdir(parents=True)
-    photo = None if painting.made.image is None else root / "pictures" / name / "picture.png"
+    photo = None if painting.provenance.image is None else root / "pictures" / name / "picture.png"
     write_painting(painting, folder / "painting.json")
     (folder / "job.json").write_text(json.dumps(_request(photo).as_json()))
     (folder / "preview.png").write_bytes(encode_png(np.ones((40, 60, 3), dtype=np.float32)))
@@ -38,8 +38,8 @@ def put_plan_of_a_picture(root: Path, name: str) -> Path:
     folder.mkdir(parents=True)
     (folder / "picture.png").write_bytes(encode_png(picture()))
     known = {"image": "picture.png", "image_sha256": file_sum(folder / "picture.png")}
-    made = planned().made.model_copy(update=known)
-    return put_plan(root, name, planned().model_copy(update={"made": made}))
+    made = planned().provenance.model_copy(update=known)
+    return put_plan(root, name, planned().model_copy(update={"provenance": made}))
 
 
 def _request(photo: Path | None) -> PlanRequest:
@@ -61,7 +61,7 @@ def _request(photo: Path | None) -> PlanRequest:
         ink=None,
         paints_from=None,
         brush="marker",
-        press=None,
+        pressure=None,
         style="loops",
         steps=10,
         ask_every=1,

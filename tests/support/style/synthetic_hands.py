@@ -15,13 +15,13 @@ Drawing = Callable[[np.random.Generator, Floats], Floats]
 _RAW = 400
 
 
-def strokes_of(paths: Floats, press: Floats | float = np.nan, seconds: float = np.nan) -> Strokes:
+def strokes_of(paths: Floats, pressure: Floats | float = np.nan, seconds: float = np.nan) -> Strokes:
     """Paths (N, n, 2) as strokes, drawn at one speed each."""
     count, n = paths.shape[:2]
     standard, poses = standardise(paths)
-    presses = np.broadcast_to(press, (count, n))[..., None]
+    pressures = np.broadcast_to(pressure, (count, n))[..., None]
     times = np.broadcast_to(np.linspace(0, seconds, n), (count, n))
-    return Strokes(np.concatenate([standard, presses], axis=-1), times, poses)
+    return Strokes(np.concatenate([standard, pressures], axis=-1), times, poses)
 
 
 def drawn(one: Drawing, count: int, seed: int = 0, tremor: float = 0.003) -> Floats:
@@ -69,7 +69,7 @@ def line_or_arc(rng: np.random.Generator, t: Floats) -> Floats:
 
 
 def hand_of(paths: Floats) -> Hand:
-    """A hand without press or times."""
+    """A hand without pressure or times."""
     return Hand.of(strokes_of(paths))
 
 

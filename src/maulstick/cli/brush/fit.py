@@ -39,7 +39,7 @@ def fit(
 ) -> None:
     """Fit a brush to photographs taken before and after strokes; 100 of them make a good one.
 
-    It is kept among your own brushes, and maulstick paint --brush NAME paints with it.
+    It is kept among your own brushes, and maulstick plan --brush NAME paints with it.
     """
     BRUSHES.check_own_name(name, overwrite)
     if plot is not None:
@@ -63,15 +63,15 @@ def fit(
 
         atomic_write(plot, fit_plot(found))
         print(plot, flush=True)
-    print(f"maulstick paint photo.jpg --brush {name}", flush=True)
+    print(f"maulstick plan photo.jpg --brush {name}", flush=True)
 
 
 def _check_plot(plot: Path, overwrite: bool) -> None:
     if plot.suffix.lower() != ".png":
-        raise InputError(f"--plate is {plot}; a picture is written as PNG, so let its name end in .png")
+        raise InputError(f"--plot is {plot}; a picture is written as PNG, so let its name end in .png")
     if not plot.parent.is_dir():
         raise OutputError(f"cannot write {plot}: its folder does not exist; make the folder first")
-    check_absent(plot, "--plate", overwrite)
+    check_absent(plot, "--plot", overwrite)
 
 
 def _source(trials: Trials) -> str:

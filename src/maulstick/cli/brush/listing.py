@@ -20,7 +20,7 @@ def list_brushes() -> None:
             table.add_row(name, "", Text(f"cannot be used: {error}"))
             continue
         thinnest, widest = (f"{2e3 * half_width:.3g}" for half_width in (brush.thinnest, brush.widest))
-        width = f"{thinnest} to {widest} mm" if brush.presses else f"{widest} mm"
+        width = f"{thinnest} to {widest} mm" if brush.pressure_matters else f"{widest} mm"
         whose = "comes with Maulstick" if BRUSHES.is_built_in(path) else "your own"
         table.add_row(name, width, Text(f"{whose}: {brush.source}"))
     Console().print(table)

@@ -18,7 +18,7 @@ def show(
         bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
     ] = False,
 ) -> None:
-    """Draw a brush: its mark, its width over press, the profile across it, and its numbers."""
+    """Draw a brush: its mark, its width over pressure, the profile across it, and its numbers."""
     called = Path(name).stem
     path = out or Path(f"{called}.png")
     check_picture(path, px, overwrite)

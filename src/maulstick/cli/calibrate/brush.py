@@ -103,7 +103,7 @@ def _sheet(
     path = out / "practice.json"
     if path.exists():
         begun = read_painting(path)
-        there = (begun.canvas.width, begun.canvas.height), [*begun.brushes], begun.made.options.get("style")
+        there = (begun.sheet.width, begun.sheet.height), [*begun.brushes], begun.provenance.options.get("style")
         if (*there, len(begun.strokes)) != (size, [like.name], style, strokes):
             raise InputError(f"{out} was begun with other words; go on with the same ones, or choose another --out")
         return begun
@@ -113,7 +113,7 @@ def _sheet(
     from maulstick.style import load_style
 
     hand = load_style(style, Canvas(*size, 1.0))
-    if easel is not None and like.presses:
+    if easel is not None and like.pressure_matters:
         like = like.model_copy(update={"depth": (0.0, easel.deepest)})
     sheet = practice(hand, like, Sheet(width=size[0], height=size[1]), strokes)
     try:
@@ -144,14 +144,14 @@ def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | No
             raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
         return sight.image
 
-    tags = TagFrame(sheet.canvas.width, sheet.canvas.height, side=asked.tag_side)
+    tags = TagFrame(sheet.sheet.width, sheet.sheet.height, side=asked.tag_side)
     if (out / "trials").exists():
         return
     view = None if asked.view is None else read_view(asked.view)
     path, (brush,) = out / "practice.json", sheet.brushes.values()
     simulation = Simulation.of(asked.machine, sheet, place, None) if asked.simulated else None
     robot = machine(asked.machine, place) if simulation is None else simulation.robot
-    easel = place or robot.easel(sheet.canvas.width, sheet.canvas.height)
+    easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
     seeing = open_camera(asked.camera or "") if simulation is None else simulation.camera(tags)
     with machine_lock(asked.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         if journal.revision is None:
@@ -161,7 +161,7 @@ def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | No
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
         if simulation is not None:
             simulation.paint_again(easel, journal.painted)
-        canvas, kept = flat_canvas(sheet.canvas.width, sheet.canvas.height), out / "practice.eye.npz"
+        canvas, kept = flat_canvas(sheet.sheet.width, sheet.sheet.height), out / "practice.eye.npz"
         if kept.exists():
             eye = Eye.opened_again(seeing, canvas, tags, kept, view)
         else:

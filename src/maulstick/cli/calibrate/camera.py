@@ -42,7 +42,7 @@ def camera(
 ) -> None:
     """Make the sheet in a photograph flat, and say how far that can be wrong.
 
-    What is written suits maulstick paint --canvas.
+    What is written suits maulstick plan --background.
     """
     sheet = parse_size(size)
     path = out or photo.with_name(f"{photo.stem}-flat.png")

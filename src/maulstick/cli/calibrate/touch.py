@@ -71,7 +71,7 @@ def touch(
                 touched.append(_jogged(arm, keys, ask, console))
             _raise(arm)
         easel = easel_from_touches(np.array(touched), np.array(list(corners.values())))
-        if arm.limits.presses:
+        if arm.limits.varies_pressure:
             easel = _pressed(arm, keys, easel, console)
             _raise(arm)
     write_easel(easel, out)
@@ -84,7 +84,7 @@ def touch(
 
 
 def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console) -> "Easel":
-    """The easel with its deepest press, asked for until it is one, for the corners took a while."""
+    """The easel with its deepest pressure, asked for until it is one, for the corners took a while."""
     from maulstick.calibration.touch import with_deepest
 
     while True:
@@ -127,9 +127,9 @@ def _keyboard() -> Iterator[str]:
     while not terminal.closed:
         with terminal.raw_mode():  # in which Ctrl-C is a key like any other: so only while keys are waited for
             select.select([terminal.fileno()], [], [])
-            presses = [*terminal.read_keys(), *terminal.flush_keys()]
-        for press in presses:
-            if press.key == Keys.ControlC:
+            keys = [*terminal.read_keys(), *terminal.flush_keys()]
+        for pressed in keys:
+            if pressed.key == Keys.ControlC:
                 raise KeyboardInterrupt
-            name = press.key.value if isinstance(press.key, Keys) else press.key
+            name = pressed.key.value if isinstance(pressed.key, Keys) else pressed.key
             yield "enter" if name in _ENTER else name

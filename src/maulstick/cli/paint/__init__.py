@@ -1,4 +1,4 @@
-"""``maulstick run``: let a machine paint."""
+"""``maulstick paint``: let a machine paint."""
 
 from maulstick.cli.paint.command import run
 

@@ -1,4 +1,4 @@
-"""The words of ``maulstick run``."""
+"""The words of ``maulstick paint``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -61,8 +61,8 @@ def run(
         str | None,
         typer.Option(metavar="painted|again", help="With --resume: what became of the stroke under the brush."),
     ] = None,
-    anew: Annotated[
-        bool, typer.Option("--anew", metavar="", help="Start again on a new sheet; the old journal is kept.")
+    restart: Annotated[
+        bool, typer.Option("--restart", metavar="", help="Start again on a new sheet; the old journal is kept.")
     ] = False,
 ) -> None:
     """Let a machine paint a painting.
@@ -70,8 +70,8 @@ def run(
     Every stroke is written into a journal beside the painting, before it and after it, so that --resume goes on after
     Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen.
     """
-    if resume and (anew or from_stroke is not None):
-        raise InputError("--resume knows where to go on; leave out --anew and --from-stroke")
+    if resume and (restart or from_stroke is not None):
+        raise InputError("--resume knows where to go on; leave out --restart and --from-stroke")
     if unfinished is not None and not resume:
         raise InputError("--unfinished is about the stroke that an earlier run began; it goes with --resume")
     if unfinished is not None and unfinished not in UNFINISHED:
@@ -96,4 +96,4 @@ def run(
     options = PaintOptions.model_validate({name: word for name, word in words.items() if word is not None})
     options.check()
     answer = None if unfinished is None else UNFINISHED[unfinished]
-    paint(Job(PaintRequest(painting, options, from_stroke, resume, anew), dry_run, answer))
+    paint(Job(PaintRequest(painting, options, from_stroke, resume, restart), dry_run, answer))

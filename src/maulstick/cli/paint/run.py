@@ -34,7 +34,7 @@ def paint(job: Job) -> None:
         return job.unfinished
 
     def operator_for(setup: PaintSetup, painted: Collection[int]) -> TerminalOperator:
-        what_next = f"maulstick run {job.request.painting} --resume goes on"
+        what_next = f"maulstick paint {job.request.painting} --resume goes on"
         return TerminalOperator(console, setup.plan, setup.robot, len(painted), what_next)
 
     session.paint(job.request, is_painted, operator_for)

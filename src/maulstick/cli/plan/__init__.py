@@ -1,4 +1,4 @@
-"""``maulstick paint``: from a picture or a text to a painting in a folder."""
+"""``maulstick plan``: from a picture or a text to a painting in a folder."""
 
 from maulstick.cli.plan.command import paint
 

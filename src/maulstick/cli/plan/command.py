@@ -1,4 +1,4 @@
-"""The words of ``maulstick paint``, and what can be said against them before anything is read."""
+"""The words of ``maulstick plan``, and what can be said against them before anything is read."""
 
 from functools import partial
 from importlib.resources import files
@@ -52,9 +52,11 @@ def paint(
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="round, marker, fineliner, one of your own, or a JSON file.")
     ] = "round",
-    press: Annotated[
+    pressure: Annotated[
         float | None,
-        _painting(metavar="P", show_default="varied", help="Hold the brush at one press, 0 to 1, for a pen plotter."),
+        _painting(
+            metavar="P", show_default="varied", help="Hold the brush at one pressure, 0 to 1, for a pen plotter."
+        ),
     ] = None,
     style: Annotated[
         str, _painting(metavar="STYLE", help="Whose strokes: a name out of maulstick style list, or a JSON file.")
@@ -65,7 +67,7 @@ def paint(
     look: Annotated[
         Path | None, _liking(metavar="PICTURE", help="Let it look as this picture does, whatever that shows.")
     ] = None,
-    weigh: Annotated[
+    weights: Annotated[
         list[str] | None,
         _liking(
             metavar="TERM=WEIGHT",
@@ -101,7 +103,7 @@ def paint(
     ] = 1,
     out: Annotated[Path, _writing(metavar="FOLDER", help="Where the painting goes.")] = Path("painting"),
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace what an earlier run wrote.")] = False,
-    frames: Annotated[str | None, _writing(metavar="FORMAT", help="Film the planning, too: mp4 or gif.")] = None,
+    video: Annotated[str | None, _writing(metavar="FORMAT", help="Film the planning, too: mp4 or gif.")] = None,
     resume: Annotated[
         Path | None, _writing(metavar="FOLDER", help="Go on with a plan that was cut off, or stopped with Ctrl-C.")
     ] = None,
@@ -123,7 +125,7 @@ def paint(
         photo=_picture_path(photo, demo, text),
         text=_a_text(text),
         look=_whole(look),
-        weigh=_weights(weigh or []),
+        weights=_weights(weights or []),
         clip=clip,
         clip_weights=_whole(clip_weights),
         clip_layers=_layers(clip_layers),
@@ -137,19 +139,19 @@ def paint(
         ink=ink,
         paints_from=_whole(paints_from),
         brush=_name_or_file(brush),
-        press=press,
+        pressure=pressure,
         style=_name_or_file(style),
         steps=steps,
         ask_every=ask_every,
         px=px,
         seed=seed,
         tries=tries,
-        frames=frames,
+        video=video,
     )
     _check_words(request)
     if state_files(out) and not overwrite:
         raise OutputError(
-            f"the folder {out} holds a plan that was cut off; go on with maulstick paint --resume {out}, "
+            f"the folder {out} holds a plan that was cut off; go on with maulstick plan --resume {out}, "
             "or add --overwrite"
         )
     check_free(out, overwrite)
@@ -166,8 +168,10 @@ def _check_words(request: PlanRequest) -> None:
     parse_colour(request.paper)
     if request.ink is not None:
         parse_colour(request.ink)
-    if request.press is not None and not 0 <= request.press <= 1:
-        raise InputError.of_range("--press", request.press, "from 0, just touching, to 1, as deep as the brush goes")
+    if request.pressure is not None and not 0 <= request.pressure <= 1:
+        raise InputError.of_range(
+            "--pressure", request.pressure, "from 0, just touching, to 1, as deep as the brush goes"
+        )
     if request.fit not in FITS:
         raise InputError.of_choice("fit", request.fit, FITS)
     _check("--steps", request.steps, 1, _MOST_STEPS)
@@ -175,12 +179,12 @@ def _check_words(request: PlanRequest) -> None:
     _check("--px", request.px, _FEWEST_PX, _MOST_PX)
     _check("--tries", request.tries, 1, _MOST_TRIES)
     _check("--seed", request.seed, 0, _MOST_SEED + 1 - request.tries)
-    if request.frames is not None:
-        Video(request.frames)
+    if request.video is not None:
+        Video(request.video)
         if request.tries > 1:
-            raise InputError("--frames films one plan, and --tries makes several; leave one of them out")
+            raise InputError("--video videos one plan, and --tries makes several; leave one of them out")
     if request.canvas is not None and parse_colour(request.paper) != (1.0, 1.0, 1.0):
-        raise InputError("--canvas shows the sheet as it is, and --paper its colour; leave one of them out")
+        raise InputError("--background shows the sheet as it is, and --paper its colour; leave one of them out")
 
 
 def _refuse_other_words(context: typer.Context) -> None:
@@ -219,11 +223,11 @@ def _weights(words: list[str]) -> dict[str, float]:
     for word in words:
         name, _, weight = word.partition("=")
         if name in weights:
-            raise InputError(f"--weigh names {name} twice; leave one of them out")
+            raise InputError(f"--weight names {name} twice; leave one of them out")
         try:
             weights[name] = float(weight)
         except ValueError:
-            raise InputError(f"--weigh is {word!r}; it must be a term and a number, as in edges=0.5") from None
+            raise InputError(f"--weight is {word!r}; it must be a term and a number, as in edges=0.5") from None
     return weights
 
 

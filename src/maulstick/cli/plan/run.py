@@ -1,4 +1,4 @@
-"""Planning under the eyes of a person: progress, Ctrl-C, a film, and a file to go on from."""
+"""Planning under the eyes of a person: progress, Ctrl-C, a video, and a file to go on from."""
 
 import time
 from pathlib import Path
@@ -25,8 +25,10 @@ from maulstick.storage.folders import made_folder
 def begin(request: PlanRequest, out: Path) -> None:
     """Plan what is asked, and write it into the folder `out`."""
     console, prepared = _console(), prepare(request)
-    if request.frames is not None and prepared.mural is not None:
-        raise InputError("--frames films one canvas, and this one is planned in windows; leave it out, or --px smaller")
+    if request.video is not None and prepared.mural is not None:
+        raise InputError(
+            "--video videos one canvas, and this one is planned in windows; leave it out, or --px smaller"
+        )
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
@@ -35,7 +37,7 @@ def begin(request: PlanRequest, out: Path) -> None:
 
 
 def go_on(out: Path) -> None:
-    """Go on with the plan that was cut off in the folder `out`; a film of it begins here.
+    """Go on with the plan that was cut off in the folder `out`; a video of it begins here.
 
     Raises InputError where there is none, or what it was made with has changed.
     """
@@ -49,7 +51,7 @@ def go_on(out: Path) -> None:
 
 
 def _run(prepared: Prepared, out: Path, console: Console) -> None:
-    video = Video(prepared.request.frames) if prepared.request.frames is not None else None
+    video = Video(prepared.request.video) if prepared.request.video is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted:
         with progress_bar(console, prepared.request.strokes) as show:
@@ -76,7 +78,7 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
             file.unlink()
         return
     if state_files(out):  # it was not stopped when nothing was left to do
-        console.print(f"maulstick paint --resume {out} goes on from where it was stopped", soft_wrap=True)
+        console.print(f"maulstick plan --resume {out} goes on from where it was stopped", soft_wrap=True)
     raise Exit(STOPPED)
 
 

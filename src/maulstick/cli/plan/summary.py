@@ -1,4 +1,4 @@
-"""What ``maulstick paint`` says in the end."""
+"""What ``maulstick plan`` says in the end."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from maulstick.planning.losses import STRENGTHS
 
 def print_summary(painting: Painting, seconds: float, out: Path, written: list[str]) -> None:
     """What was planned, what each term of the loss comes to in the end, and where it is."""
-    metrics = painting.made.metrics
+    metrics = painting.provenance.metrics
     rows = {
         "strokes": f"{len(painting.strokes)}",
         "drawn": f"{painting.metres_of_paints().sum():.1f} m",

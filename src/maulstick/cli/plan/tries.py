@@ -55,7 +55,7 @@ def plan_in_processes(
             for process in active_children():
                 process.terminate()
             raise
-    return min(paintings, key=lambda painting: painting.made.metrics["loss"])
+    return min(paintings, key=lambda painting: painting.provenance.metrics["loss"])
 
 
 @contextmanager

@@ -42,7 +42,7 @@ def fit(
 ) -> None:
     """Learn a style from the strokes of a hand; 20 of them make a good one.
 
-    It is kept among your own styles, and maulstick paint --style NAME paints in it.
+    It is kept among your own styles, and maulstick plan --style NAME paints in it.
     """
     if kind not in _KINDS:
         raise InputError.of_choice("kind", kind, _KINDS)
@@ -60,7 +60,7 @@ def fit(
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
         "lengths": _lengths(path_lengths(hand.paths)),
-        "press": _recorded(hand.press),
+        "pressure": _recorded(hand.pressure),
         "speed": _recorded(hand.speeds),
         **told,
         "learned in": f"{time.monotonic() - started:.2g} s",
@@ -72,7 +72,7 @@ def fit(
     for row, value in rows.items():
         table.add_row(row, Text(value))
     Console().print(table)
-    print(f"maulstick paint photo.jpg --style {name}", flush=True)
+    print(f"maulstick plan photo.jpg --style {name}", flush=True)
 
 
 def _read(files: list[Path]) -> Strokes:
@@ -110,7 +110,7 @@ def _trajvae(name: str, hand: "Hand") -> tuple["Fitted", dict[str, str]]:
     from maulstick.style.trajvae import activity
 
     with Console(stderr=True).status("training the network …"):
-        style = fine_tune(pretrained(), hand, seed=0, called=name)
+        style = fine_tune(pretrained(), hand, seed=0, name=name)
     latents = activity(style.weights, hand.paths)
     told = f"{latents.active} active, of an effective rank of {latents.effective_rank:.1f}"
     if latents.active < _FEW_LATENTS:

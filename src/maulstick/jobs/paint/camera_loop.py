@@ -29,12 +29,12 @@ from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
 from maulstick.robot.workplace import Workplace
 from maulstick.style import Style, load_style
-from maulstick.style.pressure import fit_knots, press_along
+from maulstick.style.pressure import fit_knots, pressure_along
 
 Image = NDArray[np.float32]
 
 _STEPS = 200
-_LIGHTEST = 0.1  # of the presses to practise
+_LIGHTEST = 0.1  # of the pressures to practise
 _ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3
 _HEIGHT_PX = 256
 
@@ -42,20 +42,20 @@ _HEIGHT_PX = 256
 def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
     """A sheet of strokes as the style draws them, apart from one another, to learn a brush from.
 
-    brush: about as wide as what is to be learned.  Where it presses, all presses come alike, from the lightest on.
+    brush: about as wide as what is to be learned.  Where it pressures, all pressures come alike, from the lightest on.
     Raises InputError where so many do not fit on the sheet.
     """
     torch_rng = torch.Generator().manual_seed(seed)
     codes, knots = style.sample(strokes, torch_rng)
     paths = style.decode(codes).detach().double().numpy()
-    press = press_along(knots).double().numpy()
-    ranks = np.searchsorted(np.sort(press.ravel()), press, side="right") / press.size
-    shown = _LIGHTEST + (1 - _LIGHTEST) * ranks if brush.presses else np.full(press.shape, 0.5)
+    pressure = pressure_along(knots).double().numpy()
+    ranks = np.searchsorted(np.sort(pressure.ravel()), pressure, side="right") / pressure.size
+    shown = _LIGHTEST + (1 - _LIGHTEST) * ranks if brush.pressure_matters else np.full(pressure.shape, 0.5)
     whole = np.concatenate([paths, shown[..., None]], axis=2)
     placed = spread_apart(whole, (sheet.width, sheet.height), room_of(brush))
     return Painting(
-        canvas=sheet,
-        made=Provenance(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
+        sheet=sheet,
+        provenance=Provenance(version=version("maulstick"), seed=seed, options={"style": style.name, "practice": True}),
         brushes={brush.name: brush},
         paints=(Paint(colour=(0.0, 0.0, 0.0), brush=brush.name),),
         strokes=tuple(
@@ -98,19 +98,19 @@ def replanned(
     if not left:
         return painting
     brush, style, weights = _brush_of(left, painting), _style_of(left, painting), _weights(painting)
-    size = {"width": painting.canvas.width, "height": painting.canvas.height, "paper": painting.canvas.paper}
+    size = {"width": painting.sheet.width, "height": painting.sheet.height, "paper": painting.sheet.paper}
     sheet = Sheet.model_validate({**size, "picture": encode_png(photograph)})
-    options = painting.made.options
+    options = painting.provenance.options
     fit, pixels = str(options.get("fit", "contain")), options.get("px")
     pixels = pixels if isinstance(pixels, int) else _HEIGHT_PX
     canvas = canvas_for(picture, sheet, brush, fit, pixels)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
-    asked = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.made.seed)
+    asked = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.provenance.seed)
     problem = problem_of(layout, brush, style, asked, LossOptions(weights=weights))
     planned = plan(problem, asked, schedule=AGAIN, start=_parameters(left, painting))
-    again = as_painting(planned, layout, brush, style, painting.made)
+    again = as_painting(planned, layout, brush, style, painting.provenance)
     return _joined(painting, painted, again)
 
 
@@ -156,9 +156,9 @@ def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:
 
 
 def _weights(painting: Painting) -> dict[str, float]:
-    weights = painting.made.options.get("weights")
+    weights = painting.provenance.options.get("weights")
     found = {str(name): float(str(weight)) for name, weight in (weights if isinstance(weights, dict) else {}).items()}
-    if missing := {"words", "look"} & set(found):
+    if missing := {"text", "look"} & set(found):
         raise InputError(
             f"{missing.pop()} was weighed when it was planned, which is not possible on the way; do not replan"
         )
@@ -170,8 +170,8 @@ def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
     if len(uses) != 1 or any(stroke.style is None for stroke in strokes):
         raise InputError("the strokes that are left are not all of one style; only those are planned again")
     name, known = uses.pop()
-    sheet = painting.canvas
-    style = load_style(str(painting.made.options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    sheet = painting.sheet
+    style = load_style(str(painting.provenance.options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
     if style.hash != known:
         raise InputError(f"the style {style.name} is not what it was when the painting was planned; plan it anew")
     return style
@@ -184,7 +184,7 @@ def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
         codes=torch.tensor([use.code for use in uses]),
         centres=paths[..., :2].mean(dim=1),
         angles=torch.tensor([use.pose[2] for use in uses]),
-        press_knots=torch.from_numpy(fit_knots(paths[..., 2].double().numpy())).float(),
+        pressure_knots=torch.from_numpy(fit_knots(paths[..., 2].double().numpy())).float(),
         colours=torch.tensor([painting.paints[stroke.paint].colour for stroke in strokes]),
     )
 

@@ -1,4 +1,4 @@
-"""What ``maulstick run`` was asked about the machine, kept in the journal: whoever goes on need not say it again."""
+"""What ``maulstick paint`` was asked about the machine, kept in the journal: whoever goes on need not say it again."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -44,12 +44,12 @@ class PaintOptions(BaseModel):
             before = PaintOptions.model_validate(words)
         except ValidationError as error:
             raise InputError(
-                f"the journal's words are damaged: {validation_fault(error)}; start again with --anew"
+                f"the journal's words are damaged: {validation_fault(error)}; start again with --restart"
             ) from error
         if self.robot is not None and before.robot is not None and _kind(self.robot) != _kind(before.robot):
             raise InputError(
                 f"this painting was begun on {before.robot}, and what is left belongs on the same sheet; leave out "
-                "--robot, or start on a new sheet with --anew"
+                "--robot, or start on a new sheet with --restart"
             )
         return before.model_copy(update={name: said for name, said in self if name in self.model_fields_set})
 

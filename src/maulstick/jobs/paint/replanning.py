@@ -72,10 +72,12 @@ class Replanning:
 
     def check(self, plan: Painting) -> None:
         """Raise InputError where the picture is not the one that was planned, or it cannot be planned again."""
-        if plan.made.image_sha256 is None:
+        if plan.provenance.image_sha256 is None:
             raise InputError("the painting was not planned from a picture, so it cannot be planned again on the way")
-        if file_sum(self.picture) != plan.made.image_sha256:
-            raise InputError(f"{self.picture} is not the picture {plan.made.image} that was planned; name that one")
+        if file_sum(self.picture) != plan.provenance.image_sha256:
+            raise InputError(
+                f"{self.picture} is not the picture {plan.provenance.image} that was planned; name that one"
+            )
         self._tags(plan)  # refuses a side that no tag has
         self._chart()
         from maulstick.jobs.paint.camera_loop import check_replannable  # loads torch
@@ -87,14 +89,14 @@ class Replanning:
         """The camera, as an eye that has seen the bare sheet, now or in the run `before`, which this goes on with."""
         tags = self._tags(plan)
         view = None if self.view is None else read_view(self.view)
-        canvas = flat_canvas(plan.canvas.width, plan.canvas.height)
+        canvas = flat_canvas(plan.sheet.width, plan.sheet.height)
         if before is not None and not (kept := _eye_of(before)).exists():
             raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
         with simulation.camera(tags) if simulation is not None else open_camera(self.camera or "") as camera:
             if before is not None:
                 yield Eye.opened_again(camera, canvas, tags, _eye_of(before), view)
             else:
-                yield Eye.opened(camera, canvas, tags, plan.canvas.paper, self._chart(), view)
+                yield Eye.opened(camera, canvas, tags, plan.sheet.paper, self._chart(), view)
 
     def keep(self, eye: Eye, journal: Journal) -> None:
         """What it saw of the bare sheet, for whoever goes on."""
@@ -129,7 +131,7 @@ class Replanning:
         paint_by_eye(plan, workplace, look, again, enough)
 
     def _tags(self, plan: Painting) -> TagFrame:
-        return TagFrame(plan.canvas.width, plan.canvas.height, side=self.tag)
+        return TagFrame(plan.sheet.width, plan.sheet.height, side=self.tag)
 
     def _chart(self) -> Colours | None:
         return None if self.colours is None else read_colours(self.colours)

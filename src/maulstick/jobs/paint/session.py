@@ -27,14 +27,14 @@ class PaintRequest:
     """What is to be painted, and how.
 
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
-    anew: on a new sheet, whatever the journal says, which is kept.
+    restart: on a new sheet, whatever the journal says, which is kept.
     """
 
     painting: Path
     options: PaintOptions
     from_stroke: int | None = None
     resume: bool = False
-    anew: bool = False
+    restart: bool = False
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -97,9 +97,9 @@ def _was_begun(path: Path) -> bool:
 
 def _see_that_it_may_begin(request: PaintRequest) -> None:
     path = journal_of(request.painting)
-    if _was_begun(path) and not request.anew:
+    if _was_begun(path) and not request.restart:
         raise InputError(
-            f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --anew"
+            f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --restart"
         )
     with locked(path):  # rather than once the machine is connected
         return

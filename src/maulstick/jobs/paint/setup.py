@@ -37,7 +37,7 @@ class PaintSetup:
         plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
         simulation = Simulation.of(options.machine, plan, easel, tray) if options.simulated else None
         robot = machine(options.machine, easel) if simulation is None else simulation.robot
-        easel = easel or robot.easel(plan.canvas.width, plan.canvas.height)
+        easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
         return cls(options, plan, robot, easel, tray, simulation, replanning)
 
     def first(self, from_stroke: int | None) -> tuple[int, ...]:

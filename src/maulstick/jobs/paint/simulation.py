@@ -1,4 +1,4 @@
-"""The simulated easel as ``maulstick run`` uses it: its paints are at hand, and its sheet can be looked at."""
+"""The simulated easel as ``maulstick paint`` uses it: its paints are at hand, and its sheet can be looked at."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class Simulation:
             names = ", ".join(sorted(painting.brushes))
             raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
         pace, limits = _PACES[word]
-        size = painting.canvas.width, painting.canvas.height
+        size = painting.sheet.width, painting.sheet.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
         brush = next(iter(painting.brushes.values()))
         wells = [] if tray is None else zip(tray.wells_of(painting), painting.paints, strict=True)

@@ -61,6 +61,6 @@ def plan_with(
             break
         except _Reweighed as change:
             prepared, state = prepared.weighed(change.weights), change.state
-            asked = replace(asked, weigh=dict(change.weights))
+            asked = replace(asked, weights=dict(change.weights))
     painting = as_painting(planned, prepared.layout, prepared.brush, prepared.style, prepared.made, prepared.names)
     return with_metrics(painting, prepared.layout, prepared.problem)

@@ -1,4 +1,4 @@
-"""All that was asked of ``maulstick paint``, as it is written beside a plan in the making."""
+"""All that was asked of ``maulstick plan``, as it is written beside a plan in the making."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ class PlanRequest:
     photo: Path | None
     text: str | None
     look: Path | None
-    weigh: dict[str, float]
+    weights: dict[str, float]
     clip: str | None
     clip_weights: Path | None
     clip_layers: tuple[int, ...] | None
@@ -34,14 +34,14 @@ class PlanRequest:
     ink: str | None
     paints_from: Path | None
     brush: str
-    press: float | None
+    pressure: float | None
     style: str
     steps: int
     ask_every: int
     px: int | None
     seed: int
     tries: int
-    frames: str | None
+    video: str | None
     sums: dict[str, str] = field(default_factory=dict)
 
     @property

@@ -75,8 +75,8 @@ class Prepared:
 def prepare(request: PlanRequest) -> Prepared:
     """Read all files of the job. Raises InputError for the first that cannot be used, and where words contradict."""
     brush, sheet = load_brush(request.brush), _sheet(request)
-    if request.press is not None:
-        brush = brush.held_at(request.press)
+    if request.pressure is not None:
+        brush = brush.held_at(request.pressure)
     tubes = read_paints(request.paints_from) if request.paints_from is not None else ()
     if len(tubes) > request.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {request.strokes} strokes")
@@ -89,7 +89,7 @@ def prepare(request: PlanRequest) -> Prepared:
     style = load_style(request.style, layout.canvas)
     look = read_picture(request.look, longest_px=_SHEET_PX) if request.look is not None else None
     asks_clip = {"likeness": 1.0} if request.names_clip and request.photo is not None else {}
-    loss_options = LossOptions(request.text, look, {**asks_clip, **request.weigh})
+    loss_options = LossOptions(request.text, look, {**asks_clip, **request.weights})
     known = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     request = request.with_sums({**known, "the style": style.hash})
     network = cache(partial(_network, request))

@@ -17,7 +17,7 @@ _PREVIEW_PX, _WIDEST_PX = 1024, 4096
 
 
 def write_results(painting: Painting, out: Path, video: Video | None) -> list[str]:
-    """Write all files; their names. A film of an earlier plan goes, since it would not be of this one."""
+    """Write all files; their names. A video of an earlier plan goes, since it would not be of this one."""
     with all_or_nothing(out) as folder:
         write_painting(painting, folder / "painting.json")
         atomic_write(folder / "painting.svg", painting_svg(painting).encode())
@@ -33,7 +33,7 @@ def write_results(painting: Painting, out: Path, video: Video | None) -> list[st
 
 
 def _preview(painting: Painting) -> bytes:
-    width, height = painting.canvas.width, painting.canvas.height
+    width, height = painting.sheet.width, painting.sheet.height
     return encode_png(preview(painting, Canvas(width, height, min(_PREVIEW_PX / height, _WIDEST_PX / width))))
 
 

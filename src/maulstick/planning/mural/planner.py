@@ -61,7 +61,7 @@ def plan_mural(
     resume: what `PlanProgress.state` said in an earlier run that was asked for the same; planning goes on from there.
     Raises InputError for a text: every window would be made to show it.
     """
-    if "words" in loss_options.weights_of_terms(has_picture=True):
+    if "text" in loss_options.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")

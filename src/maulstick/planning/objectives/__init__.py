@@ -1,4 +1,4 @@
-"""What a painting should look like: objectives, asked at every step, and judges, networks that are asked seldom."""
+"""Losses of a canvas: objectives at every step, and network losses, which are evaluated now and then."""
 
 from maulstick.planning.objectives.edges import Edges
 from maulstick.planning.objectives.likeness import Likeness, sketch

@@ -27,7 +27,7 @@ class TextMatch(NetworkLoss):
     @property
     def name(self) -> str:
         """``words``."""
-        return "words"
+        return "text"
 
     @property
     def views(self) -> int:

@@ -20,7 +20,7 @@ MOST_SAMPLES = 5_000_000
 class Page:
     """What a reader finds in a file.
 
-    strokes: each (m, 4) of (t, x, y, press): seconds from any moment; x right, y down, in units; press in [0, 1].
+    strokes: each (m, 4) of (t, x, y, pressure): seconds from any moment; x right, y down, in units; pressure in [0, 1].
     unit: metres, or None where the file does not tell.  size: of the sheet, from (0, 0), in units, or None likewise.
     kind: the name of the format.
     """

@@ -30,7 +30,7 @@ _ELEMENT = 32  # characters: what an element costs beside its attributes
 
 
 def read_svg(content: bytes) -> Page:
-    """The page of an SVG: a stroke for each path, subpath, line and shape, transformed; no times and no press.
+    """The page of an SVG: a stroke for each path, subpath, line and shape, transformed; no times and no pressure.
 
     Lengths are real where width and height of the document say so, 96 pixels to the inch; else the unit is unknown.
     Curves are sampled as in `curves.polylines`. Text and images are no strokes.

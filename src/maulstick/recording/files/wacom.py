@@ -37,9 +37,9 @@ def _library() -> Iterator[None]:
 def read_uim(content: bytes) -> Page:
     """The page of a UIM document.
 
-    What the sensors saw, in seconds and metres, where it is there for every stroke; a press beyond 1 is divided by its
-    channel's largest. Else the strokes' splines, whose unit is unknown, sampled as in `curves.polylines`, without times
-    and press. Strokes that share their sensor data, as after an eraser cut them, count as having none.
+    What the sensors saw, in seconds and metres, where it is there for every stroke; a pressure beyond 1 is divided by
+    its channel's largest. Else the strokes' splines, whose unit is unknown, sampled as in `curves.polylines`, without
+    times and pressure. Strokes that share their sensor data, as after an eraser cut them, count as having none.
     Raises InputError, or the library's own error, where the document cannot be read.
     """
     with _library():
@@ -77,15 +77,15 @@ def _sensed(model: Any, record: Any) -> Floats | None:
         # The first time of a record is in milliseconds, but the library takes it for what the channel counts in.
         steps = channels["TIMESTAMP"].resolution * 10.0 ** channels["TIMESTAMP"].precision
         stroke[:, 0] += stroke[0, 0] * (steps * 1e-3 - 1)
-    press = stroke[:, 3]
-    if not np.isnan(press).any():
-        largest = max(1.0, float(press.max()))
-        stroke[:, 3] = np.clip(press / (largest if largest == 1 else max(channels["PRESSURE"].max, largest)), 0, 1)
+    pressure = stroke[:, 3]
+    if not np.isnan(pressure).any():
+        largest = max(1.0, float(pressure.max()))
+        stroke[:, 3] = np.clip(pressure / (largest if largest == 1 else max(channels["PRESSURE"].max, largest)), 0, 1)
     return stroke
 
 
 def read_will(content: bytes) -> Page:
-    """The page of a WILL 2 file: its splines, without times and press, in an unknown unit (`curves.polylines`).
+    """The page of a WILL 2 file: its splines, without times and pressure, in an unknown unit (`curves.polylines`).
 
     Raises InputError where the file cannot be read.
     """

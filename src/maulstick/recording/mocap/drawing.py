@@ -22,7 +22,7 @@ _DOUBTFUL = 3e-3  # metres between the paper and the plane of the markers
 class TakeInk:
     """What a take shows.
 
-    ink: its strokes; without press.
+    ink: its strokes; without pressure.
     times: (F,), seconds since the take began.  heights: (F,), of the tip over the paper, metres; NaN where not known.
     contact: when the tip touches.  beside: (k, 2), first frame and the one after the last of touches beside the sheet.
     summary: what was found and decided, a line each, for people.

@@ -11,10 +11,10 @@ def plain(*tensors: Tensor) -> list[Tensor]:
     return [x.to(torch.float32).contiguous() for x in tensors]
 
 
-def check_strokes(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor) -> None:
+def check_strokes(points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor) -> None:
     """Refuse strokes that no kernel can draw.
 
-    points: (N, n, 2) pixels, n >= 1.  thickness: (N, n) pixels.  c, q, o: (N,) or (1,).
+    points: (N, n, 2) pixels, n >= 1.  thickness: (N, n) pixels.  falloff, plateau, opacity: (N,) or (1,).
 
     Raises InputError naming the stroke for a coordinate or number that is not finite or out of range.
     """
@@ -26,9 +26,9 @@ def check_strokes(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Te
     _check_each(points.isfinite().all(dim=2), points, "a point")
     _check_each(thickness.isfinite(), thickness, "a thickness")
     for name, value, valid, allowed in (
-        ("c", c, (c > 0) & c.isfinite(), "above 0"),
-        ("q", q, (q >= 0) & (q < 1), "in [0, 1)"),
-        ("o", o, (o > 0) & (o <= 1), "in (0, 1]"),
+        ("falloff", falloff, (falloff > 0) & falloff.isfinite(), "above 0"),
+        ("plateau", plateau, (plateau >= 0) & (plateau < 1), "in [0, 1)"),
+        ("opacity", opacity, (opacity > 0) & (opacity <= 1), "in (0, 1]"),
     ):
         if value.ndim != 1 or value.shape[0] not in (1, count):
             raise InputError(f"{name} has shape {tuple(value.shape)}; it must be ({count},) or (1,)")

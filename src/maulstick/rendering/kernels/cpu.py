@@ -19,9 +19,9 @@ THREADS = torch.get_num_threads()
 def darkness(
     points: Tensor,
     thickness: Tensor,
-    c: Tensor,
-    q: Tensor,
-    o: Tensor,
+    falloff: Tensor,
+    plateau: Tensor,
+    opacity: Tensor,
     *,
     height: int,
     width: int,
@@ -29,11 +29,11 @@ def darkness(
     threads: int = THREADS,
 ) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
-    points, thickness, c, q, o = plain(points, thickness, c, q, o)
-    check_strokes(points, thickness, c, q, o)
+    points, thickness, falloff, plateau, opacity = plain(points, thickness, falloff, plateau, opacity)
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_size(height, width)
     result: Tensor = _Darkness.apply(
-        points, thickness, *_one_each(points, c, q, o), height, width, instructions, threads
+        points, thickness, *_one_each(points, falloff, plateau, opacity), height, width, instructions, threads
     )
     return result
 
@@ -43,17 +43,19 @@ def composite(
     points: Tensor,
     thickness: Tensor,
     colours: Tensor,
-    c: Tensor,
-    q: Tensor,
-    o: Tensor,
+    falloff: Tensor,
+    plateau: Tensor,
+    opacity: Tensor,
     *,
     trainable: Tensor | None = None,
     instructions: str = INSTRUCTION_SETS[0],
     threads: int = THREADS,
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
-    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
-    check_strokes(points, thickness, c, q, o)
+    canvas, points, thickness, colours, falloff, plateau, opacity = plain(
+        canvas, points, thickness, colours, falloff, plateau, opacity
+    )
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
         trainable = torch.ones(points.shape[0], dtype=torch.bool)
@@ -62,7 +64,7 @@ def composite(
         points,
         thickness,
         colours,
-        *_one_each(points, c, q, o),
+        *_one_each(points, falloff, plateau, opacity),
         trainable.to(torch.uint8).contiguous(),
         instructions,
         threads,
@@ -80,7 +82,7 @@ def _bare(*tensors: Tensor) -> tuple[Any, ...]:
 
 
 def _split(gradients: Tensor, points: int, channels: int) -> tuple[Tensor, ...]:
-    """Gradients of points, thickness, colours, c, q, o out of the native module's records."""
+    """Gradients of points, thickness, colours, falloff, plateau, opacity out of the native module's records."""
     count = gradients.shape[0]
     at_points = gradients[:, : 3 * points].reshape(count, points, 3)
     colours, numbers = gradients[:, 3 * points :].split([channels, 3], dim=1)

@@ -19,13 +19,15 @@ from maulstick.rendering.kernels.arguments import check_canvas, check_size, chec
 _TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value
 
 
-def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
+def darkness(
+    points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, *, height: int, width: int
+) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
-    points, thickness, c, q, o = plain(points, thickness, c, q, o)
-    check_strokes(points, thickness, c, q, o)
+    points, thickness, falloff, plateau, opacity = plain(points, thickness, falloff, plateau, opacity)
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_size(height, width)
     with torch.cuda.device_of(points):
-        result: Tensor = _Darkness.apply(points, thickness, _numbers(points, c, q, o), height, width)
+        result: Tensor = _Darkness.apply(points, thickness, _numbers(points, falloff, plateau, opacity), height, width)
     return result
 
 
@@ -34,19 +36,21 @@ def composite(
     points: Tensor,
     thickness: Tensor,
     colours: Tensor,
-    c: Tensor,
-    q: Tensor,
-    o: Tensor,
+    falloff: Tensor,
+    plateau: Tensor,
+    opacity: Tensor,
     *,
     trainable: Tensor | None = None,
 ) -> Tensor:
     """Paint all strokes onto one canvas in order, as `reference.composite` does; float32."""
-    canvas, points, thickness, colours, c, q, o = plain(canvas, points, thickness, colours, c, q, o)
-    check_strokes(points, thickness, c, q, o)
+    canvas, points, thickness, colours, falloff, plateau, opacity = plain(
+        canvas, points, thickness, colours, falloff, plateau, opacity
+    )
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
         trainable = torch.ones(points.shape[0], dtype=torch.bool, device=points.device)
-    strokes = torch.cat([_numbers(points, c, q, o), colours], dim=1)
+    strokes = torch.cat([_numbers(points, falloff, plateau, opacity), colours], dim=1)
     with torch.cuda.device_of(points):
         result: Tensor = _Composite.apply(canvas, points, thickness, strokes, trainable.to(torch.uint8).contiguous())
     return result

@@ -6,16 +6,18 @@ from torch import Tensor
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
 
 
-def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
+def darkness(
+    points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, *, height: int, width: int
+) -> Tensor:
     """Draw each stroke alone on an image of its own (paper: Traj2Stroke Model; design §4, §5).
 
     points: (N, n, 2) pixels from the upper left corner; the centre of the first pixel is (0.5, 0.5).
     thickness: (N, n) half-width in pixels; where it is 0 or less there is no mark.
-    c, q, o: falloff, plateau and opacity, (N,) or (1,).
+    falloff, plateau, opacity: falloff, plateau and opacity, (N,) or (1,).
 
     Returns (N, height, width) in [0, 1], in the points' dtype. Raises InputError for what cannot be drawn.
     """
-    check_strokes(points, thickness, c, q, o)
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_size(height, width)
     if points.shape[0] == 0:
         return points.new_zeros(0, height, width)
@@ -25,11 +27,15 @@ def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor,
         indexing="ij",
     )
     grid = torch.stack([grid_x, grid_y], dim=-1)  # (H, W, 2)
-    c, q, o = (x.expand(points.shape[0]) for x in (c, q, o))
-    return torch.stack([_darkness_of_one(*stroke, grid) for stroke in zip(points, thickness, c, q, o, strict=True)])
+    falloff, plateau, opacity = (x.expand(points.shape[0]) for x in (falloff, plateau, opacity))
+    return torch.stack(
+        [_darkness_of_one(*stroke, grid) for stroke in zip(points, thickness, falloff, plateau, opacity, strict=True)]
+    )
 
 
-def _darkness_of_one(xy: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, grid: Tensor) -> Tensor:
+def _darkness_of_one(
+    xy: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, grid: Tensor
+) -> Tensor:
     if xy.shape[0] == 1:  # a dot is a segment without length
         xy, thickness = xy.expand(2, 2), thickness.expand(2)
     u, w = xy[:-1, None, None], (xy[1:] - xy[:-1])[:, None, None]  # (n-1, 1, 1, 2)
@@ -46,10 +52,10 @@ def _darkness_of_one(xy: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Ten
     marks = at_pixel > 0
     ratio = torch.where(marks, distance / torch.where(marks, at_pixel, 1.0), 2.0)  # 1 and more: no mark
     nearest = ratio.argmin(dim=0, keepdim=True)  # the maximum of darkness; the first segment wins a tie
-    ramp = (1 - ratio.gather(0, nearest)[0]) / (1 - q)
+    ramp = (1 - ratio.gather(0, nearest)[0]) / (1 - plateau)
     base = torch.where(ramp < 1, ramp, 1.0)
     inside = base > 0
-    return torch.where(inside, o * torch.where(inside, base, 1.0) ** c, 0.0)
+    return torch.where(inside, opacity * torch.where(inside, base, 1.0) ** falloff, 0.0)
 
 
 def composite(
@@ -57,9 +63,9 @@ def composite(
     points: Tensor,
     thickness: Tensor,
     colours: Tensor,
-    c: Tensor,
-    q: Tensor,
-    o: Tensor,
+    falloff: Tensor,
+    plateau: Tensor,
+    opacity: Tensor,
     *,
     trainable: Tensor | None = None,
 ) -> Tensor:
@@ -70,9 +76,9 @@ def composite(
 
     Returns the painted canvas (C, H, W). Raises InputError for what cannot be drawn.
     """
-    check_strokes(points, thickness, c, q, o)
+    check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
-    numbers = [x.expand(points.shape[0]) for x in (c, q, o)]
+    numbers = [x.expand(points.shape[0]) for x in (falloff, plateau, opacity)]
     for i in range(points.shape[0]):
         stroke = [points[i : i + 1], thickness[i : i + 1], *(x[i : i + 1] for x in numbers)]
         colour = colours[i]

@@ -8,13 +8,15 @@ from torch import Tensor
 from maulstick.rendering.kernels import cpu
 
 
-def darkness(points: Tensor, thickness: Tensor, c: Tensor, q: Tensor, o: Tensor, *, height: int, width: int) -> Tensor:
+def darkness(
+    points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, *, height: int, width: int
+) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32.
 
     All tensors are on one device; so is the result.
     """
     kernels = kernels_for(points.device)
-    images: Tensor = kernels.darkness(points, thickness, c, q, o, height=height, width=width)
+    images: Tensor = kernels.darkness(points, thickness, falloff, plateau, opacity, height=height, width=width)
     return images
 
 
@@ -23,9 +25,9 @@ def composite(
     points: Tensor,
     thickness: Tensor,
     colours: Tensor,
-    c: Tensor,
-    q: Tensor,
-    o: Tensor,
+    falloff: Tensor,
+    plateau: Tensor,
+    opacity: Tensor,
     *,
     trainable: Tensor | None = None,
 ) -> Tensor:
@@ -34,7 +36,9 @@ def composite(
     All tensors are on one device; so is the result.
     """
     kernels = kernels_for(points.device)
-    painted: Tensor = kernels.composite(canvas, points, thickness, colours, c, q, o, trainable=trainable)
+    painted: Tensor = kernels.composite(
+        canvas, points, thickness, colours, falloff, plateau, opacity, trainable=trainable
+    )
     return painted
 
 

@@ -19,7 +19,7 @@ _NOISE = 1e-3  # metres that an arm at the edge of its workspace may seem to be 
 
 
 class Arm(Robot):
-    """A machine with joints: it presses, and holds its tool as its operator turned it before connecting.
+    """A machine with joints: it pressures, and holds its tool as its operator turned it before connecting.
 
     Turning the tool upright instead would sweep whatever it holds across the easel. The tip is the tool centre point
     that is set at the arm itself.

@@ -29,7 +29,7 @@ _V3 = Limits(
     climb=0.2,
     acceleration=1.0,
     deviation=1e-5,
-    presses=False,
+    varies_pressure=False,
 )
 
 

@@ -118,7 +118,7 @@ class EbbBoard:
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
             f"there is noise on the line to {self._line.port} ({shown!r}); check cable and hub, "
-            "then go on with maulstick run ... --resume"
+            "then go on with maulstick paint ... --resume"
         )
 
 

@@ -26,7 +26,7 @@ FRANKA_LIMITS: Final = Limits(
     climb=0.1,
     acceleration=1.0,
     deviation=2e-4,
-    presses=True,
+    varies_pressure=True,
     lifting=0.03,
 )
 """A box before the arm, all of which it reaches with its tool pointing down.

@@ -20,7 +20,7 @@ from maulstick.storage.arrays import Floats
 _BAUD = 115200
 _CLEAR = 5e-3  # metres above the paper: where a tip is lifted to that nobody has moved yet
 _FACTORY = Limits(  # of a Grbl that has not been asked yet
-    lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, presses=True
+    lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, varies_pressure=True
 )
 
 

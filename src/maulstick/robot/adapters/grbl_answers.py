@@ -126,7 +126,7 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> L
         acceleration=min(gains if pen is None else gains[:2]),
         axes=gains,
         deviation=_MM * settings[11],
-        presses=pen is None,
+        varies_pressure=pen is None,
         lifting=0.0 if pen is None else pen.seconds,
     )
 

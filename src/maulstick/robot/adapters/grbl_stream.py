@@ -26,7 +26,7 @@ _BETWEEN_RESETS = 1.0  # seconds; a board that starts when its port is opened mi
 _QUIET = 0.1  # seconds in which a board that did not miss it starts once more
 _HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")
 _UNABLE = {
-    "Door": "its safety door is open; close it, then go on with maulstick run ... --resume",
+    "Door": "its safety door is open; close it, then go on with maulstick paint ... --resume",
     "Check": "it only checks G-code; send $C, then start again",
     "Sleep": "it sleeps; reset it, then start again",
     "Alarm": "it is locked, as its position may be lost; home it with $H or unlock it with $X, then start again",
@@ -149,7 +149,7 @@ class GrblStream:
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
             f"there is noise on the line to {port} ({shown!r}); check cable and ground, "
-            "then go on with maulstick run ... --resume"
+            "then go on with maulstick paint ... --resume"
         )
 
     def _check(self, status: Status) -> None:

@@ -61,7 +61,7 @@ class SerialLine:
     def lost(self) -> MachineError:
         """What to raise once nothing comes any more."""
         return MachineError(
-            f"the line to {self.port} went silent; check cable and power, then go on with maulstick run ... --resume"
+            f"the line to {self.port} went silent; check cable and power, then go on with maulstick paint ... --resume"
         )
 
     def _read(self) -> bool:

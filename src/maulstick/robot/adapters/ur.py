@@ -22,7 +22,7 @@ UR_LIMITS: Final = Limits(
     climb=0.1,
     acceleration=0.5,
     deviation=1e-4,
-    presses=True,
+    varies_pressure=True,
 )
 """A box around the arm; nearer ones, and what it must not touch, are matters of its own safety planes."""
 

@@ -25,7 +25,7 @@ XARM: Final = Limits(
     climb=0.1,
     acceleration=1.0,
     deviation=1e-4,
-    presses=True,
+    varies_pressure=True,
 )
 """A box that the arms of 700 mm reach."""
 

@@ -24,19 +24,19 @@ ARM: Final = Limits(
     climb=0.1,
     acceleration=2.0,
     deviation=1e-4,
-    presses=True,
+    varies_pressure=True,
 )
 """What a small arm can do."""
 
 WEIGHTLESS: Final = Limits(
-    lower=(-5, -5, -0.02), upper=(5, 5, 0.12), speed=10, climb=1, acceleration=100, deviation=1e-4, presses=True
+    lower=(-5, -5, -0.02), upper=(5, 5, 0.12), speed=10, climb=1, acceleration=100, deviation=1e-4, varies_pressure=True
 )
 """What only an arm without weight can do: any hand's speed, on any sheet."""
 
 _REST = np.array([0.0, 0.0, 0.05])
 _TICK = 0.02  # seconds
 _IN_A_WELL = 0.01  # metres
-_ROUNDING = 1e-6  # of press: a tip that is meant to touch does
+_ROUNDING = 1e-6  # of pressure: a tip that is meant to touch does
 
 
 @final
@@ -137,9 +137,9 @@ class SimulatedEasel(Robot):
         for x, y, colour in self._wells:
             if np.hypot(*(path[0, :2] - (x, y))) < _IN_A_WELL:
                 self.colour = colour
-        press = -path[:, 2] / self.sheet.depth
-        touching = press > -_ROUNDING
+        pressure = -path[:, 2] / self.sheet.depth
+        touching = pressure > -_ROUNDING
         for run in np.split(np.arange(len(path)), np.flatnonzero(np.diff(touching)) + 1):
             if touching[run[0]]:
-                drawn = np.concatenate([path[run, :2] + shift, press[run, None].clip(0, 1)], axis=1)
+                drawn = np.concatenate([path[run, :2] + shift, pressure[run, None].clip(0, 1)], axis=1)
                 self.sheet.draw(drawn, self.colour)

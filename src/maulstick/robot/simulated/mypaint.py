@@ -93,9 +93,9 @@ class MyPaintPaper:
         colour: tuple[float, float, float] = (0.0, 0.0, 0.0),
         speed: float = 0.05,
     ) -> None:
-        """Draw a trajectory (n, 3), metres and press in [0, 1], at a constant speed in metres a second.
+        """Draw a trajectory (n, 3), metres and pressure in [0, 1], at a constant speed in metres a second.
 
-        radius: the medium's base radius, metres; how wide the mark then is at which press is the medium's affair.
+        radius: the medium's base radius, metres; how wide the mark then is at which pressure is the medium's affair.
         colour: sRGB in [0, 1].
         The same strokes make the same picture on every sheet. What lies beside the sheet is lost, and a stroke
         without length leaves no mark, except by a medium that flows while it rests (brush).
@@ -115,8 +115,8 @@ class MyPaintPaper:
             library.mypaint_surface_begin_atomic(surface)
             x, y, _ = reports[0]
             library.mypaint_brush_stroke_to(brush, surface, x, y, 0.0, 0.0, 0.0, _LIFTED * self._slowdown)
-            for x, y, press in reports:
-                library.mypaint_brush_stroke_to(brush, surface, x, y, press, 0.0, 0.0, tick)
+            for x, y, pressure in reports:
+                library.mypaint_brush_stroke_to(brush, surface, x, y, pressure, 0.0, 0.0, tick)
             library.mypaint_surface_end_atomic(surface, None)
         finally:
             library.mypaint_brush_unref(brush)
@@ -140,14 +140,14 @@ class MyPaintPaper:
         return self.canvas.pixels_per_metre / _SCREEN
 
     def _reports(self, trajectory: Floats, speed: float) -> list[list[float]]:
-        """(m, 3) places in pixels and press, one a period."""
+        """(m, 3) places in pixels and pressure, one a period."""
         path = np.array(trajectory, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 1 or path.shape[1] != 3:
             raise InputError(f"a trajectory has shape {path.shape}; it must be (n, 3) with n of at least 1")
         if not np.isfinite(path).all():
             raise InputError("a point of the trajectory is not a finite number")
         if path[:, 2].min() < 0 or path[:, 2].max() > 1:
-            raise InputError.of_range("press", f"{path[:, 2].min():g} to {path[:, 2].max():g}", "in [0, 1]")
+            raise InputError.of_range("pressure", f"{path[:, 2].min():g} to {path[:, 2].max():g}", "in [0, 1]")
         beside = max(self.canvas.width, self.canvas.height)  # libmypaint's memory grows with the distance
         path[:, :2] = path[:, :2].clip(-beside, 2 * beside)
         moving = resample(path, 1 + math.ceil(float(path_lengths(path[:, :2])) / (speed * _PERIOD)))

@@ -44,7 +44,7 @@ _TOOLS = {
 class InkedSheet(ABC):
     """White paper and a medium.
 
-    canvas: its size, and the pixels of `image`.  depth: metres below first touch that are the medium's press 1.
+    canvas: its size, and the pixels of `image`.  depth: metres below first touch that are the medium's pressure 1.
     """
 
     canvas: Canvas
@@ -52,7 +52,7 @@ class InkedSheet(ABC):
 
     @abstractmethod
     def draw(self, trajectory: Floats, colour: Colour) -> None:
-        """Draw a trajectory (n, 3), metres and press in [0, 1]."""
+        """Draw a trajectory (n, 3), metres and pressure in [0, 1]."""
 
     @abstractmethod
     def image(self) -> Image:
@@ -79,7 +79,7 @@ class MyPaintSheet(InkedSheet):
 
 @final
 class StampedSheet(InkedSheet):
-    """A sheet on which OpenCV stamps discs along a path. half_width: of the mark at press 0 and 1, metres."""
+    """A sheet on which OpenCV stamps discs along a path. half_width: of the mark at pressure 0 and 1, metres."""
 
     def __init__(self, canvas: Canvas, half_width: tuple[float, float], depth: float) -> None:
         """Raises InputError where OpenCV is not installed."""

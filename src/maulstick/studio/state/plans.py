@@ -91,7 +91,7 @@ class Plan:
 
     def keep_story(self) -> None:
         """Let its folder know how planning went, for a studio that is opened later."""
-        story = {"figures": self.metrics, "curve": [[done, dict(parts)] for done, parts in self.curve]}
+        story = {"metrics": self.metrics, "curve": [[done, dict(parts)] for done, parts in self.curve]}
         atomic_write(self.folder / _STORY, json.dumps(story).encode())
 
     def begin(self) -> None:
@@ -246,6 +246,6 @@ def _found(name: str, folder: Path) -> Plan | None:
         return None
     with suppress(OSError, ValueError, KeyError):  # without it there is less to see
         story = json.loads((folder / _STORY).read_bytes())
-        plan.metrics, plan.curve = tuple(story["figures"]), [(done, parts) for done, parts in story["curve"]]
+        plan.metrics, plan.curve = tuple(story["metrics"]), [(done, parts) for done, parts in story["curve"]]
     plan.phase = Phase.PLANNED if plan.is_painting and not state_files(folder) else Phase.STOPPED
     return plan

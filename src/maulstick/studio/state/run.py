@@ -114,12 +114,12 @@ class Run:
         self._see_that_it_is_free()
         self._begin("checking", request, rehearse_in_process)
 
-    async def begin(self, plan: str, options: PaintOptions, *, anew: bool = False) -> None:
+    async def begin(self, plan: str, options: PaintOptions, *, restart: bool = False) -> None:
         """Paint a plan from its first stroke. anew: though it was begun before, on a new sheet.
 
         Raises InputError where a machine is busy, or paints are not mixed.
         """
-        await self._start(PaintRequest(self._painting(plan), options, anew=anew), None)
+        await self._start(PaintRequest(self._painting(plan), options, restart=restart), None)
 
     async def resume(self, plan: str, options: PaintOptions, is_painted: bool | None) -> None:
         """Go on where it stopped, with what was asked then and is not asked now; raises as `begin`.

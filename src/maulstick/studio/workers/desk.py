@@ -1,4 +1,4 @@
-"""A desk for short work: reading what was uploaded, fitting a style, drawing a plate; never in the server itself."""
+"""A desk for short work: reading what was uploaded, fitting a style, drawing a plot; never in the server itself."""
 
 import asyncio
 import resource

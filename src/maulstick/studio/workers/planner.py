@@ -133,7 +133,7 @@ def _write_order(painting: Painting, folder: Path) -> None:
     """Pictures of its first strokes, ever more of them."""
     from maulstick.rendering.preview import preview
 
-    width, height = painting.canvas.width, painting.canvas.height
+    width, height = painting.sheet.width, painting.sheet.height
     canvas = Canvas(width, height, _FRAME_PX / max(width, height))
     ends = np.unique(np.linspace(0, len(painting.strokes), _FRAMES).astype(int))
     shutil.rmtree(order_frame(folder, 0).parent, ignore_errors=True)

@@ -18,8 +18,8 @@ class Map:
 
     names: of the styles.  whose: (N,), the number of its style.  places, glyphs: see `maulstick.plots.latent_map`.
     paths: (N, 32, 2), metres, standardised.  lengths: (N,), metres.  speeds: (N,), metres a second, the median along
-    the stroke.  press: (N,), in [0, 1], the mean.  Speeds and press are NaN where nobody knows.  strokes: of all hands
-    together, of which those on the map are some.
+    the stroke.  pressure: (N,), in [0, 1], the mean.  Speeds and pressure are NaN where nobody knows.
+    strokes: of all hands     together, of which those on the map are some.
     """
 
     names: tuple[str, ...]
@@ -29,7 +29,7 @@ class Map:
     paths: Floats
     lengths: Floats
     speeds: Floats
-    press: Floats
+    pressure: Floats
     strokes: int
 
 
@@ -73,9 +73,9 @@ def map_of(styles: dict[str, Path]) -> Map:
     read = [read_style(path) for path in styles.values()]
     at = places_of(read)
     which = list(zip(at.whose, at.rows, strict=True))
-    paths, press, speeds = (
+    paths, pressure, speeds = (
         np.stack([getattr(read[style].hand, field)[row] for style, row in which])
-        for field in ("paths", "press", "speeds")
+        for field in ("paths", "pressure", "speeds")
     )
     return Map(
         tuple(styles),
@@ -85,7 +85,7 @@ def map_of(styles: dict[str, Path]) -> Map:
         paths,
         path_lengths(paths),
         np.median(speeds, axis=1),
-        press.mean(axis=1),
+        pressure.mean(axis=1),
         sum(len(style.hand) for style in read),
     )
 

@@ -74,8 +74,8 @@ class _Setting:
                 self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
                 self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
                 self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
-                self._anew = ui.button(ANEW, icon="note_add", on_click=self._ask_for_a_new_sheet)
-                self._anew.props("outline")
+                self._restart = ui.button(ANEW, icon="note_add", on_click=self._ask_for_a_new_sheet)
+                self._restart.props("outline")
             self._mix = ui.link("", "/paints").classes("hint")
             later = ui.expansion(FINER).classes("more")
             self._new_sheet = ui.dialog().props('aria-label="A new sheet"')
@@ -156,14 +156,14 @@ class _Setting:
         self._none.visible, self._plan.visible = not there, there
         self._check.visible = there
         self._start.visible = there and status is None
-        self._anew.visible = there and status is not None
+        self._restart.visible = there and status is not None
         self._resume.visible = there and goes_on
         self._question.visible = goes_on and status is not None and status.unfinished is not None
         if status is not None and status.unfinished is not None:
             self._legend.text = f"Stroke {status.painted + 1} was under the brush when it ended. Is it on the paper?"
         self._begun.visible = bool(self._begun.text)
         self._mix.visible = bool(self._mix.text)
-        for button in (self._check, self._start, self._anew, self._resume):
+        for button in (self._check, self._start, self._restart, self._resume):
             button.enabled = not self._run.is_busy
 
     def _asked(self) -> tuple[str, PaintOptions]:
@@ -182,7 +182,7 @@ class _Setting:
 
     async def _begin_anew(self) -> None:
         self._new_sheet.close()
-        await self._run.begin(*self._asked(), anew=True)
+        await self._run.begin(*self._asked(), restart=True)
 
     async def _go_on(self) -> None:
         answer = self._answer.value

@@ -109,7 +109,7 @@ class PlanForm:
             ink=ink,
             paints_from=None,
             brush=str(self._brush.value),
-            press=None,
+            pressure=None,
             style=str(self._style.value),
             steps=int(self._effort.value or 0),
             ask_every=_ASK_EVERY,

@@ -14,7 +14,7 @@ CALLED = {
     "edges": "Outlines",
     "likeness": "What is in it",
     "sketch": "Like a sketch of it",
-    "words": "The text",
+    "text": "The text",
 }
 """Terms of the loss, in a person's words."""
 
@@ -42,8 +42,8 @@ class PlanWeights(ui.expansion):
     def __init__(self, studio: Studio, plan: Plan) -> None:
         super().__init__("What matters")
         self._studio, self._plan, self._followed = studio, plan, plan.asked.weigh
-        terms = (*(OF_A_PICTURE if plan.asked.photo is not None else ()), *(("words",) if plan.asked.text else ()))
-        usual = {"tone": 1.0, "words": 1.0}
+        terms = (*(OF_A_PICTURE if plan.asked.photo is not None else ()), *(("text",) if plan.asked.text else ()))
+        usual = {"tone": 1.0, "text": 1.0}
         with self:
             weights = {name: plan.asked.weigh.get(name, usual.get(name, 0.0)) for name in terms}
             self._sliders = weight_sliders(weights, self._weigh)

@@ -116,12 +116,12 @@ def large_svg(path: Floats, whose: int) -> str:
 
 def told_of(found: Map, number: int) -> str:
     """What is known of a stroke, for people."""
-    speed, press = found.speeds[number], found.press[number]
+    speed, pressure = found.speeds[number], found.pressure[number]
     told = [
         f"Stroke {number + 1} of {len(found.whose)}, by {found.names[found.whose[number]]}",
         f"{1e3 * found.lengths[number]:.3g} mm long",
         *([] if np.isnan(speed) else [f"drawn at {1e3 * speed:.3g} mm a second"]),
-        *([] if np.isnan(press) else [f"pen pressure {100 * press:.0f} %"]),
+        *([] if np.isnan(pressure) else [f"pen pressure {100 * pressure:.0f} %"]),
     ]
     return ", ".join(told)
 
