@@ -17,7 +17,10 @@ from maulstick.storage.files import file_to_read
 
 FITS = ("contain", "cover")
 LONGEST_KEPT_PX = 4096
-"""The longest side of a picture that is kept within another file."""
+"""Pixels on the longer side of a picture that is kept within another file, at most."""
+
+READ_PX = 4096
+"""Pixels on the longer side of a picture that is read to be planned: finer than any canvas in one piece."""
 
 _LARGEST = 100_000_000  # pixels
 _QUALITY = 88  # of a JPEG

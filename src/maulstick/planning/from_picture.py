@@ -65,7 +65,7 @@ def _channels_first(image: Image) -> torch.Tensor:
     return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1)))
 
 
-def making(
+def provenance_of(
     options: PlannerSettings, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
 ) -> Provenance:
     """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""

@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Generator, Tensor
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.planning.features.network import Network, ReadingNetwork
 from maulstick.planning.features.views import random_views
 from maulstick.planning.objectives import Edges, Likeness, Look, NetworkLoss, Objective, TextMatch, Tone, sketch
@@ -101,7 +101,7 @@ def _network_loss(name: str, loss_options: LossOptions, reference: Reference, ne
     views = random_views(_VIEWS, reference.weights.shape[0], reference.weights.shape[1], torch_rng)
     if name == "text":
         if not isinstance(network, ReadingNetwork):
-            raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with --clip")
+            raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with {option('clip')}")
         return TextMatch(network, loss_options.text or "", views, reference.paper)
     if name == "look":
         assert loss_options.look is not None

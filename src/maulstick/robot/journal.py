@@ -15,7 +15,7 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.storage.files import file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
@@ -163,9 +163,7 @@ class Journal:
         path = self.path.with_name(self.revision.file)
         content = read_whole(file_to_read(path, "painting"), "painting", _LARGEST)
         if hashlib.sha256(content).hexdigest() != self.revision.sha256:
-            raise InputError(
-                f"{path} is not the file that {self.path} was begun with; put that one back, or start again with --restart"
-            )
+            raise InputError(f"{path} is not the file that {self.path} was begun with", Remedy.PUT_BACK_OR_RESTART)
         return path
 
     def _begin(self) -> None:
@@ -188,13 +186,13 @@ class Journal:
         return len(whole)
 
     def _take(self, line: bytes, number: int) -> None:
-        fault = f"line {number} of {self.path} is not one of a journal; mend it, or start again with --restart"
+        fault = f"line {number} of {self.path} is not one of a journal"
         try:
             entry = _LINE.validate_python(json.loads(line))  # pydantic's own reader knows no names of any bytes
         except (ValueError, RecursionError) as error:
-            raise InputError(fault) from error
+            raise InputError(fault, Remedy.MEND_OR_RESTART) from error
         if self.revision is None and not isinstance(entry, Revision):
-            raise InputError(fault)
+            raise InputError(fault, Remedy.MEND_OR_RESTART)
         self._understand(entry)
 
     def _understand(self, entry: Line) -> None:
@@ -224,9 +222,7 @@ class Journal:
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(self._file, size)
-            raise OutputError(
-                f"cannot write {self.path}: {error.strerror}; mend that, and maulstick paint --resume goes on"
-            ) from error
+            raise OutputError(f"cannot write {self.path}: {error.strerror}; mend that", Remedy.GO_ON) from error
         self._understand(entry)
 
     def _end(self) -> None:

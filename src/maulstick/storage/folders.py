@@ -5,7 +5,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 
-from maulstick.errors import OutputError
+from maulstick.errors import OutputError, option
 
 _ROOM = 2**20  # bytes: what a painting takes at least
 
@@ -34,11 +34,11 @@ def all_or_nothing(out: Path) -> Iterator[Path]:
         try:
             yield Path(staging)
         except OutputError as error:
-            raise OutputError(str(error).replace(staging, str(out))) from error
+            raise error.replaced(staging, str(out)) from error
         written = sorted(Path(staging).iterdir())
         for path in written:
             if (out / path.name).is_dir():
-                raise OutputError(f"cannot write {out / path.name}: it is a folder; choose another --out")
+                raise OutputError(f"cannot write {out / path.name}: it is a folder; choose another {option('out')}")
         for path in written:
             path.replace(out / path.name)
 
@@ -51,4 +51,6 @@ def as_output_error(out: Path) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(f"cannot write into the folder {out}: {error.strerror}; choose another --out") from error
+        raise OutputError(
+            f"cannot write into the folder {out}: {error.strerror}; choose another {option('out')}"
+        ) from error

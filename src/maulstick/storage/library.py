@@ -7,7 +7,7 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, OutputError, option
 
 NAME = r"[a-z0-9][a-z0-9-]{0,39}"
 """What a name may be; it must never be a path."""
@@ -55,7 +55,9 @@ class Library:
         """The name itself. Raises InputError where the user may not use it, and OutputError where it is in use."""
         path = self.paths().get(self.check_name(name))
         if path is not None and self.is_built_in(path):
-            raise InputError(f"the {self.what} {name} comes with Maulstick; choose another --name")
+            raise InputError(f"the {self.what} {name} comes with Maulstick; choose another {option('name')}")
         if os.path.lexists(self.own() / f"{name}.json") and not overwrite:
-            raise OutputError(f"there is a {self.what} {name} already; choose another --name, or add --overwrite")
+            raise OutputError(
+                f"there is a {self.what} {name} already; choose another {option('name')}, or add {option('overwrite')}"
+            )
         return name

@@ -58,7 +58,7 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
             new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
             new.replace(path)
     except OutputError as error:
-        raise OutputError(str(error).replace(staging, str(folder))) from error
+        raise error.replaced(staging, str(folder)) from error
     except OSError as error:
         raise OutputError(f"cannot write into the folder of styles {folder}: {error.strerror}") from error
     return path

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
+from maulstick.errors import machine
 from maulstick.storage.files import held
 
 
@@ -22,7 +23,7 @@ def machine_lock(word: str) -> Iterator[None]:
         return
     folder = user_data_path("maulstick", appauthor=False) / "machines"
     lock = folder / f"{hashlib.sha256(_place(word).encode()).hexdigest()}.lock"
-    taken = f"another maulstick drives {word}; wait until it has finished, or stop it there"
+    taken = f"another maulstick drives {machine(word)}; wait until it has finished, or stop it there"
     with held(lock, taken, f"cannot write into {folder}", "mend that, and try again"):
         yield
 

@@ -9,6 +9,7 @@ from nicegui.element import Element
 
 from maulstick.errors import InputError
 from maulstick.studio.state.drawing import Drawing
+from maulstick.studio.wording import said
 from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, in_mm
 
 _AT_ONCE = 50_000  # points in one message
@@ -63,7 +64,7 @@ class DrawingSheet(Element, component="pen.js"):
             self._drawing.add(told.get("id"), told.get("points"))
         except InputError as error:
             self.run_method("drop", told.get("id"))
-            self._say(str(error))
+            self._say(said(error))
         else:
             self._say("")
         finally:
