@@ -17,10 +17,10 @@ from maulstick.brush_fit.flow import Flow, fit_flow
 from maulstick.brush_fit.initialise import first_guess, has_pressures
 from maulstick.brush_fit.mosaic import Mosaic
 from maulstick.brush_fit.trials import Trial, Trials
-from maulstick.brush_fit.window import Pixels, Window, crosses
+from maulstick.brush_fit.window import Window, crosses
 from maulstick.painting.brush import Brush
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Pixels
 from maulstick.strokes.strokes import POINTS, resample
 
 ADDITIONS = (*descent.ADDITIONS, "faint")

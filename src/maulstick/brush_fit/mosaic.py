@@ -6,15 +6,12 @@ from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
-from maulstick.brush_fit.window import Pixels, Window
+from maulstick.brush_fit.window import Window
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Traj2Stroke
-from maulstick.storage.arrays import Floats
-
-Ints = NDArray[np.int64]
+from maulstick.storage.arrays import Floats, Ints, Pixels
 
 _COVERED = 2.0
 """How much more a pixel counts that the new stroke covers (paper: Traj2Stroke Model)."""

@@ -4,17 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.signal import correlate
 from skimage.measure import label
 
 from maulstick.brush_fit.trials import Trial
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Pixels
 from maulstick.strokes.strokes import resample
-
-Pixels = NDArray[np.float32]
 
 STRAY = 2.5e-3
 """Metres. What changed wholly further than this from the commanded path is not of this stroke."""

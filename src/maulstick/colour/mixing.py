@@ -12,8 +12,7 @@ from skimage.color import deltaE_ciede94, deltaE_ciede2000, rgb2lab
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.colour.tubes import NamedPaint
 from maulstick.errors import InputError
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
 _VEIL = 0.02
 """What the surface of every paint reflects, so that no colour is without light and none drowns all others."""

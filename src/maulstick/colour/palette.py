@@ -10,8 +10,7 @@ from skimage.color import lab2rgb, rgb2lab
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
 
 def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:

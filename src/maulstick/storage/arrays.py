@@ -14,7 +14,19 @@ from maulstick.errors import InputError
 from maulstick.storage.files import atomic_write, file_to_read
 
 Floats = NDArray[np.float64]
+"""Real numbers, in double precision."""
+
+Ints = NDArray[np.int64]
+"""Counts, or indices into another array."""
+
 Bools = NDArray[np.bool_]
+"""A mask, or one answer per row."""
+
+Image = NDArray[np.float32]
+"""A picture, (C, H, W) or (H, W), with values in [0, 1]."""
+
+Pixels = NDArray[np.float32]
+"""A value per pixel that need not be a colour, such as a difference; also a picture where `Image` means Pillow's."""
 
 VERSION = 1
 _LARGEST = 2**31  # bytes, unpacked: over 60 hours of drawing

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths, standardise
-
-Floats = NDArray[np.float64]
 
 CURVINESS = (2, 12, 13)
 """Which numbers of a description say how much a stroke is bent, how rough it is, and how wavy."""

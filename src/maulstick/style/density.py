@@ -6,10 +6,9 @@ from math import log
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
 _POOLED = 0.4
 _LEAST_SPREAD = 0.02

@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
@@ -18,8 +18,6 @@ from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-
-Floats = NDArray[np.float64]
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)
 _ROUGHNESS = GIST

@@ -5,15 +5,13 @@ from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes
 from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
-
-Floats = NDArray[np.float64]
 
 _SHORTEST = 1e-3  # metres; what is shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres a second

@@ -4,12 +4,10 @@ from functools import cache
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
-
-Floats = NDArray[np.float64]
 
 KNOTS = 4
 """Press knots of a stroke, equally spaced along it."""

@@ -11,13 +11,11 @@ from functools import cache
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from torch import Tensor
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
-
-Floats = NDArray[np.float64]
 
 _DEGREE = 3
 _CONTROL_POINTS = 9

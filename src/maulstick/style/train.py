@@ -5,18 +5,16 @@ from importlib.resources import files
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from safetensors.numpy import load
 from torch import Generator, Tensor
 
 from maulstick.rendering.threads import one_torch_thread
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import standardise
 from maulstick.style import shape
 from maulstick.style.exemplar import pool
 from maulstick.style.hand import Hand
 from maulstick.style.trajvae import LATENT, TrajVAE, Weights, check_weights, numbers_of, posterior, shapes
-
-Floats = NDArray[np.float64]
 
 _NOISE = 1e-3  # of a stroke's length: what a decoded point may be off; three times that, and tremor is lost
 _TAIL = 1e3  # in squares of that: from where on an error counts less and less
