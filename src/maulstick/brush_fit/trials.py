@@ -21,7 +21,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.painting.brush import Name
 from maulstick.painting.picture import read_picture
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Pixels
 from maulstick.storage.files import atomic_write, read_whole
 
 SCHEMA_VERSION: Final = 1
@@ -41,8 +41,8 @@ class Trial:
 
     name: str
     path: Floats
-    before: NDArray[np.float32]
-    after: NDArray[np.float32]
+    before: Pixels
+    after: Pixels
 
 
 def _in_the_folder(name: str) -> str:
@@ -88,7 +88,7 @@ class Trials:
     def __init__(self, folder: Path, content: _List) -> None:
         self.folder = folder
         self._content = content
-        self._kept: dict[str, NDArray[np.float32]] = {}
+        self._kept: dict[str, Pixels] = {}
 
     @classmethod
     def make(
@@ -240,14 +240,14 @@ class Trials:
         names = (f"{i:04d}.png" for i in count(number))
         return next(name for name in names if name not in listed and not os.path.lexists(self.folder / name))
 
-    def _photograph(self, name: str) -> NDArray[np.float32]:
+    def _photograph(self, name: str) -> Pixels:
         if name in self._kept:
             return self._kept[name]
         picture = read_picture(self._present(name))
         picture.flags.writeable = False
         return picture
 
-    def _darkness(self, name: str) -> NDArray[np.float32]:
+    def _darkness(self, name: str) -> Pixels:
         picture = read_picture(path := self._present(name))
         with Image.open(path) as image:
             if image.mode != "L":
@@ -276,7 +276,7 @@ def _png(picture: NDArray[np.floating[Any]], what: str, channels: tuple[int, ...
     return file.getvalue()
 
 
-def _size(picture: NDArray[np.float32]) -> str:
+def _size(picture: Pixels) -> str:
     return f"{picture.shape[1]} x {picture.shape[0]}"
 
 

@@ -6,13 +6,12 @@ from itertools import combinations, pairwise
 from math import comb, gcd
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.color import deltaE_ciede94, deltaE_ciede2000, rgb2lab
 
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.colour.tubes import NamedPaint
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 
 _VEIL = 0.02
 """What the surface of every paint reflects, so that no colour is without light and none drowns all others."""
@@ -53,13 +52,13 @@ class Recipe:
 class _Mixes:
     """All mixes of so many paints. paints: (S, m) indices.  parts: (T, m).  colours, lab: (S * T, 3), S first."""
 
-    paints: NDArray[np.int64]
-    parts: NDArray[np.int64]
+    paints: Ints
+    parts: Ints
     colours: Floats
     lab: Floats
 
 
-def mixed_colours(colours: Floats, parts: NDArray[np.int64]) -> Floats:
+def mixed_colours(colours: Floats, parts: Ints) -> Floats:
     """The colours (..., T, 3), sRGB in [0, 1], of mixes of k paints of colours (..., k, 3), with parts (T, k) of them.
 
     Kubelka and Munk (1931): a paint of reflectance R has K/S = (1 - R)² / 2R, which mixes in proportion to the parts.

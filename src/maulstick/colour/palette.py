@@ -4,13 +4,12 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 from skimage.color import lab2rgb, rgb2lab
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 
 
 def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
@@ -31,10 +30,10 @@ def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
     return paints
 
 
-def nearest_paint(colours: Floats, paints: Floats) -> NDArray[np.int64]:
+def nearest_paint(colours: Floats, paints: Floats) -> Ints:
     """The index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3)."""
     difference = rgb2lab(colours)[:, None] - rgb2lab(paints)[None]
-    nearest: NDArray[np.int64] = np.argmin((difference**2).sum(-1), axis=1)
+    nearest: Ints = np.argmin((difference**2).sum(-1), axis=1)
     return nearest
 
 

@@ -3,9 +3,10 @@
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Values = TypeVar("Values", NDArray[np.float32], NDArray[np.float64])
+from maulstick.storage.arrays import Floats, Image
+
+Values = TypeVar("Values", Image, Floats)
 
 
 def light_of(colours: Values) -> Values:

@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
 
@@ -93,7 +93,7 @@ class Brush(BaseModel):
         """Half-width at pressure 1, metres."""
         return self.alpha + self.beta
 
-    def half_width(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def half_width(self, pressure: Floats) -> Floats:
         """Half-width of the mark in metres at each pressure in [0, 1], any shape; the mean over all directions."""
         share = np.interp(pressure, (0, *CURVE_PRESSURES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
@@ -118,12 +118,12 @@ class Brush(BaseModel):
         }
         return Brush.model_validate({**self.model_dump(), **held})
 
-    def pressure_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressure_for(self, half_width: Floats) -> Floats:
         """The pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
         pressures = np.array((0, *CURVE_PRESSURES, 1))
         return np.asarray(np.interp(half_width, self.half_width(pressures), pressures)) * self.pressure_matters
 
-    def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mark(self, path: Floats) -> Floats:
         """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
 
         A standardised stroke starts at its origin, so the first commanded point is the offset (Δx, Δy), and
@@ -134,7 +134,7 @@ class Brush(BaseModel):
         marked[..., :2] = start + (self.m_x, self.m_y) * (self._dragged(marked[..., :2]) - start) + (self.b_x, self.b_y)
         return marked
 
-    def _dragged(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _dragged(self, path: Floats) -> Floats:
         """Where the tip is at each commanded point (..., n, 2): along a straight segment its lag fades exactly."""
         tips = [path[..., 0, :] + self.touch]
         for start, end in zip(np.moveaxis(path, -2, 0)[:-1], np.moveaxis(path, -2, 0)[1:], strict=True):

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
+
+from maulstick.storage.arrays import Image
 
 _WINDOW = 7
 
@@ -24,7 +25,7 @@ class Metrics:
     tone_mse_sigma4: float
 
 
-def compare(painted: NDArray[np.float32], picture: NDArray[np.float32]) -> Metrics:
+def compare(painted: Image, picture: Image) -> Metrics:
     """Figures of a painted image against the picture, both (H, W, 3) in [0, 1]."""
     blurred = gaussian_filter(painted.astype(np.float64) - picture, sigma=(4, 4, 0))
     mse = float(np.mean((painted.astype(np.float64) - picture) ** 2))

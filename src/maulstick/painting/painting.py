@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -27,6 +26,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.painting.brush import Brush, Name
 from maulstick.painting.picture import decode_png, spread
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write, file_to_read
 
 SCHEMA_VERSION: Final = 1
@@ -146,7 +146,7 @@ class Sheet(_Part):
     paper: Colour = (1.0, 1.0, 1.0)
     picture: Png | None = None
 
-    def image(self, canvas: Canvas) -> NDArray[np.float32]:
+    def image(self, canvas: Canvas) -> Image:
         """The sheet before the first stroke on the pixels of the canvas, (height_px, width_px, 3) in [0, 1]."""
         if self.picture is not None:
             return spread(decode_png(self.picture), canvas)
@@ -207,18 +207,18 @@ class Painting(_Part):
             seen.add(stroke.id)
         return self
 
-    def trajectories(self) -> NDArray[np.float64]:
+    def trajectories(self) -> Floats:
         """Commanded (x, y, pressure), (N, n, 3), metres; a shorter one repeats its last point, which draws nothing."""
         longest = max((len(stroke.trajectory) for stroke in self.strokes), default=1)
         padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
         return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
 
-    def lengths(self) -> NDArray[np.float64]:
+    def lengths(self) -> Floats:
         """(N,) metres that each stroke is drawn."""
         steps = np.diff(self.trajectories()[..., :2], axis=1)
         return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
 
-    def metres_of_paints(self) -> NDArray[np.float64]:
+    def metres_of_paints(self) -> Floats:
         """(k,) metres that are drawn with each paint."""
         paint_of = np.array([stroke.paint for stroke in self.strokes], dtype=np.int64)
         return np.asarray(np.bincount(paint_of, self.lengths(), len(self.paints)), dtype=np.float64)

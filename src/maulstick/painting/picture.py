@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Pixels
 from maulstick.storage.files import file_to_read
 
 FITS = ("contain", "cover")
@@ -36,7 +36,7 @@ _UPRIGHT = {
 _LANCZOS = Image.Resampling.LANCZOS
 
 
-def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.float32]:
+def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
     """(H, W, 3) sRGB in [0, 1]: the picture upright, on white where it is transparent, the first of several.
 
     longest_px: scaled down so that no side is longer; a large JPEG is then never decoded whole.
@@ -65,7 +65,7 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.
         raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
 
 
-def decode_png(content: bytes) -> NDArray[np.float32]:
+def decode_png(content: bytes) -> Pixels:
     """(H, W, 3) sRGB in [0, 1] of a PNG that is kept within another file.
 
     Raises InputError where it is none, damaged, or longer than 4096 pixels on a side.
@@ -91,14 +91,14 @@ def decode_png(content: bytes) -> NDArray[np.float32]:
         raise InputError(f"the picture is a damaged PNG: {reason}; embed it again") from error
 
 
-def encode_png(picture: NDArray[np.float32]) -> bytes:
+def encode_png(picture: Pixels) -> bytes:
     """A picture (H, W, 3) in [0, 1] as a PNG of 8 bits a channel."""
     file = io.BytesIO()
     Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(file, format="PNG")
     return file.getvalue()
 
 
-def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> bytes:
+def encode_jpeg(picture: Pixels, longest_px: int | None = None) -> bytes:
     """A picture (H, W, 3) in [0, 1] as a JPEG, scaled down so that no side is longer."""
     image = Image.fromarray(np.round(picture * 255).astype(np.uint8))
     if longest_px is not None:
@@ -108,7 +108,7 @@ def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> 
     return file.getvalue()
 
 
-def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
+def canvas_photograph(path: str | Path, canvas: Canvas) -> Pixels:
     """(canvas.height_px, canvas.width_px, 3) sRGB in [0, 1]: a photograph of the sheet as it is, cut at its edges.
 
     Raises InputError where it cannot be read, or its shape is not the sheet's to 2 %.
@@ -125,15 +125,15 @@ def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
     return spread(picture, canvas)
 
 
-def spread(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
+def spread(picture: Pixels, canvas: Canvas) -> Pixels:
     """The whole picture (H, W, 3) over the whole canvas, (canvas.height_px, canvas.width_px, 3), whatever its shape."""
     height, width = picture.shape[:2]
     return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
 
 
 def lay_out(
-    picture: NDArray[np.float32], canvas: Canvas, fit: str, under: NDArray[np.float32] | None = None
-) -> tuple[NDArray[np.float32], tuple[float, float, float, float]]:
+    picture: Pixels, canvas: Canvas, fit: str, under: Pixels | None = None
+) -> tuple[Pixels, tuple[float, float, float, float]]:
     """The picture (H, W, 3) on the canvas, (canvas.height_px, canvas.width_px, 3), and its area (x, y, width, height).
 
     The area is in metres and whole pixels, but for where the sheet ends within one. `fit` is ``contain`` (all of the
@@ -171,7 +171,7 @@ def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, f
     return left, top, left + columns, top + rows
 
 
-def _decode(image: Image.Image, longest_px: int) -> NDArray[np.float32]:
+def _decode(image: Image.Image, longest_px: int) -> Pixels:
     if isinstance(image, TiffImageFile):
         _refuse_misread(image)
     width, height = _at_most(image.size, longest_px)
@@ -250,9 +250,7 @@ def _srgb(image: Image.Image) -> Image.Image:
     return image.convert("RGB")
 
 
-def scaled(
-    picture: NDArray[np.float32], size: tuple[int, int], box: tuple[float, float, float, float]
-) -> NDArray[np.float32]:
+def scaled(picture: Pixels, size: tuple[int, int], box: tuple[float, float, float, float]) -> Pixels:
     """The `box` (left, upper, right, lower) of the picture (H, W, 3) at `size` (width, height), all pixels."""
     channels = [Image.fromarray(np.ascontiguousarray(picture[..., i])) for i in range(picture.shape[2])]
     return np.stack([np.asarray(channel.resize(size, _LANCZOS, box=box)) for channel in channels], axis=2).clip(0, 1)

@@ -4,10 +4,10 @@ import io
 from importlib.util import find_spec
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Pixels
 
 FORMATS = ("gif", "mp4")
 _FRAMES_A_SECOND, _LAST_SECONDS = 20, 2
@@ -25,7 +25,7 @@ class Video:
         self.kind = kind
         self._frames: list[Image.Image] = []
 
-    def add(self, frame: NDArray[np.float32]) -> None:
+    def add(self, frame: Pixels) -> None:
         """The next frame, scaled down to at most 1280x720; all of one video are of one size."""
         image = Image.fromarray(np.round(frame * 255).astype(np.uint8))
         image.thumbnail(_LARGEST)

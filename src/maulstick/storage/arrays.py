@@ -23,7 +23,7 @@ Bools = NDArray[np.bool_]
 """A mask, or one answer per row."""
 
 Image = NDArray[np.float32]
-"""A picture, (C, H, W) or (H, W), with values in [0, 1]."""
+"""A picture, (H, W, 3) in sRGB or (H, W) in grey, with values in [0, 1]."""
 
 Pixels = NDArray[np.float32]
 """A value per pixel that need not be a colour, such as a difference; also a picture where `Image` means Pillow's."""

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats, read_arrays, write_arrays
+from maulstick.storage.arrays import Floats, Ints, read_arrays, write_arrays
 
 KIND = "ink"
 _LARGEST_SHEET = 100.0  # metres
@@ -28,7 +27,7 @@ class Ink:
     """
 
     samples: Floats
-    lengths: NDArray[np.int64]
+    lengths: Ints
     size: tuple[float, float]
     source: str = ""
 
@@ -86,7 +85,7 @@ class Ink:
         part = {0: "not recorded", len(self): "recorded"}.get(pressed, f"recorded in {pressed} of them")
         return f"{told}, pressure {part}"
 
-    def _starts(self) -> NDArray[np.int64]:
+    def _starts(self) -> Ints:
         return np.cumsum(self.lengths) - self.lengths
 
 

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Bools, Floats, read_arrays, write_arrays
+from maulstick.storage.arrays import Bools, Floats, Ints, read_arrays, write_arrays
 from maulstick.strokes.ink import Ink
 
 POINTS = 32
@@ -56,7 +55,7 @@ class Strokes:
     def __len__(self) -> int:
         return len(self.poses)
 
-    def __getitem__(self, rows: NDArray[np.int64] | Bools | slice) -> Self:
+    def __getitem__(self, rows: Ints | Bools | slice) -> Self:
         """Some of the strokes."""
         return type(self)(self.trajectories[rows], self.times[rows], self.poses[rows])
 

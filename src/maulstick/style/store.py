@@ -11,6 +11,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from maulstick.errors import InputError, OutputError
+from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
 from maulstick.strokes.strokes import POINTS, path_lengths
@@ -105,7 +106,7 @@ def _arrays(content: bytes) -> Arrays:
         raise ValueError(error) from error
 
 
-def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> Floats:
     array = arrays[name]
     if array.shape != shape or array.dtype.kind != "f":
         raise ValueError(f"{name} is {array.dtype} of shape {array.shape}; it must be floating point of shape {shape}")

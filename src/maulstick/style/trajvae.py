@@ -18,6 +18,7 @@ from torch import Generator, Tensor
 from torch.nn.functional import linear, silu
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style import shape
 from maulstick.style.density import Density, kernel
@@ -185,7 +186,7 @@ class ActiveLatents:
     effective_rank: float
 
 
-def activity(weights: Weights, paths: NDArray[np.float64]) -> ActiveLatents:
+def activity(weights: Weights, paths: Floats) -> ActiveLatents:
     """Of the latents of standardised paths (N, 32, 2), metres."""
     means, _ = posterior(weights, shape.encode(torch.from_numpy(paths)).float())
     covariance = np.cov(means.numpy().astype(np.float64), rowvar=False)
