@@ -323,7 +323,7 @@ def of_point(*point: float) -> Damage:
         (lambda p: p["sheet"].update(width=0), "sheet.width: Input should be greater than 0 (got 0)"),
         (lambda p: p["sheet"].update(width="wide"), "sheet.width: Input should be a valid number (got 'wide')"),
         (lambda p: p["sheet"].update(paper=[1, 1]), "sheet.paper[2]: Field required"),
-        (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the canvas; it must"),
+        (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the sheet; it must"),
         (
             of_picture("no base64!"),
             "sheet.picture: Value error, it is not base64; embed a PNG in base64 (got 'no base64",

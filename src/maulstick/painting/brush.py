@@ -120,7 +120,7 @@ class Brush(BaseModel):
         return Brush.model_validate({**self.model_dump(), **held})
 
     def pressure_for(self, half_width: Floats) -> Floats:
-        """Pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 without `pressure_matters`."""
+        """Pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where it has no effect."""
         pressures = np.array((0, *CURVE_PRESSURES, 1))
         return np.asarray(np.interp(half_width, self.half_width(pressures), pressures)) * self.pressure_matters
 
