@@ -11,13 +11,13 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour, read_painting, write_painting
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.preview import preview
+from maulstick.storage.arrays import Image as Picture
 from maulstick.strokes import strokes
 from maulstick.style import load_style
 from tests.planning.conftest import QUICK, options

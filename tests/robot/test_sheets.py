@@ -7,7 +7,8 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.simulated import sheets
-from maulstick.robot.simulated.sheets import Image, InkedSheet, MyPaintSheet, StampedSheet, sheet_for
+from maulstick.robot.simulated.sheets import InkedSheet, MyPaintSheet, StampedSheet, sheet_for
+from maulstick.storage.arrays import Image
 from tests.support.nominal import nominal
 from tests.support.robot.small_paintings import BLUE, RED
 

@@ -2,16 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 HEIGHT_PX = 256
 """Pixels over a picture's height where nobody says how many: detail of a usual brush on a usual sheet."""

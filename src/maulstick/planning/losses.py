@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from maulstick.errors import InputError, option
@@ -15,8 +14,7 @@ from maulstick.planning.features.network import Network, ReadingNetwork
 from maulstick.planning.features.views import random_views
 from maulstick.planning.objectives import Edges, Likeness, Look, NetworkLoss, Objective, TextMatch, Tone, sketch
 from maulstick.planning.problem import Weighted
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
 """The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""

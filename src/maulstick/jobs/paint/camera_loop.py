@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
@@ -28,10 +27,9 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 from maulstick.style.pressure import fit_knots, pressure_along
-
-Image = NDArray[np.float32]
 
 _STEPS = 200
 _LIGHTEST = 0.1  # of the pressures to practise

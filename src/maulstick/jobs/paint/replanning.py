@@ -6,9 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from maulstick.calibration.camera import read_view
 from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
@@ -24,9 +21,8 @@ from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Image
 from maulstick.storage.files import atomic_write, file_sum
-
-Image = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,14 @@ from maulstick.painting.raster import Canvas, parse_size
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import problem_of, provenance_of
-from maulstick.planning.layout import LONGEST_PX, Image, Layout, canvas_for, lay_out_for
+from maulstick.planning.layout import LONGEST_PX, Layout, canvas_for, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.state import State
+from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
 _SHEET_PX, _WIDEST_SHEET_PX = 1024, 2048  # a background over the sheet's height and width: finer than plans need

@@ -8,13 +8,11 @@ from types import TracebackType
 from typing import Self, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError, MachineError
 from maulstick.painting.picture import read_picture
 from maulstick.robot.camera.opencv import opencv
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 _BLACK = 0.02
 """A photograph whose mean is darker shows nothing."""

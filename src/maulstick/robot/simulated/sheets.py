@@ -5,17 +5,15 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.simulated.mypaint import MyPaintPaper
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 from maulstick.strokes.strokes import path_lengths, resample
 
-Image = NDArray[np.float32]
 Colour = tuple[float, float, float]
 
 _THINNEST = 0.1e-3  # metres

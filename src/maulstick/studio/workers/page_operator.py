@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
-from maulstick.colour.srgb import Image
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.setup import PaintSetup
@@ -16,6 +15,7 @@ from maulstick.painting.picture import encode_jpeg, read_picture
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
+from maulstick.storage.arrays import Image
 from maulstick.studio.workers.messages import PAINTING, PLANNING, Asking, Going, Note, Photograph
 from maulstick.studio.workers.planned_paints import called
 from maulstick.studio.workers.process import Line
