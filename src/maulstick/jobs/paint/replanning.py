@@ -33,7 +33,7 @@ _READ_PX = 4096
 
 @dataclass(frozen=True)
 class Replanning:
-    """camera: its word, None for the simulated easel's.
+    """camera: its spec, None for the simulated easel's.
 
     every: strokes between two photographs, 0 for those alone that a person asks for.
     picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.

@@ -17,7 +17,7 @@ MACHINES: Final = {
     "franka": "Franka arm",
     "ur": "Universal Robots arm",
 }
-"""Machines by the words that name them, without an address."""
+"""Names of machines for people, by spec without an address."""
 
 FINER = "Speed, sheet and camera"
 """Where the finer points are asked for."""
@@ -50,7 +50,7 @@ _ON_THE_PAGE: Final = (
 
 
 def name_of(machine: str) -> str:
-    """A machine by its word, for people."""
+    """Return the name of the machine with this spec, for people."""
     kind, _, address = machine.partition(":")
     if machine in MACHINES:
         return MACHINES[machine]
