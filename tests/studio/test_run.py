@@ -365,13 +365,13 @@ def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old
     painting = put_plan(tmp_path, "lines")
     with Journal.open(journal_of(painting)) as journal:
         journal.revise(painting)
-        journal.tell(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+        journal.write_options(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json())
     assert rehearse(PaintRequest(painting, PaintOptions(robot="sim", tray=None), resume=True)).strokes == STROKES
     for asked, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
         with pytest.raises(InputError, match=tray):
             rehearse(PaintRequest(painting, asked, resume=True))
     after = PaintOptions(robot="sim", tray=None).after(
-        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words
+        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json()
     )
     assert (after.tray, after.speed) == (None, 0.01)
 

@@ -68,14 +68,14 @@ class Again(_Line):
     stroke: _Id
 
 
-class RunOptionsLine(_Line):
-    """How the machine was asked to paint, in the words of whoever asked, so that nobody has to remember."""
+class OptionsLine(_Line):
+    """The options that the machine is asked to paint with from here on, so that --resume need not repeat them."""
 
-    event: Literal["words"] = "words"
-    words: dict[str, JsonValue]
+    event: Literal["options"] = "options"
+    options: dict[str, JsonValue]
 
 
-Line = Annotated[Revision | RunOptionsLine | Begin | End | Again, Field(discriminator="event")]
+Line = Annotated[Revision | OptionsLine | Begin | End | Again, Field(discriminator="event")]
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
@@ -99,7 +99,7 @@ class Journal:
     """A journal, open to be read and continued; one process at a time has it (`Journal.open`).
 
     painted: ids of the strokes that are finished.  unfinished: the stroke that was begun and not finished, if any.
-    words: how the machine was last asked to paint.
+    options: those that the machine was last asked to paint with, {} where none were written.
     revision: the painting as it is painted now.  revisions: how many there were, that one included.
     """
 
@@ -107,7 +107,7 @@ class Journal:
         self.path = path
         self.painted: set[int] = set()
         self.unfinished: int | None = None
-        self.words: dict[str, JsonValue] = {}
+        self.options: dict[str, JsonValue] = {}
         self.revision: Revision | None = None
         self.revisions = 0
         self._file: int | None = None
@@ -140,10 +140,10 @@ class Journal:
         digest = hashlib.sha256(content).hexdigest()
         self._append(Revision(file=file.name, sha256=digest, painted=tuple(painted)))
 
-    def tell(self, words: dict[str, JsonValue]) -> None:
-        """How the machine is asked to paint from now on."""
-        if words != self.words:
-            self._append(RunOptionsLine(words=words))
+    def write_options(self, options: dict[str, JsonValue]) -> None:
+        """Write down the options that the machine paints with from now on, unless they are the last ones written."""
+        if options != self.options:
+            self._append(OptionsLine(options=options))
 
     def begin(self, stroke: int) -> None:
         """Before a stroke."""
@@ -201,8 +201,8 @@ class Journal:
                 self.revision = entry
                 self.revisions += 1
                 self.painted.update(entry.painted)
-            case RunOptionsLine(words=words):
-                self.words = words
+            case OptionsLine(options=options):
+                self.options = options
             case Begin(stroke=stroke):
                 self.unfinished = stroke
             case End(stroke=stroke):

@@ -38,10 +38,10 @@ class PaintOptions(BaseModel):
         if self.replan is not None and self.replan < 0:
             raise InputError.of_range(option("replan"), self.replan, "at least 1 stroke, or 0 for never again")
 
-    def after(self, words: Mapping[str, JsonValue]) -> "PaintOptions":
-        """What is said now, and where nothing is, what was asked before. Raises InputError for another machine."""
+    def after(self, recorded: Mapping[str, JsonValue]) -> "PaintOptions":
+        """Return these options, and where one is not given, the recorded one. Raises InputError for another machine."""
         try:
-            before = PaintOptions.model_validate(words)
+            before = PaintOptions.model_validate(recorded)
         except ValidationError as error:
             raise InputError(f"the journal's options are damaged: {validation_fault(error)}", Remedy.RESTART) from error
         if self.robot is not None and before.robot is not None and _kind(self.robot) != _kind(before.robot):
@@ -51,11 +51,10 @@ class PaintOptions(BaseModel):
             )
         return before.model_copy(update={name: said for name, said in self if name in self.model_fields_set})
 
-    @property
-    def words(self) -> dict[str, JsonValue]:
-        """For the journal."""
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the options as the journal keeps them; paths are absolute."""
         said = {**self.model_dump(exclude_none=True), "robot": self.machine}
-        return {name: str(word.absolute()) if isinstance(word, Path) else word for name, word in said.items()}
+        return {name: str(value.absolute()) if isinstance(value, Path) else value for name, value in said.items()}
 
     @property
     def machine(self) -> str:

@@ -27,7 +27,7 @@ from maulstick.storage.files import atomic_write, file_sum
 
 @dataclass(frozen=True)
 class Replanning:
-    """camera: its word, None for the simulated easel's.
+    """camera: its spec, None for the simulated easel's.
 
     every: strokes between two photographs, 0 for those alone that a person asks for.
     picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.

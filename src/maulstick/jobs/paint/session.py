@@ -88,7 +88,7 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
     with Journal.open(path) as journal:
         if journal.revision is None:
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
-        yield PaintSetup.of(request.options.after(journal.words), read_painting(journal.painting())), journal
+        yield PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting())), journal
 
 
 def _was_begun(path: Path) -> bool:
@@ -163,7 +163,7 @@ def _paint(
             if setup.replanning is not None and eye is not None:
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
-        journal.tell(setup.options.words)
+        journal.write_options(setup.options.as_json())
         ask = operator.ask if setup.simulation is None else setup.simulation.ask
         place = Workplace(
             robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed

@@ -32,17 +32,17 @@ class Simulation:
     painting: Painting
 
     @classmethod
-    def of(cls, word: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
-        """The machine that the word names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
+    def of(cls, spec: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
+        """Return the machine that the spec names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
 
         The sheet lies where the easel says, and the easel may narrow the limits.
         """
-        if word not in _PACES:
-            raise InputError(f"there is no machine {word!r}; there are: {SPECS}")
+        if spec not in _PACES:
+            raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
         if len(painting.brushes) > 1:
             names = ", ".join(sorted(painting.brushes))
             raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
-        pace, limits = _PACES[word]
+        pace, limits = _PACES[spec]
         size = painting.sheet.width, painting.sheet.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
         brush = next(iter(painting.brushes.values()))

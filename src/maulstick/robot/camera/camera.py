@@ -135,14 +135,14 @@ class WatchedFolder(Camera):
         return sizes
 
 
-def open_camera(text: str) -> Camera:
-    """The camera that ``usb:0`` or ``folder:PATH`` names.
+def open_camera(spec: str) -> Camera:
+    """Open the camera that a spec names: ``usb:0`` or ``folder:PATH``.
 
     Raises InputError where it names none, and CameraError where the camera cannot be had.
     """
-    kind, _, name = text.partition(":")
+    kind, _, name = spec.partition(":")
     if kind == "usb" and name.isascii() and name.isdecimal() and len(name) < 4:
         return UsbCamera(int(name))
     if kind == "folder" and name:
         return WatchedFolder(name)
-    raise InputError(f"{text!r} is not a camera; write usb:0, or folder:PATH for one that saves its pictures there")
+    raise InputError(f"{spec!r} is not a camera; write usb:0, or folder:PATH for one that saves its pictures there")
