@@ -14,7 +14,13 @@ from maulstick.errors import InputError
 from maulstick.storage.files import atomic_write, file_to_read
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+"""Array of whole numbers, as indices and counts."""
+
 Bools = NDArray[np.bool_]
+
+Image = NDArray[np.float32]
+"""Picture of shape (H, W, 3), sRGB in [0, 1] where nothing else is said."""
 
 VERSION = 1
 _LARGEST = 2**31  # bytes, unpacked: over 60 hours of drawing
