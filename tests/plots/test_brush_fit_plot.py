@@ -1,4 +1,4 @@
-"""The plot of a fit: photographs, predictions and what differs between them, all at one scale."""
+"""Plot of a fit: photographs, predictions and their differences, all at one scale."""
 
 import io
 from dataclasses import replace
@@ -18,13 +18,13 @@ LIGHTER, DARKER = (196, 69, 44), (47, 102, 144)
 
 
 def a_view(name: str, size: tuple[int, int] = (20, 40), after: float = 0.0, predicted: float = 0.0) -> HeldOutStroke:
-    """Of one darkness all over."""
+    """Make a view of one darkness."""
     shape = (*size, 1)
     return HeldOutStroke(name, np.full(shape, after, dtype=np.float32), np.full(shape, predicted, dtype=np.float32))
 
 
 def a_fit(*views: HeldOutStroke) -> Fit:
-    """The round brush, as if it had been fitted."""
+    """Make a fit of the round brush."""
     brush = nominal("round").model_copy(update={"name": "twig", "nib": (0.1, -0.05), "b_x": -3e-4})
     return Fit(
         brush=brush,
@@ -100,7 +100,7 @@ def test_a_difference_is_red_where_the_prediction_is_too_light_and_blue_where_to
 
 
 def plot_rows() -> slice:
-    """Those of a plot in which the views are."""
+    """Find the axes of a plot that show the views."""
     return slice(540, 1290)
 
 

@@ -1,4 +1,4 @@
-"""The plot of a brush: that what its charts say is what is drawn."""
+"""Plot of a brush: its charts agree with what is drawn."""
 
 import io
 
@@ -36,7 +36,7 @@ def pixels(brush: Brush, px: int = PX) -> NDArray[np.int64]:
 
 
 def mark(plot: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The sheet with the mark on it."""
+    """Return the part of the plot with the mark."""
     return plot[round(0.15 * PX) : round(0.38 * PX), 20:-20]
 
 
@@ -90,7 +90,7 @@ def test_only_numbers_beyond_the_paper_that_do_anything_are_told(monkeypatch: py
         def text(self, x: float, y: float, text: str, *options: object, **more: object) -> None:
             told.append(text)
 
-    monkeypatch.setattr(module, "Plate", Listening)
+    monkeypatch.setattr(module, "Plot", Listening)
     brush_plot(nominal("round"), "", PX)
     assert not {*FULL} & {*told}
     brush_plot(nominal("round").model_copy(update=FULL), "", PX)

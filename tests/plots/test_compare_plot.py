@@ -1,4 +1,4 @@
-"""The plot of paintings side by side: all at one scale, as large as there is room."""
+"""Plot of paintings side by side: all at one scale, as large as fits."""
 
 import io
 from itertools import pairwise
@@ -15,7 +15,7 @@ COLOURS = [(255, 0, 0), (0, 0, 255), (0, 255, 0), (255, 0, 255), (0, 255, 255), 
 
 
 def a_panel(number: int, size: tuple[float, float] = (0.2, 0.16)) -> Panel:
-    """Of one colour all over."""
+    """Make a panel of one colour."""
 
     def draw(canvas: Canvas) -> NDArray[np.float32]:
         colour = np.divide(COLOURS[number], 255, dtype=np.float32)
@@ -30,7 +30,7 @@ def pixels(panels: list[Panel], px: int = 600) -> NDArray[np.int64]:
 
 
 def box(plot: NDArray[np.int64], number: int) -> tuple[int, int, int, int]:
-    """Left, top, right, bottom of a panel."""
+    """Find the left, top, right and bottom of a panel."""
     where = np.argwhere((np.abs(plot - COLOURS[number]) <= 2).all(axis=2))
     assert len(where)
     (top, left), (bottom, right) = where.min(axis=0), where.max(axis=0) + 1

@@ -27,7 +27,7 @@ def pixels(png: bytes) -> NDArray[np.float64]:
 
 
 def paper(plot: NDArray[np.float64]) -> tuple[slice, slice]:
-    """Where the white sheet is."""
+    """Find the white sheet."""
     rows, columns = np.nonzero((plot == 255).all(axis=2))
     return slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
 

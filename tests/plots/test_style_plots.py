@@ -1,4 +1,4 @@
-"""Plots of styles: that both the hand and the style are on them, at one scale, and that a map keeps likes together."""
+"""Plots of styles: the hand and the style at one scale, and maps that place similar strokes together."""
 
 import io
 from dataclasses import replace
@@ -38,7 +38,7 @@ def pixels(png: bytes) -> NDArray[np.int64]:
 
 
 def parts(plot: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The white sheets on a plot, from the top."""
+    """Find the white sheets on a plot, from the top."""
     white = (plot == to_rgb_255(PAPER)).all(axis=2).mean(axis=1) > 0.05
     edges = np.flatnonzero(np.diff(np.concatenate([[False], white, [False]]).astype(int)))
     return [plot[top:bottom] for top, bottom in edges.reshape(-1, 2) if bottom - top > PX / 10]
@@ -53,7 +53,7 @@ def dark(plot: NDArray[np.int64]) -> NDArray[np.bool_]:
 
 
 def near(plot: NDArray[np.int64], colour: str) -> NDArray[np.bool_]:
-    """Where there is that colour on white, as thin lines have it."""
+    """Find the pixels of a thin line of that colour on white."""
     ink = 255 - to_rgb_255(colour)
     share = ((255 - plot) @ ink / (ink @ ink)).clip(max=1)
     return (share > 0.3) & (np.abs(255 - plot - share[..., None] * ink).max(axis=2) < 12)

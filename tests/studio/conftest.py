@@ -1,4 +1,4 @@
-"""A studio as its people start it, in a process of its own, and a real browser that looks at it."""
+"""Fixtures: a studio in a process of its own, as users start it, and pages of it in a real browser."""
 
 import os
 import re
@@ -21,7 +21,7 @@ _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
 
 class RunningStudio:
-    """``maulstick studio`` on a folder and a free port. url: without the last slash."""
+    """Running ``maulstick studio`` on a folder and a free port. url: without the last slash."""
 
     def __init__(self, root: Path, *words: str) -> None:
         self.folder = root / "studio"
@@ -32,7 +32,7 @@ class RunningStudio:
         self.start()
 
     def start(self) -> None:
-        """Start it; after `kill` again, at the same address and on the same folder."""
+        """Start the studio; after `kill` again, at the same address and on the same folder."""
         words = [str(COMMAND), "studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
         with self._log.open("ab") as log:
             before = log.tell()
@@ -44,7 +44,7 @@ class RunningStudio:
             raise
 
     def _link(self, before: int) -> tuple[str, str]:
-        """The address and its port, as it says them after so many letters."""
+        """Wait for the address in the output after `before` letters; return it and its port."""
         until = time.monotonic() + _PATIENCE
         while not (link := re.search(r"^http://\S+:(\d+)/\S*$", self.output[before:], re.MULTILINE)):
             assert self._process.poll() is None, self.output
@@ -54,22 +54,22 @@ class RunningStudio:
 
     @property
     def output(self) -> str:
-        """All that it said, in both streams."""
+        """Output of both streams."""
         return self._log.read_text()
 
     @property
     def data(self) -> Path:
-        """Where styles of one's own are kept."""
+        """Folder of the user's styles."""
         return Path(self._environment["XDG_DATA_HOME"]) / "maulstick"
 
     def kill(self) -> None:
-        """As a power cut would: it can do nothing about it."""
+        """Kill the process, as a power cut would."""
         self._process.kill()
         self._process.wait()
         self.was_killed = True
 
     def close(self) -> None:
-        """As Ctrl-C does."""
+        """Interrupt the process, as Ctrl-C does, and wait for its end."""
         self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(_PATIENCE)
@@ -104,7 +104,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page]]:
-    """Opens the studio as somebody else's browser would: ``page("/styles", color_scheme="dark")``.
+    """Open the studio in a new browser context: ``page("/styles", color_scheme="dark")``.
 
     What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not.
     """

@@ -1,4 +1,4 @@
-"""Attacks on a studio that runs: after each it answers as before, and has told nothing of what is not a page's."""
+"""Attacks on a running studio: after each it answers as before, and has sent nothing but pages."""
 
 import re
 import socket
@@ -53,7 +53,7 @@ def abroad(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningStudio]:
 
 @pytest.fixture
 def intruder(running: RunningStudio) -> Iterator[Intruder]:
-    """Whatever they do, the studio goes on afterwards."""
+    """Intruder on this machine; the studio must still answer afterwards."""
     intruder = Intruder(int(running.url.rsplit(":", 1)[1]))
     yield intruder
     assert intruder.ask("/").status == 200
@@ -61,7 +61,7 @@ def intruder(running: RunningStudio) -> Iterator[Intruder]:
 
 @pytest.fixture
 def stranger(abroad: RunningStudio) -> Intruder:
-    """Somebody in the same network, who has no token."""
+    """Intruder in the same network, without a token."""
     return Intruder(int(re.findall(r":(\d+)/", abroad.url)[-1]))
 
 
@@ -318,7 +318,7 @@ def test_strangers_leave_no_trace_in_the_terminal(abroad: RunningStudio) -> None
 
 
 def _chooser(html: str) -> str:
-    """The element that takes uploads."""
+    """Find the element that takes uploads."""
     url = re.search(r"/_nicegui/client/[^/]+/upload/(\d+)", html)
     assert url is not None
     return url[1]

@@ -1,4 +1,4 @@
-"""The desk: each piece of work is answered, and after whatever happens to one the next is done."""
+"""Desk: each task is answered, and whatever happens to one, the next is done."""
 
 import asyncio
 from collections.abc import Callable, Coroutine

@@ -1,4 +1,4 @@
-"""The sheet and what is drawn on it, without a page."""
+"""Drawing on the sheet, without a page."""
 
 import asyncio
 import json
@@ -35,7 +35,7 @@ def folder(tmp_path: Path) -> Folder:
 
 
 def at_the_desk(folder: Folder, work: Callable[[Drawing], Coroutine[None, None, None]]) -> Drawing:
-    """The drawing after the work, all of it on disk."""
+    """Apply the work to a drawing, and return it once all of it is on disk."""
 
     async def working() -> Drawing:
         desk = Desk()
@@ -253,9 +253,9 @@ def test_a_sheet_that_is_put_away_is_a_hand_with_ink_and_can_be_had_again(folder
         card = drawing.hands.card("my-hand")
         assert card is not None
         assert card.strokes == 2
-        grave = await drawing.throw_away("my-hand")
+        trashed = await drawing.throw_away("my-hand")
         assert drawing.hands.names() == []
-        drawing.hands.take_back(grave)
+        drawing.hands.take_back(trashed)
         await drawing.open("my-hand")
         assert (drawing.name, drawing.size, len(drawing.strokes)) == ("my-hand", pytest.approx(USUAL_SHEET), 2)
 

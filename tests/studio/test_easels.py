@@ -1,4 +1,4 @@
-"""The easels of the studio: kept by name, and none is lost for another."""
+"""Easels of the studio: stored by name, and none is lost when another replaces it."""
 
 from pathlib import Path
 

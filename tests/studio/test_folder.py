@@ -1,4 +1,4 @@
-"""The studio's folder: names that are never paths, and a trash that loses nothing."""
+"""Folder of the studio: names are never paths, and the trash loses nothing."""
 
 import errno
 import os
@@ -96,12 +96,12 @@ def test_what_was_thrown_away_is_had_again_whole(
                 (paths[-1] / "within" / "file").write_bytes(content)
         before = contents(at)
         with patch("os.rename", side_effect=_another_disk if elsewhere else os.rename):
-            grave = folder.throw_away(*paths)
+            trashed = folder.throw_away(*paths)
             assert list(at.iterdir()) == []
-            assert contents(grave) == before
-            folder.take_back(grave, at)
+            assert contents(trashed) == before
+            folder.take_back(trashed, at)
         assert contents(at) == before
-        assert not grave.exists()
+        assert not trashed.exists()
 
 
 def _another_disk(*_: object) -> None:
@@ -114,7 +114,7 @@ def test_two_things_of_one_name_thrown_away_in_one_instant_do_not_meet(folder: F
         for content in ("one", "two"):
             (folder.root / "plans" / "cat").write_text(content)
             graves.append(folder.throw_away(folder.root / "plans" / "cat"))
-    assert [(grave / "cat").read_text() for grave in graves] == ["one", "two"]
+    assert [(trashed / "cat").read_text() for trashed in graves] == ["one", "two"]
 
 
 @pytest.mark.parametrize("taken_by", ["a folder", "a link to nowhere"])
@@ -123,23 +123,23 @@ def test_nothing_is_taken_back_over_something_else(folder: Folder, taken_by: str
     styles.mkdir()
     for name in ("cat.json", "cat.safetensors"):
         (styles / name).write_text(name)
-    grave = folder.throw_away(styles / "cat.json", styles / "cat.safetensors")
+    trashed = folder.throw_away(styles / "cat.json", styles / "cat.safetensors")
     if taken_by == "a folder":
         (styles / "cat.safetensors").mkdir()
     else:
         (styles / "cat.safetensors").symlink_to("nowhere")
     with pytest.raises(OutputError, match=r"there is a cat\.safetensors again meanwhile; rename that one first"):
-        folder.take_back(grave, styles)
-    assert contents(grave) == {"cat.json": b"cat.json", "cat.safetensors": b"cat.safetensors"}
+        folder.take_back(trashed, styles)
+    assert contents(trashed) == {"cat.json": b"cat.json", "cat.safetensors": b"cat.safetensors"}
     assert [path.name for path in styles.iterdir()] == ["cat.safetensors"]
 
 
 def test_undoing_twice_is_told(folder: Folder) -> None:
     (folder.root / "plans" / "cat").mkdir()
-    grave = folder.throw_away(folder.root / "plans" / "cat")
-    folder.take_back(grave, folder.root / "plans")
+    trashed = folder.throw_away(folder.root / "plans" / "cat")
+    folder.take_back(trashed, folder.root / "plans")
     with pytest.raises(InputError, match="it was taken out of the trash already"):
-        folder.take_back(grave, folder.root / "plans")
+        folder.take_back(trashed, folder.root / "plans")
 
 
 def test_what_cannot_be_moved_whole_stays_where_it_is(folder: Folder) -> None:
@@ -153,8 +153,8 @@ def test_what_cannot_be_moved_whole_stays_where_it_is(folder: Folder) -> None:
 
 def test_former_files_are_in_the_trash_and_still_in_their_places(folder: Folder) -> None:
     (folder.root / "tray.json").write_text("{}")
-    grave = folder.keep_former(folder.root / "tray.json", folder.root / "none.json")
-    assert contents(grave) == {"tray.json": b"{}"}
+    trashed = folder.keep_former(folder.root / "tray.json", folder.root / "none.json")
+    assert contents(trashed) == {"tray.json": b"{}"}
     assert (folder.root / "tray.json").read_text() == "{}"
     assert not folder.keep_former(folder.root / "none.json").exists()
 

@@ -1,4 +1,4 @@
-"""The whole way, on the page alone: draw, learn, plan, mix, paint, a power cut in the middle, and on to the end."""
+"""Whole session on the page: draw, learn, plan, mix, paint, with a power cut in the middle, to the end."""
 
 import re
 import time
@@ -20,7 +20,7 @@ _STROKES, _DRAWN = 30, 20
 
 
 def curl(number: int) -> list[tuple[float, float]]:
-    """A stroke like a comma, each a little other than the others."""
+    """Points of a stroke like a comma; each number gives a slightly different one."""
     column, row = number % 5, number // 5
     size, turn = 0.04 + 0.01 * (number % 3), number * 0.7
     return [

@@ -1,4 +1,4 @@
-"""The gate alone, before an application that says which path it was asked for and how much it was sent."""
+"""Gate alone, in front of an application that reports the path and the size of each request."""
 
 import asyncio
 from collections.abc import Iterable
@@ -34,7 +34,7 @@ def answer(
     query: str = "",
     body: Iterable[bytes] = (b"",),
 ) -> list[Message]:
-    """What comes back for a request whose body comes in parts, the last of which is followed by nothing."""
+    """Send a request whose body comes in parts, with no end after the last one, and return the response."""
     parts, sent = list(body), list[Message]()
 
     async def receive() -> Message:

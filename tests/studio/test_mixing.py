@@ -1,4 +1,4 @@
-"""The paints of plans: what is told of them, which are mixed, and the tubes and the tray that stand around."""
+"""Paints of plans: what is shown of them, which are mixed, and the tubes and the tray."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
@@ -32,14 +32,14 @@ IN_GREEN: Painting = BLUE_FIRST.model_copy(
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Iterator[Folder]:
-    """A studio with a plan in two paints, of which none is mixed."""
+    """Folder of a studio with a plan in two paints, none of them mixed."""
     with Folder.opened(tmp_path / "studio") as opened:
         put_plan(opened.root, "cat", BLUE_FIRST, mixed=False)
         yield opened
 
 
 def asked(folder: Folder, ask: Callable[[Mixing], Awaitable[T]]) -> T:
-    """What comes of asking in an event loop, with a desk."""
+    """Run a coroutine with a desk, and return its result."""
 
     async def run() -> T:
         desk = Desk()
@@ -52,7 +52,7 @@ def asked(folder: Folder, ask: Callable[[Mixing], Awaitable[T]]) -> T:
 
 
 async def missing(mixing: Mixing, plan: str) -> list[str]:
-    """The labels of what is."""
+    """Return the labels of the mixed paints."""
     return [paint.label for paint in await mixing.missing(plan)]
 
 
@@ -111,7 +111,7 @@ def test_recipes_come_from_the_tubes_that_one_has(folder: Folder) -> None:
         wanted = np.array([paint.colour for paint in BLUE_FIRST.paints])
         assert mixing.tubes() == USUAL_PAINTS
         assert await mixing.advice("cat") == mixing_advice(wanted, USUAL_PAINTS)
-        await mixing.own(tubes_csv([("my red", "#ff0000"), ("my blue", "#0000ff")]))
+        await mixing.use_tubes(tubes_csv([("my red", "#ff0000"), ("my blue", "#0000ff")]))
         assert mixing.tubes() == mine
         assert mixing.has_own_tubes
         assert await mixing.advice("cat") == mixing_advice(wanted, mine)
@@ -130,9 +130,9 @@ def test_recipes_come_from_the_tubes_that_one_has(folder: Folder) -> None:
 )
 def test_tubes_that_are_none_are_refused_and_the_earlier_ones_stay(folder: Folder, content: bytes, why: str) -> None:
     mixing = Mixing(folder, Desk())
-    asyncio.run(mixing.own(b"ochre,#c08a35"))
+    asyncio.run(mixing.use_tubes(b"ochre,#c08a35"))
     with pytest.raises(InputError, match=why):
-        asyncio.run(mixing.own(content))
+        asyncio.run(mixing.use_tubes(content))
     assert [tube.name for tube in mixing.tubes()] == ["ochre"]
 
 
@@ -143,18 +143,18 @@ def test_a_tray_comes_goes_and_comes_back(folder: Folder) -> None:
     assert not mixing.has_tray
     asyncio.run(mixing.use_tray(TRAY.model_dump_json().encode()))
     assert mixing.has_tray
-    grave = mixing.remove_tray()
+    trashed = mixing.remove_tray()
     assert not mixing.has_tray
-    mixing.take_back_tray(grave)
+    mixing.take_back_tray(trashed)
     assert mixing.has_tray
 
 
 def test_another_tray_and_other_tubes_leave_the_former_ones_in_the_trash(folder: Folder) -> None:
     async def replace(mixing: Mixing) -> None:
-        await mixing.own(b"ochre,#c08a35")
+        await mixing.use_tubes(b"ochre,#c08a35")
         await mixing.use_tray(TRAY.model_dump_json().encode())
         assert list((folder.root / "trash").iterdir()) == []
-        await mixing.own(b"umber,#6b4a2a")
+        await mixing.use_tubes(b"umber,#6b4a2a")
         await mixing.lay_tray("cat", RowOfWells(x=-0.06, y=0.02, step=0.04, height=-0.004, clearance=0.03, reach=0.3))
 
     asked(folder, replace)

@@ -1,4 +1,4 @@
-"""The panel where a machine paints, in a real browser."""
+"""Panel where a machine paints, in a real browser."""
 
 import re
 import time
@@ -19,7 +19,7 @@ QUICK = "Simulated easel, as fast as it can"
 
 @pytest.fixture(autouse=True)
 def painting(tmp_path: Path) -> Path:
-    """A plan that is there before the studio opens."""
+    """Put a plan into the folder before the studio opens."""
     return put_plan(tmp_path / "studio", "lines")
 
 
@@ -28,13 +28,13 @@ def wait_for_stroke(page: Page, number: int) -> None:
 
 
 def outcome(page: Page) -> str:
-    """How it came out, once it has."""
+    """Wait for the outcome."""
     expect(page.locator(".outcome")).to_have_text(re.compile("lifted|is painted|It fits"))
     return page.locator(".outcome").inner_text()
 
 
 def go_on(page: Page) -> None:
-    """With the rest, quickly."""
+    """Choose a quick machine, and fill in the rest."""
     expect(page.get_by_text("It was begun")).to_be_visible()  # what was asked before is filled in by then
     page.get_by_label("Machine").click()
     page.get_by_role("option", name=QUICK).click()

@@ -1,4 +1,4 @@
-"""The panel of paints in a browser: what one ticks, all see, and a restart keeps it."""
+"""Panel of paints in a browser: a tick is seen on all pages, and a restart keeps it."""
 
 from collections.abc import Callable
 

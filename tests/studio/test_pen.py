@@ -1,4 +1,4 @@
-"""The sheet on the page, drawn on in a real browser."""
+"""Sheet on the page, drawn on in a real browser."""
 
 import json
 import re
@@ -69,7 +69,7 @@ def count(page: Page, text: str) -> None:
 
 
 def on_disk(studio: RunningStudio, strokes: int) -> list[list[dict[str, float]]]:
-    """The strokes in the drawing's file, as soon as it has so many."""
+    """Wait until the drawing's file has so many strokes, and return them."""
     until = time.monotonic() + 30
     drawn: list[list[dict[str, float]]] = []
     while time.monotonic() < until:
@@ -83,7 +83,7 @@ def on_disk(studio: RunningStudio, strokes: int) -> list[list[dict[str, float]]]
 
 
 def ink(page: Page) -> int:
-    """How many pixels of the sheet are inked."""
+    """Count the inked pixels of the sheet."""
     pixels: int = page.evaluate(
         """() => {
           const sheet = document.querySelector(".pen canvas");
@@ -98,7 +98,7 @@ def ink(page: Page) -> int:
 
 
 def inked(page: Page, is_so: Callable[[int], bool]) -> None:
-    """The ink of the sheet is so, in a while: strokes come and go a little after they are counted."""
+    """Wait until the ink of the sheet satisfies a condition: strokes appear a little after they are counted."""
     until = time.monotonic() + 30
     while not is_so(ink(page)) and time.monotonic() < until:
         page.wait_for_timeout(50)

@@ -1,4 +1,4 @@
-"""Pictures that people bring: what is none, or swells, is one sentence, and leaves nothing behind."""
+"""Uploaded pictures: one that is broken or unpacks to too much is refused in one sentence, and leaves nothing."""
 
 import io
 import struct
@@ -14,7 +14,7 @@ from maulstick.studio.state.gallery import keep_picture, picture_of, portrait
 
 
 def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:
-    """A PNG in 8-bit grey; pixels: compressed, of a white picture where left out."""
+    """Make a PNG in 8-bit grey. pixels: compressed; of a white picture where left out."""
     if pixels is None:
         pixels = zlib.compress((b"\0" + b"\xff" * width) * height)
     header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
@@ -27,7 +27,7 @@ def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | N
 
 @cache
 def swelling() -> bytes:
-    """64 MiB of zeros in 64 KiB."""
+    """Compress 64 MiB of zeros into 64 KiB."""
     packer = zlib.compressobj(9)
     return b"".join(packer.compress(bytes(2**20)) for _ in range(64)) + packer.flush()
 

@@ -1,4 +1,4 @@
-"""The panel where paintings are planned, in a browser."""
+"""Panel where paintings are planned, in a browser."""
 
 import re
 from collections.abc import Callable

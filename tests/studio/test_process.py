@@ -1,4 +1,4 @@
-"""Work in processes of its own: what becomes of it is always told, and whoever is left alone ends."""
+"""Work in processes of its own: its end is always reported, and it ends when the studio is gone."""
 
 import asyncio
 import os
@@ -19,7 +19,7 @@ from tests.support.studio.processes import PATIENCE, have_ended
 def said_by(
     what: Callable[..., None], *arguments: object, meanwhile: Callable[[Process], None] = lambda _: None
 ) -> list[object]:
-    """All that is told of work until it has ended; None stands for its end."""
+    """Collect all messages of some work; None stands for its end."""
 
     async def listening() -> list[object]:
         said, over = list[object](), asyncio.Event()

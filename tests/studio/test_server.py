@@ -1,4 +1,4 @@
-"""The server: what it cannot have is one sentence, and Ctrl-C ends it whoever still looks on."""
+"""Server: a port or folder in use is refused in one sentence, and Ctrl-C ends it whatever pages are open."""
 
 import signal
 import socket

@@ -1,4 +1,4 @@
-"""The styles of the studio: what the desk finds out of them, what becomes of their files, and how they are drawn."""
+"""Styles of the studio: what the desk computes of them, what happens to their files, and how they are drawn."""
 
 import asyncio
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from PIL import Image
 
 from maulstick.errors import InputError, MaulstickError, OutputError
 from maulstick.strokes.strokes import path_lengths
-from maulstick.studio.panels.styles.map import large_svg, map_svg, neighbours, told_of
+from maulstick.studio.panels.styles.map import description_of, large_svg, map_svg, neighbours
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.workers.desk import Desk
@@ -25,13 +25,13 @@ THREE = ["cursive", "loops", "hatching"]
 
 
 def write_own(name: str) -> Path:
-    """A style of the user's own; its JSON."""
+    """Write a style among the user's own; return its JSON file."""
     return write_style(replace(exemplar_of(circle, 8), name=name), "me.ink.npz", STYLES.own())
 
 
 @pytest.fixture
 def styles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Styles]:
-    """Those that come along, and one of the user's own, `cat`."""
+    """Styles that come with Maulstick, and one of the user's own, `cat`."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     write_own("cat")
     with Folder.opened(tmp_path / "studio") as folder:
@@ -40,7 +40,7 @@ def styles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Styles]:
 
 @dataclass(frozen=True)
 class Found:
-    """What the desk found out."""
+    """Results of the desk."""
 
     sheets: list[Path]
     size: tuple[int, int]
@@ -51,7 +51,7 @@ class Found:
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Found]:
-    """All of it by one desk, whose process takes seconds to begin."""
+    """Results for all tests from one desk, whose process takes seconds to start."""
 
     async def find(folder: Folder) -> Found:
         desk = Desk()
@@ -120,12 +120,12 @@ def test_the_drawing_of_a_map_has_a_path_for_each_stroke_and_no_name_in_it(found
     assert 0 < min(numbers) < max(numbers) < 600
 
 
-def test_a_stroke_is_told_of_as_far_as_anybody_knows(found: Found) -> None:
+def test_a_stroke_is_description_of_as_far_as_anybody_knows(found: Found) -> None:
     some = replace(found.map, lengths=np.array([0.0123]), speeds=np.array([0.1]), pressure=np.array([np.nan]))
     some = replace(some, whose=np.array([1]))
-    assert told_of(some, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, drawn at 100 mm a second"
+    assert description_of(some, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, drawn at 100 mm per second"
     pressed = replace(some, speeds=np.array([np.nan]), pressure=np.array([0.4]))
-    assert told_of(pressed, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, pen pressure 40 %"
+    assert description_of(pressed, 0) == "Stroke 1 of 1, by loops, 12.3 mm long, pen pressure 40 %"
 
 
 def test_an_arrow_key_leads_to_the_nearest_stroke_on_that_side() -> None:
@@ -205,8 +205,8 @@ def test_a_style_that_is_learned_anew_is_in_its_place_until_then_and_afterwards_
 
     assert asyncio.run(styles.renew("cat", learn))
     (thrown,) = styles.thrown_away
-    assert (thrown.grave / "cat.json").read_bytes() == before
-    assert read_style(thrown.grave / "cat.json").name == "cat"
+    assert (thrown.trashed / "cat.json").read_bytes() == before
+    assert read_style(thrown.trashed / "cat.json").name == "cat"
     assert len(read_style(style_path("cat")).hand) == 9
 
 

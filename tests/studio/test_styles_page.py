@@ -1,4 +1,4 @@
-"""The panel of styles in a browser: by hand, by keyboard, and with names that want to be more than names."""
+"""Panel of styles in a browser: by pointer, by keyboard, and with names that look like markup or paths."""
 
 import os
 import re
@@ -17,7 +17,7 @@ PATIENCE = 60_000  # milliseconds, for a machine that does much else
 
 @pytest.fixture
 def own(studio: RunningStudio) -> str:
-    """The name of a style of one's own, whose recording had a name of its own kind."""
+    """Write a style of the user's own, whose recording has a name like markup; return the style's name."""
     write_style(replace(exemplar_of(circle, 8), name="cat"), "<img src=x onerror=alert(1)>", studio.data / "styles")
     return "cat"
 

@@ -1,4 +1,4 @@
-"""A survey from the panel that builds it, past two participants, to its table."""
+"""Survey from the panel that builds it, with two participants, to its tables."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.studio.conftest import RunningStudio
 
 @pytest.fixture
 def brought(tmp_path: Path) -> list[Path]:
-    """Photographs of drawings: by Ann, by Bo, and by the machine in the style of each."""
+    """Make photographs of drawings: by Ann, by Bo, and by the machine in the style of each."""
     files = [tmp_path / f"{name}.png" for name in ("Ann", "Bo", "as Ann", "as Bo")]
     for number, file in enumerate(files):
         Image.new("RGB", (60, 40), (60 * number, 90, 120)).save(file)

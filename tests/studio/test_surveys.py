@@ -1,4 +1,4 @@
-"""The surveys of the studio: put together from drawings, answered, thrown away, and all that lies below /survey/."""
+"""Surveys of the studio: put together from drawings, answered, thrown away; and all paths below /survey/."""
 
 import asyncio
 from collections.abc import Callable, Iterator
@@ -30,14 +30,14 @@ KEYS = [f"pictures/{name}/picture.png" for name in PICTURES]
 
 
 def whole() -> Draft:
-    """A draft that lacks nothing, with an empty row in each part."""
+    """Make a complete draft, with an empty row in each part."""
     hands = [HandDraft("Ann", KEYS[0], [KEYS[2]]), HandDraft("Bo", KEYS[1], [KEYS[3]]), HandDraft()]
     return Draft(" Strokes? ", hands, 1, "loops", "lines", [PairDraft(KEYS[0], KEYS[2], KEYS[3]), PairDraft()])
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Iterator[Folder]:
-    """A studio with four pictures."""
+    """Folder of a studio with four pictures."""
     with Folder.opened(tmp_path / "studio") as opened:
         for name in PICTURES:
             (opened.root / "pictures" / name).mkdir()
@@ -47,7 +47,7 @@ def folder(tmp_path: Path) -> Iterator[Folder]:
 
 
 def without(change: Callable[[Draft], object]) -> Draft:
-    """The same, changed."""
+    """Return the complete draft with a change."""
     draft = whole()
     change(draft)
     return draft
@@ -107,7 +107,7 @@ def test_a_survey_is_made_answered_thrown_away_and_taken_back(folder: Folder) ->
             store = Answers(folder.of("surveys", "strokes"))
             store.begin(first.token)
             store.answer(first.token, 0, questions(made, first.seed)[0], "Ann", last=False)
-            told = await surveys.told("strokes")
+            told = await surveys.report("strokes")
             assert (told.title, told.results.links, told.results.begun, told.results.finished) == ("Strokes?", 2, 1, 0)
             assert told.results.matching is not None
             assert told.results.matching.counts[:, 0].sum() == told.results.matching.counts.sum() == 1
@@ -116,10 +116,10 @@ def test_a_survey_is_made_answered_thrown_away_and_taken_back(folder: Folder) ->
             assert (await surveys.csv("strokes")).count(b"\n") == 2
             assert second.token not in (await surveys.csv("strokes")).decode()
 
-            grave = surveys.throw_away("strokes")
+            trashed = surveys.throw_away("strokes")
             with pytest.raises(InputError, match="there is no survey strokes any more"):
-                await surveys.told("strokes")
-            surveys.take_back(grave)
+                await surveys.report("strokes")
+            surveys.take_back(trashed)
             assert await surveys.people("strokes") == [store.participant(first.token), second]
         finally:
             desk.close()
@@ -152,12 +152,12 @@ SECRET = "the studio itself"
 def answered(
     folder: Folder, path: str, kind: str = "http", form: bytes | None = None, progressed: Callable[[], None] = print
 ) -> tuple[int, str]:
-    """What somebody without the studio's token gets: the status, or the code that a socket is closed with; the body.
+    """Send a request without the studio's token; return the status, or the code that closes a socket, and the body.
 
-    form: is sent, where there is one.  progressed: as `Surveys.somebody_progressed`.
+    form: is sent, where there is one.  progressed: as `Surveys.note_progress`.
     """
     inside = Starlette(routes=[Mount("/survey", survey_pages()), Mount("/", PlainTextResponse(SECRET))])
-    inside.state.studio = SimpleNamespace(folder=folder, surveys=SimpleNamespace(somebody_progressed=progressed))
+    inside.state.studio = SimpleNamespace(folder=folder, surveys=SimpleNamespace(note_progress=progressed))
     app, sent = Gate(inside, "token"), []
     scope: Scope = {
         "type": kind, "method": "GET" if form is None else "POST", "path": path, "raw_path": path.encode(),
@@ -180,7 +180,7 @@ def answered(
 
 @pytest.fixture
 def token(folder: Folder, tmp_path: Path) -> str:
-    """Of a participant of the survey `strokes`."""
+    """Token of a participant of the survey `strokes`."""
     path = folder.of("surveys", "strokes")
     build(path, "Whose strokes?", *sources(tmp_path / "sources"))
     return Answers(path).mint(1)[0]
@@ -227,9 +227,9 @@ def test_many_answers_are_one_refresh_and_all_who_wait_share_one_result(folder: 
         surveys.changed.subscribe(refreshed.set)
         try:
             for _ in range(5):
-                surveys.somebody_progressed()
+                surveys.note_progress()
             first, second, _ = await asyncio.gather(
-                surveys.told("strokes"), surveys.told("strokes"), asyncio.wait_for(refreshed.wait(), 60)
+                surveys.report("strokes"), surveys.report("strokes"), asyncio.wait_for(refreshed.wait(), 60)
             )
             return len(times), first is second
         finally:

@@ -1,4 +1,4 @@
-"""Surveys of small pictures, each of one colour of its own, and a server that answers over a socket."""
+"""Fixtures: surveys of small pictures, each of a colour of its own, and a server that answers over a socket."""
 
 import http.client
 import io
@@ -23,7 +23,7 @@ SYSTEMS = ("Curves", "Splines")
 
 
 def sources(folder: Path, motifs: int = 2) -> tuple[Match, Opinions]:
-    """Three hands with so many motifs, and two pairs, of pictures that are made in `folder`."""
+    """Make three hands with so many motifs, and two pairs, of pictures that are made in `folder`."""
     folder.mkdir()
     made = 0
 
@@ -43,13 +43,13 @@ def sources(folder: Path, motifs: int = 2) -> tuple[Match, Opinions]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A survey of two questions about three hands, and five about one of two pairs."""
+    """Folder of a survey of two questions about three hands, and five about one of two pairs."""
     build(tmp_path / "survey", "Whose strokes?", *sources(tmp_path / "sources"))
     return tmp_path / "survey"
 
 
 def named(hands: int = 5, motifs: int = 3, pairs: int = 4, asked: int = 2) -> Survey:
-    """A survey without its pictures."""
+    """Make a survey without its pictures."""
     return Survey(
         title="T",
         match=Match(
@@ -91,7 +91,7 @@ class Answered(NamedTuple):
 
 
 class Server:
-    """A server, and whatever it serves at the moment; http.client, unlike browsers, tidies no path."""
+    """Server of an application that can be replaced; http.client, unlike browsers, sends paths unchanged."""
 
     def __init__(self, port: int) -> None:
         self.port = port
@@ -122,7 +122,7 @@ class Server:
 
 @pytest.fixture(scope="session")
 def running() -> Iterator[Server]:
-    """One server for all tests, in a thread of this process: to end one takes longer than most of them."""
+    """Server for all tests, in a thread of this process: ending one takes longer than most tests."""
     with listening("127.0.0.1", 0) as at:
         answering = Server(at.getsockname()[1])
         server = uvicorn.Server(uvicorn.Config(answering, log_level="error", lifespan="off"))
@@ -137,6 +137,6 @@ def running() -> Iterator[Server]:
 
 @pytest.fixture
 def server(running: Server, folder: Path) -> Server:
-    """The participants' pages of `folder`."""
+    """Server of the participants' pages of `folder`."""
     running.app = participants(folder, lambda: None)
     return running

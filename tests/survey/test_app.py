@@ -25,7 +25,7 @@ def token(folder: Path) -> str:
 
 @pytest.fixture
 def begun(folder: Path, token: str) -> str:
-    """One who has begun."""
+    """Token of a participant who has begun."""
     Answers(folder).begin(token)
     return token
 

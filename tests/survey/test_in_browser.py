@@ -1,4 +1,4 @@
-"""The survey as people take it: in a real browser, by keyboard alone."""
+"""Survey as participants take it, in a real browser, by keyboard alone."""
 
 import shutil
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The plot of a brush: a mark from the lightest pressure to the deepest, its width, its profile, and its numbers."""
+"""Plot of a brush: a mark from the lightest pressure to the deepest, its width, its profile, and its numbers."""
 
 from textwrap import wrap
 
@@ -12,21 +12,21 @@ from maulstick.plots.sheet import FAINT, INK, PAPER, QUIET, Plot, length_text, r
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
 
-_PROPORTION = 1.4
-_POINTS = 32
-_LENGTH = 14  # times the widest mark
-_COLOUR = (0.13, 0.12, 0.11)
+_PROPORTION = 1.4  # width of the plot over its height
+_POINTS = 32  # samples of the mark, as many as a stroke of a painting has
+_LENGTH = 14  # of the mark, in times its greatest width
+_COLOUR = (0.13, 0.12, 0.11)  # of the mark, sRGB: a near-black
 _MARK, _WIDTHS, _PROFILE, _END = 22.0, 25.0, 39.5, 50.5  # lines: where the mark ends, and the charts begin and end
-_WIDTHS_HIGH = 9.0  # lines
-_PROFILE_WIDE = 22.0  # lines
-_COLUMNS = 4
-_ROW = 3.5  # lines
-_SHARES = (0.0, 0.5, 1.0)
-_PRESSES = ((0.0, "#b9b4aa"), (0.5, QUIET), (1.0, INK))
+_WIDTHS_HIGH = 9.0  # lines: height of the chart of widths
+_PROFILE_WIDE = 22.0  # lines: width of the chart of profiles
+_COLUMNS = 4  # of the table of numbers
+_ROW = 3.5  # lines: height of a row of that table
+_SHARES = (0.0, 0.5, 1.0)  # of an axis, where it has a tick
+_PRESSURES = ((0.0, "#b9b4aa"), (0.5, QUIET), (1.0, INK))
 
 
 def brush_plot(brush: Brush, title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high. The mark is drawn by the same renderer as paintings, on the axis of the chart below."""
+    """Draw a brush as a PNG, `px` pixels high. Its mark is rendered as in a painting, above the chart of its widths."""
     plot = Plot(_PROPORTION * px, px)
     margin, line = plot.margin, plot.line
     right = plot.width - margin
@@ -52,7 +52,7 @@ def brush_plot(brush: Brush, title: str, px: int) -> bytes:
 
 
 def width_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
-    """Width over pressure, its upper left corner at (x, y), pixels; type is above, below and to the left of it."""
+    """Draw width over pressure with its upper left corner at (x, y), pixels; labels lie above, below and left of it."""
     line, widest = plot.line, 2e3 * brush.widest
     axes = plot.axes(x, y, wide, high, 1.0)
     pressure = np.linspace(0, 1, 201)
@@ -68,10 +68,10 @@ def width_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high:
 
 
 def profile_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> None:
-    """Darkness across the mark at three pressures, its upper left corner at (x, y), pixels; type as above."""
+    """Draw darkness across the mark at three pressures, its upper left corner at (x, y), pixels; labels lie around."""
     line, widest = plot.line, brush.widest
     axes = plot.axes(x, y, wide, high, 1.0)
-    for pressure, colour in _PRESSES:
+    for pressure, colour in _PRESSURES:
         across = np.linspace(-1, 1, 401) * max(float(brush.half_width(np.array(pressure))), 0.0)
         places, darkness = (1 + across / widest) / 2 * wide, profile(brush, pressure, across)
         axes.fill_between(places, high * (1 - darkness), high, color=PAPER, lw=0)
@@ -85,12 +85,12 @@ def profile_chart(plot: Plot, brush: Brush, x: float, y: float, wide: float, hig
 
 
 def _level(plot: Plot, axes: Axes, y: float, colour: str) -> None:
-    """A rule over what is filled and under the curves."""
+    """Draw a horizontal rule above the filled areas and below the curves."""
     axes.axhline(y, color=colour, lw=plot.points(0.08 * plot.line), zorder=1.5, clip_on=False)
 
 
 def profile(brush: Brush, pressure: float, distance: Floats) -> Floats:
-    """Darkness (n,) at so many metres (n,) from the centre line of a stroke of this pressure."""
+    """Darkness (n,), in [0, 1], at distances (n,), metres, from the centre line of a stroke of this pressure."""
     half_width = max(float(brush.half_width(np.array(pressure))), 1e-12)
     flow = brush.faint + (1 - brush.faint) * min(pressure / brush.solid, 1)
     shape = np.clip((1 - np.abs(distance) / half_width) / (1 - brush.plateau), 0, 1)
@@ -99,13 +99,13 @@ def profile(brush: Brush, pressure: float, distance: Floats) -> Floats:
 
 
 def _shortened(text: str, letters: int) -> list[str]:
-    """The text on three lines at most."""
+    """Wrap the text to three lines at most."""
     lines = wrap(text, letters)
     return lines if len(lines) <= 3 else [*lines[:2], lines[2][: letters - 2] + " …"]
 
 
 def _mark(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float) -> float:
-    """Draw the mark in the middle of a piece of paper, pixels; returns pixels a metre."""
+    """Draw the mark in the middle of a white rectangle, given in pixels; return pixels per metre."""
     in_place = brush.model_copy(update={"m_x": 1.0, "m_y": 1.0, "b_x": 0.0, "b_y": 0.0})
     length = _LENGTH * 2 * brush.widest
     scale = min(0.6 * high / (2 * brush.widest), 0.88 * wide / length)
@@ -124,12 +124,12 @@ def _mark(plot: Plot, brush: Brush, x: float, y: float, wide: float, high: float
 
 
 def _numbers(plot: Plot, brush: Brush, x: float, y: float, wide: float) -> None:
-    """What the file of the brush says, lengths in mm, but for its curve and what is neutral beyond the paper."""
+    """Write the numbers of the brush, lengths in mm, without its curve and without extensions that have no effect."""
 
     def mm(*lengths: float) -> str:
         return ", ".join(f"{1e3 * length:.3g}" for length in lengths) + " mm"
 
-    told = [
+    numbers = [
         ("alpha", mm(brush.alpha)),
         ("beta", mm(brush.beta)),
         ("falloff", f"{brush.falloff:.3g}"),
@@ -147,9 +147,9 @@ def _numbers(plot: Plot, brush: Brush, x: float, y: float, wide: float) -> None:
         "solid": f"{brush.solid:.3g}",
     }
     fields = Brush.model_fields
-    told += [(name, value) for name, value in beyond.items() if getattr(brush, name) != fields[name].default]
+    numbers += [(name, value) for name, value in beyond.items() if getattr(brush, name) != fields[name].default]
     line, column = plot.line, wide / _COLUMNS
-    for number, (name, value) in enumerate(told):
+    for number, (name, value) in enumerate(numbers):
         left, top = x + number % _COLUMNS * column, y + number // _COLUMNS * _ROW * line
         plot.text(left, top, name, room=column)
         plot.text(left, top + 1.5 * line, value, INK, 1.1, room=column - 0.5 * line)

@@ -1,33 +1,32 @@
-"""The plot of several paintings side by side, all at one scale."""
+"""Plot of several paintings side by side, all at one scale."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
 from maulstick.painting.raster import Canvas
 from maulstick.plots.sheet import FAINT, INK, Plot
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 
-_PROPORTION = 1.6
+_PROPORTION = 1.6  # width of the plot over its height
 _GAP = 2.0  # lines between pictures
 _TITLE = 4.2  # lines above a picture
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A picture on a plot. size: (width, height), metres.  draw: its image (H, W, 3) in [0, 1] on a canvas' pixels."""
+    """Picture on a plot. size: (width, height), metres.  draw: renders it as (H, W, 3), in [0, 1], on a canvas."""
 
     name: str
     note: str
     size: tuple[float, float]
-    draw: Callable[[Canvas], NDArray[np.float32]]
+    draw: Callable[[Canvas], Image]
 
 
-def compare_plot(panels: Sequence[Panel], title: str, told: str, note: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: the panels in rows, as large as there is room, over what is told of them."""
+def compare_plot(panels: Sequence[Panel], title: str, caption: str, note: str, px: int) -> bytes:
+    """Draw a PNG, `px` pixels high: the panels in rows, as large as fits, above a title, a caption and a note."""
     plot = Plot(_PROPORTION * px, px)
     room = plot.width - 2 * plot.margin, px - plot.foot - plot.margin
     gap, above = _GAP * plot.line, _TITLE * plot.line
@@ -41,14 +40,14 @@ def compare_plot(panels: Sequence[Panel], title: str, told: str, note: str, px: 
             _draw(plot, panels[number], x, y + above, scale)
             x += width + gap
         y += above + height + gap
-    plot.caption(title, told, note, scale)
+    plot.caption(title, caption, note, scale)
     return plot.png()
 
 
 def _rows(sizes: Floats, room: tuple[float, float], gap: float, above: float) -> tuple[float, list[list[int]]]:
-    """The largest scale at which panels of these sizes (N, 2) have room, and their numbers in as many rows as it needs.
+    """Largest scale, pixels per metre, at which panels of these sizes (N, 2) fit, and their indices by rows.
 
-    gap: between two panels.  above: left free over each.
+    room: (width, height), pixels.  gap: between two panels, pixels.  above: space left free above each, pixels.
     """
     found = []
     for count in range(1, len(sizes) + 1):
@@ -60,7 +59,7 @@ def _rows(sizes: Floats, room: tuple[float, float], gap: float, above: float) ->
 
 
 def _draw(plot: Plot, panel: Panel, x: float, y: float, scale: float) -> None:
-    """Its upper left corner at (x, y), its name above it."""
+    """Draw a panel with its upper left corner at (x, y), pixels, and its name above it."""
     width, height = scale * panel.size[0], scale * panel.size[1]
     plot.text(x, y - 2.1 * plot.line, panel.name, INK, 1.4, room=width)
     plot.text(x, y - 0.7 * plot.line, panel.note, room=width)

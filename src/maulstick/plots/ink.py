@@ -1,4 +1,4 @@
-"""The plot of some ink: the sheet as it was drawn on."""
+"""Plot of ink: the sheet as it was drawn on."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,18 +11,17 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import path_lengths, resample
 
-_WIDTH = 0.4e-3  # metres, without pressure
-_WIDTHS = 0.15e-3, 1.2e-3  # at pressure 0 and at pressure 1
-_THINNEST, _LEAST_DOT = 0.9, 2.2  # pixels
+_WIDTH = 0.4e-3  # metres: of a stroke without recorded pressure
+_WIDTHS = 0.15e-3, 1.2e-3  # metres: at pressure 0 and at pressure 1
+_THINNEST, _LEAST_DOT = 0.9, 2.2  # pixels: what is smaller would hardly be seen
 _STEP = 1.5  # pixels along a stroke, after which its width may change
-_WIDTH_STEP = 0.4  # pixels
-_MOST_STARTS = 400
-_WIDEST = 3.0  # widths of a plot in its heights
-_NARROWEST = 0.75
+_WIDTH_STEP = 0.4  # pixels: smaller differences in width are not seen
+_MOST_STARTS = 400  # strokes: of more, the red dots at their starts would hide the ink
+_WIDEST, _NARROWEST = 3.0, 0.75  # width of a plot over its height, at most and at least
 
 
 def ink_plot(ink: Ink, title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: all strokes on their sheet, as wide as their pressure where it was recorded."""
+    """Draw a PNG, `px` pixels high: all strokes on their sheet, as wide as their pressure where it was recorded."""
     high, margins = (1 - FOOT / LINES) * px, 2 * MARGIN / LINES * px
     width, height = ink.size
     scale = min(high / height, (_WIDEST * px - margins) / width)
@@ -58,13 +57,13 @@ def ink_plot(ink: Ink, title: str, px: int) -> bytes:
 
 
 def _pixels(pressure: Floats, scale: float) -> Floats:
-    """Width in pixels at each pressure."""
+    """Line width, pixels, at each pressure (n,)."""
     light, deep = _WIDTHS
     return np.maximum(scale * (light + (deep - light) * pressure), _THINNEST)
 
 
 def _runs(stroke: Floats, scale: float) -> Iterator[tuple[float, Floats]]:
-    """A pressed stroke as polylines (k, 2), each of one width in pixels, and steps of width too small to be seen."""
+    """Cut a stroke with pressure into polylines (k, 2), each of one width, pixels; steps of width stay invisible."""
     length = float(path_lengths(stroke[:, 1:3]))
     path = resample(stroke[:, 1:4], 2 + min(int(length * scale / _STEP), 8 * len(stroke)))
     widths = _pixels((path[:-1, 2] + path[1:, 2]) / 2, scale)

@@ -1,4 +1,4 @@
-"""The map of a latent space: each stroke of a hand at its place in it, the paper's figure of t-SNE."""
+"""Map of a latent space: each stroke of a hand at its place in it, as in the paper's t-SNE figure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,44 +7,43 @@ from typing import Any
 import numpy as np
 import torch
 from matplotlib.collections import LineCollection
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
 from maulstick.plots.sheet import ACCENT, INK, Plot
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.style.store import Fitted
 
 COLOURS = (INK, ACCENT, "#2f6690", "#5f8a3a", "#b98220", "#7a4f95")
-_PROPORTION = 1.4
-_MOST = 400
-_PERPLEXITY = 30
-_LARGEST = 7.0  # lines: the largest stroke at most
-_CLOSE = 1.3  # times its share of the map, since some strokes are small
-_WIDTH = 0.075  # lines
-_LEGEND = 13  # lines: width of a column of it
+_PROPORTION = 1.4  # width of the plot over its height
+_MOST = 400  # strokes on a map: of more, each would be too small to be seen
+_PERPLEXITY = 30  # of t-SNE, the default of scikit-learn; less where there are few strokes
+_LARGEST = 7.0  # lines: size of the largest stroke at most
+_CLOSE = 1.3  # size of the largest stroke over its share of the map; above 1 since most strokes are smaller
+_WIDTH = 0.075  # lines: of a stroke
+_LEGEND = 13  # lines: width of a column of the legend
 
 
 @dataclass(frozen=True)
 class MapPositions:
-    """Where N strokes of some styles' hands lie on the map.
+    """Positions on the map of N strokes of the hands of some styles.
 
-    whose: (N,), the number of the style.  rows: (N,), which stroke of its hand.
-    glyphs: (N, 32, 2), about the origin; the largest is 1 wide or high, the others by the root of their size.
-    places: (N, 2), over the square of side 1 about the origin.
+    whose: (N,), index of the style.  rows: (N,), index of the stroke within its hand.
+    glyphs: (N, 32, 2), about the origin; the largest is 1 wide or high, the others scale by the root of their size.
+    places: (N, 2), in the square of side 1 about the origin.
     """
 
-    whose: NDArray[np.int64]
-    rows: NDArray[np.int64]
+    whose: Ints
+    rows: Ints
     glyphs: Floats
     places: Floats
 
 
 def places_of(styles: Sequence[Fitted]) -> MapPositions:
-    """Where strokes of the styles' hands lie, by the t-SNE of their codes in the first style.
+    """Place strokes of the styles' hands on a map, by t-SNE of their codes in the first style.
 
-    Strokes lie near each other where the style thinks them alike; directions and distances across the map mean
-    nothing. Of more than 400 strokes there is every so-manieth.
+    Strokes lie near each other where the style gives them similar codes; directions and long distances mean nothing.
+    Of more than 400 strokes an even selection is placed.
 
     Raises InputError where there are more styles than colours.
     """
@@ -59,33 +58,33 @@ def places_of(styles: Sequence[Fitted]) -> MapPositions:
 
 
 def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: strokes of the styles' hands at their `places_of`, each style in a colour.
+    """Draw a PNG, `px` pixels high: strokes of the styles' hands at their `places_of`, one colour per style.
 
     Raises InputError where there are more styles than colours.
     """
-    at = places_of(styles)
+    found = places_of(styles)
     plot = Plot(_PROPORTION * px, px)
     margin, line = plot.margin, plot.line
     wide, high = plot.width - 2 * margin, px - plot.foot
     axes = plot.paper(margin, margin, wide, high, 1.0)
-    size = min(_LARGEST * line, _CLOSE * float(np.sqrt(wide * high / len(at.whose))))
+    size = min(_LARGEST * line, _CLOSE * float(np.sqrt(wide * high / len(found.whose))))
     room = np.array([wide, high]) - size - 2 * line
-    drawn = at.glyphs * size + (at.places * room + np.array([wide, high]) / 2)[:, None]
+    drawn = found.glyphs * size + (found.places * room + np.array([wide, high]) / 2)[:, None]
     axes.add_collection(
         LineCollection(
             list(drawn),
-            colors=[COLOURS[number] for number in at.whose],
+            colors=[COLOURS[number] for number in found.whose],
             linewidths=plot.points(_WIDTH * line),
             capstyle="round",
             joinstyle="round",
         )
     )
-    _legend(plot, [style.name for style in styles], title, len(at.whose), sum(len(style.hand) for style in styles))
+    _legend(plot, [style.name for style in styles], title, len(found.whose), sum(len(style.hand) for style in styles))
     return plot.png()
 
 
 def _placed(codes: Floats) -> Floats:
-    """Codes (N, K) on the plane, (N, 2), the same for the same codes."""
+    """Embed codes (N, K) in the plane, (N, 2); the same codes always give the same places."""
     from sklearn.manifold import TSNE  # takes a moment
 
     perplexity = min(_PERPLEXITY, (len(codes) - 1) / 3)
@@ -95,14 +94,14 @@ def _placed(codes: Floats) -> Floats:
 
 
 def _spread(places: Floats) -> Floats:
-    """Places (N, 2) over the square of side 1 about the origin."""
+    """Scale places (N, 2) to fill the square of side 1 about the origin."""
     low, size = places.min(axis=0), np.ptp(places, axis=0)
     spread: Floats = (places - low) / size.clip(min=1e-12) - 0.5
     return spread
 
 
 def _glyphs(paths: Floats) -> Floats:
-    """Paths (N, n, 2) about the origin; the largest is 1 wide or high, the others by the root of their size."""
+    """Centre and scale paths (N, n, 2): the largest is 1 wide or high, the others by the root of their size."""
     low, size = paths.min(axis=1, keepdims=True), np.ptp(paths, axis=1, keepdims=True)
     extent = size.max(axis=2, keepdims=True)
     glyphs: Floats = (paths - low - size / 2) / np.sqrt(extent * extent.max())
@@ -119,6 +118,6 @@ def _legend(plot: Plot, names: Sequence[str], title: str, shown: int, strokes: i
     room = plot.width - 2 * plot.margin - columns * _LEGEND * line
     count = f"{shown} of {strokes}" if shown < strokes else f"{shown}"
     plot.text(plot.margin, base - 2.75 * line, title, INK, 1.2, room)
-    told = f"{count} strokes by hand; the nearer, the more alike to the style {names[0]} (t-SNE of their codes)"
-    plot.text(plot.margin, base - 1.3 * line, told, room=room)
+    caption = f"{count} strokes by hand; the nearer, the more alike to the style {names[0]} (t-SNE of their codes)"
+    plot.text(plot.margin, base - 1.3 * line, caption, room=room)
     plot.text(plot.margin, base, "a stroke that was four times as large is drawn twice as large", room=room)

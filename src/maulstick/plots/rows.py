@@ -1,4 +1,4 @@
-"""Strokes side by side in rows, like words on a page."""
+"""Layout of strokes side by side in rows, like words on a page."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -7,21 +7,21 @@ import numpy as np
 
 from maulstick.storage.arrays import Floats
 
-_ROUNDS = 30
+_ROUNDS = 30  # of halving: the scale is then exact to 1e-9 of the greatest one
 _LAST = 2.0  # gaps: how far apart strokes of the last row may be
 
 
 class Row(NamedTuple):
-    """Strokes side by side. strokes: their indices.  left: where each begins."""
+    """Row of strokes. strokes: their indices.  left: left edge of each, pixels."""
 
     strokes: list[int]
     left: Floats
 
 
 def rows_of(widths: Floats, wide: float, gap: float) -> list[Row]:
-    """Strokes of these widths (N,), as many side by side as there is room for, the room that is left between them.
+    """Lay strokes of these widths (N,) in rows, as many per row as fit, with the free room between them.
 
-    wide: of a row.  gap: between two strokes at least.  All in pixels.
+    wide: width of a row.  gap: least distance between two strokes.  All in pixels.
     """
     filled: list[list[int]] = []
     used = np.inf
@@ -40,7 +40,7 @@ def rows_of(widths: Floats, wide: float, gap: float) -> list[Row]:
 
 
 def largest_scale(fits: Callable[[float], bool], most: float) -> float:
-    """The largest scale up to `most` at which everything fits, which it does at every smaller one as well."""
+    """Find the largest scale up to `most` for which `fits` is true. fits: must be true for all smaller scales too."""
     low, top = 0.0, most
     for _ in range(_ROUNDS):
         scale = (low + top) / 2

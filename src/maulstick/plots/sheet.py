@@ -1,4 +1,4 @@
-"""What all plots share: colours, type, captions, and the step to a PNG."""
+"""Base of all plots: colours, text, captions, and writing a PNG."""
 
 import io
 import warnings
@@ -19,28 +19,28 @@ _DPI = 128  # a power of two: pixels / dpi * dpi is then exact
 _TYPE = ["STIXGeneral", "DejaVu Sans"]
 
 LINES = 56
-"""Of type in the height of a plot."""
+"""Number of lines of text in the height of a plot."""
 
 MARGIN = 2.0
-"""Lines, around a plot."""
+"""Margin around a plot, lines."""
 
 FOOT = 2 * MARGIN + 5.4
-"""Lines that a caption takes, with its margins."""
+"""Height of a caption with its margins, lines."""
 
 
 @contextmanager
 def _missing_glyphs() -> Iterator[None]:
-    """Be silent about a name in a script that no font here has."""
+    """Silence warnings about letters that no font here has, as in a name of another script."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")
         yield
 
 
 class Plot:
-    """A figure measured in pixels from its upper left corner.
+    """Figure measured in pixels from its upper left corner.
 
-    width, height: pixels.  line: the size of its type.  margin: what is left free around it.  foot: what a caption
-    takes, with its margins.
+    width, height: pixels.  line: height of a line of text, pixels.  margin: space left free around it, pixels.
+    foot: height of a caption with its margins, pixels.
     """
 
     def __init__(self, width: float, height: int, lines: float = LINES) -> None:
@@ -50,7 +50,7 @@ class Plot:
         self.figure = Figure(figsize=(self.width / _DPI, height / _DPI), dpi=_DPI, facecolor=TABLE)
 
     def axes(self, x: float, y: float, width: float, height: float, scale: float) -> Axes:
-        """Axes without any furniture, their upper left corner at (x, y), y down, in units of `scale` pixels."""
+        """Add axes without frame or ticks, their upper left corner at (x, y), y down, in units of `scale` pixels."""
         place = (x / self.width, 1 - (y + height) / self.height, width / self.width, height / self.height)
         axes = self.figure.add_axes(place, frameon=False, xticks=[], yticks=[])
         axes.set_xlim(0, width / scale)
@@ -58,7 +58,7 @@ class Plot:
         return axes
 
     def paper(self, x: float, y: float, width: float, height: float, scale: float) -> Axes:
-        """A white sheet with a fine edge; axes as above."""
+        """Add a white sheet with a fine edge, and return its axes, as `axes` does."""
         axes = self.axes(x, y, width, height, scale)
         axes.add_patch(
             Rectangle((0, 0), 1, 1, transform=axes.transAxes, fc=PAPER, ec=FAINT, lw=self.points(1), clip_on=False)
@@ -75,7 +75,7 @@ class Plot:
         room: float = np.inf,
         ha: str = "left",
     ) -> None:
-        """Type with its baseline at (x, y), pixels; `size` in lines, smaller where it would be wider than `room`."""
+        """Draw text with its baseline at (x, y), pixels; `size` in lines, less where it would be wider than `room`."""
         options: dict[str, Any] = {"color": colour, "family": _TYPE, "parse_math": False, "ha": ha}
         drawn = self.figure.text(
             x / self.width, 1 - y / self.height, text, size=self.points(size * self.line), **options
@@ -87,27 +87,27 @@ class Plot:
             drawn.set_fontsize(self.points(size * self.line) * min(1, room / max(wide, 1)))
 
     def rule(self, x: float, y: float, width: float, colour: str = QUIET, weight: float = 0.08) -> None:
-        """A horizontal rule; `weight` in lines."""
+        """Draw a horizontal rule from (x, y), pixels; `weight` in lines."""
         xs, ys = np.array([x, x + width]) / self.width, [1 - y / self.height] * 2
         self.figure.add_artist(Line2D(xs, ys, color=colour, lw=self.points(weight * self.line), solid_capstyle="butt"))
 
-    def caption(self, title: str, told: str, note: str, scale: float) -> None:
-        """At the foot of the plot: a title, two lines about it, and a scale bar for `scale` pixels a metre."""
+    def caption(self, title: str, caption: str, note: str, scale: float) -> None:
+        """Draw a title, two lines about it, and a scale bar for `scale` pixels per metre at the foot of the plot."""
         left, right, base = self.margin, self.width - self.margin, self.height - self.margin
         bar = round_length(self.width / 5 / scale)
         y = base - 2.75 * self.line
         self.text(left, y, title, INK, 1.2, room=right - left - bar * scale - self.margin)
-        self.text(left, base - 1.3 * self.line, told, room=right - left)
+        self.text(left, base - 1.3 * self.line, caption, room=right - left)
         self.text(left, base, note, room=right - left)
         self.rule(right - bar * scale, y, bar * scale, INK)
         self.text(right, y - 0.5 * self.line, length_text(bar), ha="right")
 
     def points(self, pixels: float) -> float:
-        """What matplotlib measures type and lines in."""
+        """Convert pixels to points, in which matplotlib measures text and lines."""
         return pixels * 72 / _DPI
 
     def png(self) -> bytes:
-        """The plot as a PNG."""
+        """Encode the plot as a PNG."""
         file = io.BytesIO()
         with _missing_glyphs():
             self.figure.savefig(file, format="png", dpi=_DPI, metadata={"Software": None})
@@ -115,11 +115,11 @@ class Plot:
 
 
 def round_length(most: float) -> float:
-    """The largest of 1, 2, 5, 10, ... that is no longer than `most` metres."""
+    """Largest of 1, 2, 5, 10, ..., times a power of ten, that is at most `most`, metres."""
     power = 10.0 ** np.floor(np.log10(most))
     return float(power * max(step for step in (1, 2, 5) if step * power <= most * (1 + 1e-9)))
 
 
 def length_text(metres: float) -> str:
-    """A length for people."""
+    """Format a length, metres, for people."""
     return f"{metres:.3g} m" if metres >= 1 else f"{metres * 1e3:.3g} mm"

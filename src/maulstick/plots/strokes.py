@@ -1,4 +1,4 @@
-"""The plot of some strokes: a specimen sheet, like that of a typeface."""
+"""Plot of strokes: a specimen sheet, like that of a typeface."""
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -8,15 +8,15 @@ from maulstick.plots.sheet import ACCENT, FAINT, INK, Plot, length_text
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import Strokes
 
-_MOST = 240
-_PROPORTION = 1.4
-_LEAST_HEIGHT = 20e-3  # metres on the whole plot: what is smaller is not blown up further
+_MOST = 240  # strokes on a sheet: of more, each would be too small to be seen
+_PROPORTION = 1.4  # width of the plot over its height
+_LEAST_HEIGHT = 20e-3  # metres in the height of the plot: small strokes are not enlarged further
 
 
 def strokes_plot(strokes: Strokes, title: str, px: int) -> bytes:
-    """A PNG, `px` pixels high: standardised strokes at one scale, the longest first, each on its line.
+    """Draw a PNG, `px` pixels high: standardised strokes at one scale, the longest first, in rows.
 
-    Of more than 240 strokes every so-manieth is shown, by length.
+    Of more than 240 strokes an even selection by length is shown.
     """
     plot = Plot(_PROPORTION * px, px)
     margin, line = plot.margin, plot.line
@@ -57,11 +57,11 @@ def strokes_plot(strokes: Strokes, title: str, px: int) -> bytes:
         axes.plot(*np.array(places).reshape(-1, 2).T, "o", ms=size, mfc=colour, mew=0)
     axes.add_collection(LineCollection(segments, colors=INK, linewidths=points, capstyle="round", joinstyle="round"))
     note = "red where a stroke begins, a grey line from there to where it ends" if len(shown) else ""
-    plot.caption(title, _told(strokes, len(shown)), note, scale)
+    plot.caption(title, _caption(strokes, len(shown)), note, scale)
     return plot.png()
 
 
-def _told(strokes: Strokes, shown: int) -> str:
+def _caption(strokes: Strokes, shown: int) -> str:
     if not len(strokes):
         return "no strokes"
     if len(strokes) == 1:
@@ -72,6 +72,6 @@ def _told(strokes: Strokes, shown: int) -> str:
 
 
 def _reach(paths: Floats, row: Row) -> tuple[float, float]:
-    """How far the strokes of a row, of paths (N, n, 2), rise over their line and fall under it."""
+    """Height above and depth below the line of the row's strokes, of paths (N, n, 2)."""
     heights = paths[row.strokes, :, 1]
     return -float(heights.min()), float(heights.max())

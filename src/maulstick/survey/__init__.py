@@ -1,1 +1,1 @@
-"""Surveys among people: whose strokes are these, and which of two looks do they prefer (paper, Human Evaluations)."""
+"""Surveys among people: who drew these strokes, and which of two looks is preferred (paper: Human Evaluations)."""

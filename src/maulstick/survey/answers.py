@@ -1,4 +1,4 @@
-"""Who may answer a survey, and what they answered: a database beside survey.json, in short transactions."""
+"""Participants of a survey and their answers: an SQLite database beside survey.json, used in short transactions."""
 
 import secrets
 import sqlite3
@@ -14,9 +14,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.survey.questions import Kind, Question
 
-_MOST_LINKS = 1000
-_VERSION = 1
-_PATIENCE = 10.0  # seconds to wait for another who writes
+_MOST_LINKS = 1000  # that one call may make, so that a slip of the finger does not fill the page
+_VERSION = 1  # of the tables below; a database of another version is refused
+_PATIENCE = 10.0  # seconds to wait for another process that writes
 _TABLES = f"""
 BEGIN IMMEDIATE;
 CREATE TABLE IF NOT EXISTS participants (
@@ -40,9 +40,10 @@ FROM participants
 
 @dataclass(frozen=True)
 class Participant:
-    """One who has a link.
+    """Person who has a link to the survey.
 
-    token: the secret part of it.  seed: of the questions they get.  answered: how many, from the first on.
+    token: the secret part of the link.  seed: of the order of their questions.  answered: number of questions
+    answered so far, from the first on.
     """
 
     number: int
@@ -54,9 +55,10 @@ class Participant:
 
 
 class Shown(BaseModel):
-    """What a participant had before their eyes.
+    """Record of what a participant was shown with a question.
 
-    about: as in `Question`.  pictures: files, the reference first.  choices: hands or systems as they were shown.
+    about: as in `Question`.  pictures: file names, the reference first.  choices: names of the hands or the systems,
+    in the order in which they were shown.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -67,9 +69,9 @@ class Shown(BaseModel):
 
 
 class Answer(BaseModel):
-    """One answer: the hand or the system that was chosen.
+    """Answer of a participant to a question. chosen: name of the hand or the system.
 
-    participant, number: of the participant, from 1, and of the question, from 0.
+    participant: number from 1.  number: of the question, from 0.
     seconds: since the answer before, or since they began.  moment: seconds since 1970.
     """
 
@@ -87,16 +89,16 @@ class Answer(BaseModel):
 
 @final
 class Answers:
-    """The answers of a survey's folder, from any thread and any process.
+    """Answers in the folder of a survey; usable from any thread and any process.
 
-    All methods raise OutputError where the database cannot be written, and InputError where it is none of ours.
+    All methods raise OutputError where the database cannot be written, and InputError where it holds something else.
     """
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / "answers.sqlite"
 
     def mint(self, count: int) -> list[str]:
-        """The tokens of so many new participants. Raises InputError for fewer than 1 or more than 1000."""
+        """Add `count` participants and return their tokens. Raises InputError for fewer than 1 or more than 1000."""
         if not 1 <= count <= _MOST_LINKS:
             raise InputError.of_range("the number of new links", count, f"from 1 to {_MOST_LINKS}")
         made = [(secrets.token_urlsafe(16), secrets.randbits(32), time.time()) for _ in range(count)]
@@ -105,24 +107,24 @@ class Answers:
         return [token for token, _, _ in made]
 
     def participants(self) -> list[Participant]:
-        """Everyone who has a link, in the order in which these were made."""
+        """Return all participants, in the order in which their links were made."""
         with self._opened() as database:
             return [Participant(**row) for row in database.execute(f"{_PARTICIPANTS} ORDER BY number")]
 
     def participant(self, token: str) -> Participant | None:
-        """Whose link has this token, if anyone's."""
+        """Return the participant whose link has this token, or None."""
         with self._opened() as database:
             return _find(database, token)
 
     def begin(self, token: str) -> None:
-        """The participant begins; more than once changes nothing."""
+        """Record that the participant begins; calling it again changes nothing."""
         with self._opened() as database:
             database.execute(
                 "UPDATE participants SET begun = ? WHERE token = ? AND begun IS NULL", (time.time(), token)
             )
 
     def answer(self, token: str, number: int, question: Question, chosen: str, last: bool) -> bool:
-        """Keep the answer to question `number`; whether it was the one that is due. Any other changes nothing."""
+        """Store the answer to question `number` if that one is due; return whether it was stored."""
         shown = Shown(
             about=question.about,
             pictures=(question.reference.name, *(choice.picture.name for choice in question.choices)),
@@ -149,7 +151,7 @@ class Answers:
         return True
 
     def all(self) -> list[Answer]:
-        """Every answer: a participant after the other, in the order of their questions."""
+        """Return all answers, ordered by participant and then by question."""
         with self._opened() as database:
             rows = [dict(row) for row in database.execute("SELECT * FROM answers ORDER BY participant, number")]
         try:

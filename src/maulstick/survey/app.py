@@ -1,4 +1,4 @@
-"""What participants can reach: their own page, the pictures of the question that they are at, and nothing else."""
+"""Web application for participants: their own page, the pictures of their current question, and nothing else."""
 
 import logging
 import re
@@ -29,8 +29,8 @@ _HEADERS: Final = {
     "Referrer-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-_LARGEST_FORM = 4096  # bytes
-_LARGEST_PICTURE = 2**24  # bytes
+_LARGEST_FORM = 4096  # bytes; the forms of these pages have less than a hundred
+_LARGEST_PICTURE = 2**24  # bytes; a PNG of 1024 x 1024 pixels, which `build` makes at most, has less
 _NUMBER = r"[0-9]{1,3}"
 _FORMS = ({"begin"}, {"number"}, {"number", "chosen"})
 _NOT_OURS = "There is no such page. Please check the link that you were given: it must be whole."
@@ -44,19 +44,19 @@ _SENTENCES: Final = {
 
 
 def participants(folder: Path, progressed: Callable[[], None]) -> Starlette:
-    """The pages of the survey in `folder`: /TOKEN below wherever this is mounted.
+    """Make the web application of the survey in `folder`, with a page /TOKEN per participant.
 
-    progressed: is called, in any thread, once a participant has begun, and once one of their answers is kept.
-    Raises InputError where there is no survey in it.
+    progressed: called, in any thread, after a participant has begun and after each answer that is stored.
+    Raises InputError where there is no survey in the folder.
     """
-    desk = _Desk(folder, progressed)
+    pages = _Pages(folder, progressed)
     app = Starlette(
         routes=[
             Route("/survey.css", _style),
             Route("/icon.svg", _icon),
-            Route("/{token}", desk.show, methods=["GET"]),
-            Route("/{token}", desk.take, methods=["POST"]),
-            Route("/{token}/picture/{position}", desk.picture, methods=["GET"]),
+            Route("/{token}", pages.show, methods=["GET"]),
+            Route("/{token}", pages.take, methods=["POST"]),
+            Route("/{token}/picture/{position}", pages.picture, methods=["GET"]),
         ],
         exception_handlers={HTTPException: _refused, MaulstickError: _broken},
     )
@@ -65,8 +65,8 @@ def participants(folder: Path, progressed: Callable[[], None]) -> Starlette:
 
 
 @final
-class _Desk:
-    """Where participants come with their tokens."""
+class _Pages:
+    """Handlers of the requests of participants, who are known by their tokens."""
 
     def __init__(self, folder: Path, progressed: Callable[[], None]) -> None:
         self._folder, self._progressed = folder, progressed
@@ -74,18 +74,18 @@ class _Desk:
         self._answers = Answers(folder)
 
     def show(self, request: Request) -> Response:
-        person, asked = self._who(request)
-        return self._page(request, person, asked, again=False)
+        person, their_questions = self._participant_of(request)
+        return self._page(request, person, their_questions, again=False)
 
     async def take(self, request: Request) -> Response:
         fields = await _fields(request)
         return await run_in_threadpool(self._take, request, fields)
 
     def picture(self, request: Request) -> Response:
-        person, asked = self._who(request)
-        if not person.begun or person.answered >= len(asked):
+        person, their_questions = self._participant_of(request)
+        if not person.begun or person.answered >= len(their_questions):
             raise HTTPException(404)
-        question = asked[person.answered]
+        question = their_questions[person.answered]
         pictures = (question.reference, *(choice.picture for choice in question.choices))
         position = request.path_params["position"]
         if not re.fullmatch(_NUMBER, position) or int(position) >= len(pictures):
@@ -93,48 +93,52 @@ class _Desk:
         content = read_whole(self._folder / pictures[int(position)], "picture", _LARGEST_PICTURE)
         return Response(content, media_type="image/png", headers=_HEADERS)
 
-    def _who(self, request: Request) -> tuple[Participant, tuple[Question, ...]]:
-        """The participant, and all their questions."""
+    def _participant_of(self, request: Request) -> tuple[Participant, tuple[Question, ...]]:
+        """Return the participant who asks, and all questions of theirs."""
         person = self._answers.participant(request.path_params["token"])
         if person is None:
             raise HTTPException(404)
         return person, questions(self._survey, person.seed)
 
-    def _page(self, request: Request, person: Participant, asked: tuple[Question, ...], again: bool) -> Response:
+    def _page(
+        self, request: Request, person: Participant, their_questions: tuple[Question, ...], again: bool
+    ) -> Response:
         root = _root(request)
         if not person.begun:
-            page = beginning(self._survey, len(asked), root)
-        elif person.answered < len(asked):
-            page = asking(self._survey, person.answered, asked, person.token, root, again=again)
+            page = beginning(self._survey, len(their_questions), root)
+        elif person.answered < len(their_questions):
+            page = asking(self._survey, person.answered, their_questions, person.token, root, again=again)
         else:
             page = thanks(self._survey, root)
         return HTMLResponse(page, headers=_HEADERS)
 
     def _take(self, request: Request, fields: dict[str, str]) -> Response:
-        person, asked = self._who(request)
+        person, their_questions = self._participant_of(request)
         if "begin" in fields:
             self._answers.begin(person.token)
             if not person.begun:
                 self._progressed()
         elif not re.fullmatch(_NUMBER, fields["number"]):
             raise HTTPException(400)
-        elif person.begun and person.answered == int(fields["number"]) < len(asked):
+        elif person.begun and person.answered == int(fields["number"]) < len(their_questions):
             if "chosen" not in fields:
-                return self._page(request, person, asked, again=True)
-            self._keep(person, asked, fields["chosen"])
+                return self._page(request, person, their_questions, again=True)
+            self._keep(person, their_questions, fields["chosen"])
         return RedirectResponse(f"{_root(request)}/{person.token}", status_code=303, headers=_HEADERS)
 
-    def _keep(self, person: Participant, asked: tuple[Question, ...], letter: str) -> None:
+    def _keep(self, person: Participant, their_questions: tuple[Question, ...], letter: str) -> None:
         number = person.answered
-        chosen = dict(zip(letters(asked[number]), asked[number].choices, strict=True)).get(letter)
+        chosen = dict(zip(letters(their_questions[number]), their_questions[number].choices, strict=True)).get(letter)
         if chosen is None:
             raise HTTPException(400)
-        if self._answers.answer(person.token, number, asked[number], chosen.name, last=number + 1 == len(asked)):
+        if self._answers.answer(
+            person.token, number, their_questions[number], chosen.name, last=number + 1 == len(their_questions)
+        ):
             self._progressed()
 
 
 async def _fields(request: Request) -> dict[str, str]:
-    """The fields of a form of ours, and of no other."""
+    """Read the fields of one of the forms of these pages; refuse any other form."""
     origin = request.headers.get("origin")
     if origin is not None and origin.partition("://")[2] != request.headers.get("host"):
         raise HTTPException(403)

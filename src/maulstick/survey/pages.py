@@ -1,4 +1,4 @@
-"""The pages that participants see: plain HTML, without scripts."""
+"""Pages of a survey for participants: plain HTML, without scripts."""
 
 from pathlib import Path
 from string import ascii_uppercase
@@ -16,29 +16,31 @@ _TEMPLATES = Environment(
 
 STYLE: Final = (_FOLDER / "survey.css").read_bytes()
 ICON: Final = (_FOLDER / "icon.svg").read_bytes()
-"""What all pages have in common, and look for at `root`/survey.css and `root`/icon.svg."""
+"""Files that all pages ask for, at `root`/survey.css and `root`/icon.svg."""
 
 
 def letters(question: Question) -> str:
-    """What the choices are called, from the first on."""
+    """Return the letters that name the choices on the page, from A on."""
     return ascii_uppercase[: len(question.choices)]
 
 
 def beginning(survey: Survey, count: int, root: str) -> str:
-    """The page before the first of `count` questions. root: the path below which the survey's pages are."""
+    """Render the page before the first of `count` questions. root: path below which the pages of the survey are."""
     return _TEMPLATES.get_template("beginning.html").render(survey=survey, count=count, root=root)
 
 
-def asking(survey: Survey, number: int, asked: tuple[Question, ...], token: str, root: str, *, again: bool) -> str:
-    """The page of question `number`, from 0. again: nothing was chosen, and that has to be said."""
-    question = asked[number]
+def asking(
+    survey: Survey, number: int, all_questions: tuple[Question, ...], token: str, root: str, *, again: bool
+) -> str:
+    """Render the page of question `number`, from 0. again: tell the participant to choose a drawing first."""
+    question = all_questions[number]
     return _TEMPLATES.get_template("question.html").render(
         survey=survey,
         question=question,
-        words=OPINIONS.get(question.asks, ""),
+        text=OPINIONS.get(question.asks, ""),
         letters=letters(question),
         number=number,
-        count=len(asked),
+        count=len(all_questions),
         pictures=f"{root}/{token}/picture",
         again=again,
         root=root,
@@ -46,10 +48,10 @@ def asking(survey: Survey, number: int, asked: tuple[Question, ...], token: str,
 
 
 def thanks(survey: Survey, root: str) -> str:
-    """The page after the last question."""
+    """Render the page after the last question."""
     return _TEMPLATES.get_template("thanks.html").render(survey=survey, root=root)
 
 
 def apology(sentence: str, root: str) -> str:
-    """The page where there is none to show, and why."""
+    """Render the page of an error. sentence: what is wrong, for the participant."""
     return _TEMPLATES.get_template("apology.html").render(sentence=sentence, root=root)

@@ -1,4 +1,4 @@
-"""What a survey asks: a folder with survey.json and its pictures, which can be copied and mailed.
+"""Survey file: a folder with survey.json and its pictures, which can be copied and mailed.
 
 Source: Spline-FRIDA, Human Evaluations: one questionnaire matches hands, the other asks for opinions on two systems.
 """
@@ -18,7 +18,7 @@ from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record, write_record
 
 LONGEST_PX: Final = 1024
-"""The longest side of a picture in a survey."""
+"""Longest side of a picture of a survey, pixels: two or three stand side by side on a page."""
 
 _RECORD = "survey.json"
 
@@ -38,9 +38,9 @@ class _Part(BaseModel):
 
 
 class SurveyHand(_Part):
-    """A person who drew, and what machines drew in their style.
+    """A person's hand: a drawing by the person, and drawings by a machine in the person's style.
 
-    by_machine: the same motifs in the same order for every hand of a survey.
+    by_machine: one file per motif, with the same motifs in the same order for every hand of a survey.
     """
 
     name: _Name
@@ -49,9 +49,9 @@ class SurveyHand(_Part):
 
 
 class Match(_Part):
-    """The first questionnaire: which drawing by a machine is in the style of this hand.
+    """Matching questionnaire: participants look for the drawing by a machine in the style of a hand.
 
-    asked: how many of the hands one participant is asked about.
+    asked: number of hands that one participant is asked about.
     """
 
     hands: Annotated[tuple[SurveyHand, ...], Field(min_length=2, max_length=10)]
@@ -69,16 +69,16 @@ class Match(_Part):
 
 
 class Pair(_Part):
-    """A picture, and two looks of it: one by each system, in the order of the systems."""
+    """A picture, and one drawing of it by each of the two systems, in the order of the systems."""
 
     reference: Path
     looks: tuple[Path, Path]
 
 
 class Opinions(_Part):
-    """The second questionnaire: what people think of two systems' drawings of a picture.
+    """Questionnaire of opinions: how people compare the drawings of two systems of the same picture.
 
-    asked: how many of the pairs one participant is asked about, each with all the questions.
+    asked: number of pairs that one participant is asked about, each with all the questions.
     """
 
     systems: tuple[_Name, _Name]
@@ -95,7 +95,7 @@ class Opinions(_Part):
 
 
 class Survey(_Part):
-    """All that a survey asks, with one of the questionnaires or both. Its pictures are PNGs beside survey.json."""
+    """Survey of one questionnaire or both. Its pictures are PNGs beside survey.json."""
 
     schema_version: Literal[1] = 1
     title: _Title
@@ -112,7 +112,7 @@ class Survey(_Part):
         return self
 
     def pictures(self) -> Iterator[Path]:
-        """The file of every picture."""
+        """Yield the file of every picture, relative to the folder."""
         for hand in self.match.hands if self.match else ():
             yield from (hand.by_hand, *hand.by_machine)
         for pair in self.opinions.pairs if self.opinions else ():
@@ -120,22 +120,24 @@ class Survey(_Part):
 
 
 def build(folder: Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
-    """Make a survey in a new folder, with copies of all pictures: nothing but their pixels, at most 1024 on a side.
+    """Make a survey in a new folder, with copies of all pictures: their pixels alone, at most 1024 per side.
 
-    The folder is there whole or not at all. Raises InputError where a picture cannot be read or the survey asks
+    The folder is written whole or not at all. Raises InputError where a picture cannot be read or the survey asks
     nothing, and OutputError where the folder has something in it or cannot be written.
     """
     _check_new(folder)
     sources: dict[Path, Path] = {}
     try:
-        survey = Survey(title=title, match=_renamed(match, sources), opinions=_paired(opinions, sources))
+        survey = Survey(
+            title=title, match=_with_new_names(match, sources), opinions=_with_new_pair_names(opinions, sources)
+        )
     except ValidationError as error:
         raise InputError(f"this is not a survey: {validation_fault(error)}") from error
     pictures = {name: encode_png(read_picture(source, LONGEST_PX)) for name, source in sources.items()}
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=".", dir=folder.parent) as beside:
-            made = Path(beside) / folder.name
+        with TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
+            made = Path(temporary) / folder.name
             made.mkdir()
             for name, content in pictures.items():
                 atomic_write(made / name, content)
@@ -149,7 +151,7 @@ def build(folder: Path, title: str, match: Match | None, opinions: Opinions | No
 
 
 def read_survey(folder: Path) -> Survey:
-    """The survey in a folder. Raises InputError where there is none, or one of its pictures is not there."""
+    """Read the survey in a folder. Raises InputError where there is none, or one of its pictures is missing."""
     survey = read_record(Survey, folder / _RECORD, "survey")
     for picture in survey.pictures():
         path = file_to_read(folder / picture, "picture")
@@ -166,8 +168,8 @@ def _check_new(folder: Path) -> None:
         raise OutputError(f"cannot look into {folder}: {error.strerror}; choose another folder") from error
 
 
-def _renamed(match: Match | None, sources: dict[Path, Path]) -> Match | None:
-    """The same with plain names, whose sources are put down."""
+def _with_new_names(match: Match | None, sources: dict[Path, Path]) -> Match | None:
+    """Return the questionnaire with new, plain file names; put their sources into `sources`."""
     if match is None:
         return None
     hands = []
@@ -179,7 +181,8 @@ def _renamed(match: Match | None, sources: dict[Path, Path]) -> Match | None:
     return Match(hands=tuple(hands), asked=match.asked)
 
 
-def _paired(opinions: Opinions | None, sources: dict[Path, Path]) -> Opinions | None:
+def _with_new_pair_names(opinions: Opinions | None, sources: dict[Path, Path]) -> Opinions | None:
+    """Return the questionnaire with new, plain file names; put their sources into `sources`."""
     if opinions is None:
         return None
     pairs = []

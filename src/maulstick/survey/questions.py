@@ -1,4 +1,4 @@
-"""The questions that one participant gets: in random order, with random sides, and the same whenever they come back."""
+"""Questions of one participant: in random order, with random sides, and the same whenever they come back."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from maulstick.survey.questionnaire import Match, Opinions, Survey
 Kind = Literal["match", "opinion"]
 
 SAME_HAND: Final = "same hand"
-"""What a question of the first questionnaire asks."""
+"""Key of the question of the matching questionnaire."""
 
 OPINIONS: Final = {
     "human": "Which drawing looks more like it was drawn by a human (rather than a robot)?",
@@ -20,12 +20,12 @@ OPINIONS: Final = {
     "artistic": "Which drawing is more artistic?",
     "abstract": "Which drawing is more abstract?",
 }
-"""What the second questionnaire asks of each pair. Source: Spline-FRIDA, table of opinions."""
+"""Questions asked about each pair of drawings, by their keys. Source: Spline-FRIDA, table of opinions."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A drawing that can be chosen, and the hand or the system that it stands for."""
+    """Drawing that can be chosen. name: of the hand or the system that it stands for."""
 
     name: str
     picture: Path
@@ -33,10 +33,10 @@ class Choice:
 
 @dataclass(frozen=True)
 class Question:
-    """One question.
+    """Question of a participant.
 
     asks: `SAME_HAND`, or one of `OPINIONS`.  about: the hand, or the file of the picture, that it is asked about.
-    reference: what the choices are compared with.  choices: from the first to the last as they are shown.
+    reference: picture that the choices are compared with.  choices: in the order in which they are shown.
     """
 
     kind: Kind
@@ -47,7 +47,7 @@ class Question:
 
 
 def questions(survey: Survey, seed: int) -> tuple[Question, ...]:
-    """All questions for the participant with this seed: first those that match hands, then the opinions."""
+    """Return all questions of the participant with this seed: first those that match hands, then the opinions."""
     rng = Random(seed)
     matches = () if survey.match is None else _matches(survey.match, rng)
     opinions = () if survey.opinions is None else _opinions(survey.opinions, rng)
@@ -55,7 +55,7 @@ def questions(survey: Survey, seed: int) -> tuple[Question, ...]:
 
 
 def _matches(match: Match, rng: Random) -> Iterator[Question]:
-    """A random hand beside one motif in the style of every hand: a random row of the paper's figure."""
+    """Yield questions with a random hand beside one motif in the style of every hand: a row of the paper's figure."""
     for hand in rng.sample(match.hands, match.asked):
         motif = rng.randrange(len(hand.by_machine))
         choices = tuple(Choice(each.name, each.by_machine[motif]) for each in match.hands)
@@ -63,7 +63,7 @@ def _matches(match: Match, rng: Random) -> Iterator[Question]:
 
 
 def _opinions(opinions: Opinions, rng: Random) -> Iterator[Question]:
-    """The questions about a pair follow each other, and its sides stay: else one would look for what changed."""
+    """Yield the questions pair by pair; the sides of a pair stay, or one would look for what changed."""
     for pair in rng.sample(opinions.pairs, opinions.asked):
         looks = [Choice(system, look) for system, look in zip(opinions.systems, pair.looks, strict=True)]
         sides = tuple(rng.sample(looks, len(looks)))

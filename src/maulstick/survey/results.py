@@ -1,7 +1,7 @@
-"""What came out of a survey: the paper's confusion matrix and table of opinions, with what chance would have done.
+"""Results of a survey: the paper's confusion matrix and table of opinions, compared with guessing.
 
-Intervals and probabilities take all answers for independent: strictly that holds where a participant was asked about
-one hand and one pair, as in the paper.
+Intervals and probabilities assume that all answers are independent, which strictly holds only where each participant
+was asked about one hand and one pair, as in the paper.
 """
 
 import csv
@@ -14,33 +14,33 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.survey.answers import Answer, Answers
 from maulstick.survey.questionnaire import read_survey
 from maulstick.survey.questions import OPINIONS
 
 _NOTHING = "-"
-_TOLD = ("share", "95 % interval", "p")
+_STATISTICS = ("share", "95 % interval", "p")
 
 
 @dataclass(frozen=True)
 class Tally:
-    """How many of some answers were of one kind, and the chance of each had they been thrown like dice."""
+    """Number of answers of one kind, out of all. by_guessing: probability of such an answer by mere guessing."""
 
     count: int
     of: int
-    rng: float
+    by_guessing: float
 
     @property
     def share(self) -> float:
-        """The share of them, in [0, 1]; nan where there were no answers."""
+        """Share of the answers, in [0, 1]; nan where there were none."""
         return self.count / self.of if self.of else math.nan
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Between which shares the true one lies, with 95 % confidence. Source: Wilson 1927."""
+        """95 % confidence interval of the share: its lower and its upper end. Source: Wilson 1927."""
         if not self.of:
             return 0.0, 1.0
         from scipy.stats import binomtest  # takes a moment
@@ -50,24 +50,24 @@ class Tally:
 
     @property
     def p(self) -> float:
-        """The probability that chance alone is at least as far off: exact binomial test, two-sided."""
+        """p-value against mere guessing: exact binomial test, two-sided."""
         if not self.of:
             return 1.0
         from scipy.stats import binomtest
 
-        return float(binomtest(self.count, self.of, self.rng).pvalue)
+        return float(binomtest(self.count, self.of, self.by_guessing).pvalue)
 
 
 @dataclass(frozen=True)
 class Matching:
-    """The confusion matrix. counts: (k, k), a row for the hand that drew, a column for the hand that was chosen."""
+    """Confusion matrix. counts: (k, k), one row per hand that drew, one column per hand that was chosen."""
 
     hands: tuple[str, ...]
-    counts: NDArray[np.int64]
+    counts: Ints
 
     @property
-    def shares(self) -> NDArray[np.float64]:
-        """(k, k): of the answers about each hand; nan where there were none."""
+    def shares(self) -> Floats:
+        """Shares of the answers about each hand, (k, k); nan where there were none."""
         answers = self.counts.sum(axis=1, keepdims=True)
         shares = np.full(self.counts.shape, np.nan)
         np.divide(self.counts, answers, out=shares, where=answers > 0)
@@ -75,32 +75,32 @@ class Matching:
 
     @property
     def right(self) -> tuple[Tally, ...]:
-        """The right answers about each hand."""
-        rng = 1 / len(self.hands)
-        return tuple(Tally(int(row[i]), int(row.sum()), rng) for i, row in enumerate(self.counts))
+        """Right answers about each hand."""
+        by_guessing = 1 / len(self.hands)
+        return tuple(Tally(int(row[i]), int(row.sum()), by_guessing) for i, row in enumerate(self.counts))
 
     @property
     def all_right(self) -> Tally:
-        """The right answers about all hands."""
+        """Right answers about all hands together."""
         return Tally(int(self.counts.trace()), int(self.counts.sum()), 1 / len(self.hands))
 
 
 @dataclass(frozen=True)
 class Opinion:
-    """How many chose each of the two systems. asks: one of `OPINIONS`."""
+    """Answers to a question of opinion. asks: its key in `OPINIONS`.  counts: how often each system was chosen."""
 
     asks: str
     counts: tuple[int, int]
 
     @property
     def first(self) -> Tally:
-        """The answers for the first system."""
+        """Answers for the first system."""
         return Tally(self.counts[0], sum(self.counts), 1 / 2)
 
 
 @dataclass(frozen=True)
 class Results:
-    """All results. links, begun, finished: how many participants there are, have begun, and have answered all."""
+    """Results of a survey. links, begun, finished: how many participants have a link, have begun, have finished."""
 
     links: int
     begun: int
@@ -112,16 +112,16 @@ class Results:
 
 @dataclass(frozen=True)
 class Rows:
-    """A table for people."""
+    """Table of text, to be shown to people."""
 
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
 
 def results(folder: Path) -> Results:
-    """The results so far of the survey in a folder; an answer counts whether or not its participant finished.
+    """Compute the results so far of the survey in a folder; answers count even if the participant has not finished.
 
-    Raises InputError where there is no survey, or the answers are not its own.
+    Raises InputError where there is no survey, or the answers belong to another one.
     """
     survey = read_survey(folder)
     store = Answers(folder)
@@ -137,7 +137,7 @@ def results(folder: Path) -> Results:
 
 
 def matching_rows(matching: Matching) -> Rows:
-    """The confusion matrix: in the row of the hand that drew, how many took it for each hand, and their share."""
+    """Table of the confusion matrix: a row per hand that drew, with how many took it for each hand, and their share."""
     rows = zip(matching.hands, matching.counts, matching.shares, strict=True)
     return Rows(
         ("drawn by", *matching.hands), tuple((name, *map(_counted, counts, shares)) for name, counts, shares in rows)
@@ -145,33 +145,35 @@ def matching_rows(matching: Matching) -> Rows:
 
 
 def right_rows(matching: Matching) -> Rows:
-    """How often the right hand was chosen: for each hand, and for all together."""
+    """Table of how often the right hand was chosen: for each hand, and for all together."""
     tallies = zip((*matching.hands, "all hands"), (*matching.right, matching.all_right), strict=True)
-    rows = tuple((name, f"{tally.count} of {tally.of}", *_told(tally)) for name, tally in tallies)
-    return Rows(("drawn by", "right", *_TOLD), rows)
+    rows = tuple((name, f"{tally.count} of {tally.of}", *_statistics(tally)) for name, tally in tallies)
+    return Rows(("drawn by", "right", *_STATISTICS), rows)
 
 
 def opinions_rows(systems: tuple[str, str], opinions: Sequence[Opinion]) -> Rows:
-    """The table of opinions: how many chose each system."""
-    heads = ("question", *systems, f"share of {systems[0]}", *_TOLD[1:])
-    return Rows(heads, tuple((OPINIONS[each.asks], *map(str, each.counts), *_told(each.first)) for each in opinions))
+    """Table of opinions: how many chose each system."""
+    heads = ("question", *systems, f"share of {systems[0]}", *_STATISTICS[1:])
+    return Rows(
+        heads, tuple((OPINIONS[each.asks], *map(str, each.counts), *_statistics(each.first)) for each in opinions)
+    )
 
 
 def answers_csv(answers: Sequence[Answer]) -> bytes:
-    """Every answer as a line of CSV. Participants are numbers; their links are not told."""
+    """Encode all answers as CSV, one line per answer. Participants are numbers; their links are left out."""
     file = io.StringIO()
     writer = csv.writer(file)
     writer.writerow(("participant", "question", "kind", "asks", "about", "shown", "chosen", "seconds", "moment"))
     for each in answers:
         moment = datetime.fromtimestamp(each.moment, UTC).isoformat(timespec="seconds")
         shown = " | ".join(each.shown.choices)
-        texts = map(_harmless, (each.kind, each.asks, each.shown.about, shown, each.chosen))
+        texts = map(_without_formulas, (each.kind, each.asks, each.shown.about, shown, each.chosen))
         writer.writerow((each.participant, each.number + 1, *texts, f"{each.seconds:.1f}", moment))
     return file.getvalue().encode()
 
 
-def _harmless(text: str) -> str:
-    """A spreadsheet would take what begins so for a formula, and names may come by mail."""
+def _without_formulas(text: str) -> str:
+    """Mark text that a spreadsheet would take for a formula as text: names may come by mail."""
     return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
 
 
@@ -200,8 +202,8 @@ def _counted(count: int, share: float) -> str:
     return _NOTHING if math.isnan(share) else f"{count} ({share:.0%})"
 
 
-def _told(tally: Tally) -> tuple[str, str, str]:
-    """The share, its interval, and the probability that chance did it."""
+def _statistics(tally: Tally) -> tuple[str, str, str]:
+    """Return the share, its confidence interval and its p-value as text."""
     if not tally.of:
         return (_NOTHING,) * 3
     low, high = tally.interval

@@ -1,4 +1,4 @@
-"""A server for one survey's participants, and for nothing else."""
+"""Server for the participants of one survey, and for nothing else."""
 
 import os
 import socket
@@ -11,7 +11,7 @@ from maulstick.survey.app import participants
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """A socket at that address. Raises InputError where it is not of this computer, or the port is not free."""
+    """Open a socket at that address. Raises InputError where it is not of this computer, or the port is not free."""
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         return socket.create_server(address[:2], family=family)

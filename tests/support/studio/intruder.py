@@ -1,4 +1,4 @@
-"""Somebody who speaks to the studio over a socket of their own, and says whatever they like."""
+"""Client that sends arbitrary requests and messages to the studio."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from tests.support.studio.processes import PATIENCE
 
 
 class Intruder:
-    """On this machine. carries: headers that go with everything they ask for."""
+    """Client on this machine. carries: headers of all its requests."""
 
     def __init__(self, port: int, *carries: str) -> None:
         self.port = port
@@ -80,7 +80,7 @@ class Intruder:
 
 
 class Answer:
-    """status: 0 where there was none."""
+    """Answer to a request. status: 0 where there was none."""
 
     def __init__(self, content: bytes) -> None:
         head, _, self.body = content.partition(b"\r\n\r\n")
@@ -90,7 +90,7 @@ class Answer:
 
 
 class Tab:
-    """client: what its page is called by the studio."""
+    """Open page with its websocket. client: id of the page in the studio."""
 
     def __init__(self, line: ClientConnection, html: str, client: str) -> None:
         self.line, self.html, self.client = line, html, client

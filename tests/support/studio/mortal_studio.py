@@ -1,4 +1,4 @@
-"""A studio without a page, that is killed: python -m tests.support.studio.mortal_studio ROOT PLAN MACHINE EASEL."""
+"""Studio without a page, to be killed: python -m tests.support.studio.mortal_studio ROOT PLAN MACHINE EASEL."""
 
 import asyncio
 import sys
@@ -12,7 +12,7 @@ from maulstick.studio.workers.desk import Desk
 
 
 async def paint(root: Path, plan: str, machine: str, easel: Path) -> None:
-    """Say the process that paints once it has painted two strokes, and wait for the end."""
+    """Print the id of the painting process once it has painted two strokes, and wait for the end."""
     with Folder.opened(root) as folder:
         desk = Desk()
         run = Run(folder, desk, Mixing(folder, desk))

@@ -1,4 +1,4 @@
-"""Plans as the studio keeps them, without the time that planning takes."""
+"""Finished plans in a studio's folder, without the time that planning takes."""
 
 import json
 from pathlib import Path
@@ -21,7 +21,7 @@ LINES = painting_of([line(i, (0.005, 0.001 * i), (0.035, 0.001 * i)) for i in ra
 
 
 def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = True) -> Path:
-    """Put a finished plan into the studio's folder; returns its painting.json. mixed: whether its paints are."""
+    """Put a finished plan into the studio's folder; return its painting.json. mixed: whether its paints are mixed."""
     folder = root / "plans" / name
     folder.mkdir(parents=True)
     photo = None if painting.provenance.image is None else root / "pictures" / name / "picture.png"
@@ -34,7 +34,7 @@ def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = Tr
 
 
 def put_plan_of_a_picture(root: Path, name: str) -> Path:
-    """The same, with a picture that it can be planned by again."""
+    """Put a plan with its picture, by which it can be planned again, into the studio's folder."""
     folder = root / "pictures" / name
     folder.mkdir(parents=True)
     (folder / "picture.png").write_bytes(encode_png(picture()))

@@ -1,4 +1,4 @@
-"""Whether processes still run that nobody here can wait for."""
+"""Checks of processes that are no children of this one."""
 
 import time
 from collections.abc import Iterable
@@ -8,7 +8,7 @@ PATIENCE = 60.0  # seconds, for a machine that does much else
 
 
 def have_ended(processes: Iterable[int]) -> bool:
-    """Whether all of them end soon."""
+    """Whether all of the processes end soon."""
     until = time.monotonic() + PATIENCE
     while any(_is_running(process) for process in processes):
         if time.monotonic() > until:

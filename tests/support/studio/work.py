@@ -1,4 +1,4 @@
-"""Work of every kind, as processes of the studio do it; spawned processes find it here."""
+"""Work for processes of the studio in tests; spawned processes import it from here."""
 
 import os
 import signal
@@ -12,19 +12,19 @@ from maulstick.studio.workers.process import Line
 
 
 def count(line: Line, most: int) -> None:
-    """Say the numbers below `most`."""
+    """Send the numbers below `most`."""
     for number in range(most):
         line.say(number)
 
 
 def echo(line: Line) -> None:
-    """Say what is heard, until the studio is gone."""
+    """Send back each message, until the studio is gone."""
     for word in line.hear():
         line.say(word)
 
 
 def wait_until_alone(line: Line, ready: Path, alone: Path) -> None:
-    """Leave a file once nobody is there any more."""
+    """Write a file once the studio is gone."""
     line.heard_by(line.say, lambda: alone.touch())
     ready.write_text(str(os.getpid()))
     while not alone.exists():
@@ -32,92 +32,92 @@ def wait_until_alone(line: Line, ready: Path, alone: Path) -> None:
 
 
 def refuse(line: Line) -> NoReturn:
-    """As work does that a person can mend."""
+    """Raise an error that a person can mend."""
     raise InputError("there is no such brush")
 
 
 def break_down(line: Line) -> NoReturn:
-    """As work of ours does that is broken."""
+    """Raise an error that is a defect of Maulstick."""
     raise ZeroDivisionError("no\nreason")
 
 
 def swell(line: Line) -> NoReturn:
-    """As work does that needs too much."""
+    """Raise MemoryError."""
     raise MemoryError
 
 
 def die(line: Line) -> None:
-    """As the system ends what takes too much memory."""
+    """Kill this process, as the system does where memory runs out."""
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 def leave(line: Line) -> NoReturn:
-    """End at once and say nothing."""
+    """End the process without a message."""
     os._exit(0)
 
 
 def double(number: int) -> int:
-    """Twice as much."""
+    """Return the double."""
     return 2 * number
 
 
 def length(content: bytes) -> int:
-    """How much came."""
+    """Return the length of the content."""
     return len(content)
 
 
 def same(content: bytes) -> bytes:
-    """What came."""
+    """Return the content."""
     return content
 
 
 def who() -> int:
-    """The process that works."""
+    """Return the id of this process."""
     return os.getpid()
 
 
 def sleep(seconds: float) -> None:
-    """Take so long."""
+    """Sleep so long."""
     time.sleep(seconds)
 
 
 def task_refused() -> NoReturn:
-    """As work does that a person can mend."""
+    """Raise an error that a person can mend."""
     raise InputError("there is no such brush")
 
 
 def task_broken() -> NoReturn:
-    """As work of ours does that is broken."""
+    """Raise an error that is a defect of Maulstick."""
     raise ZeroDivisionError("no reason")
 
 
 def task_died() -> None:
-    """As the system ends what takes too much memory."""
+    """Kill this process, as the system does where memory runs out."""
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 def task_left() -> NoReturn:
-    """End the process and say nothing."""
+    """End the process without a message."""
     os._exit(0)
 
 
 def task_swelled() -> int:
-    """Ask for more memory than there may be."""
+    """Allocate more memory than is allowed."""
     return len(bytearray(64 * 2**30))
 
 
 def task_of_no_answer() -> object:
-    """What no process can tell another."""
+    """Return an object that cannot be sent to another process."""
     return lambda: None
 
 
 def task_that_leaves() -> NoReturn:
-    """As a library would that thinks the program is its own."""
+    """Exit, as a careless library would."""
     sys.exit(0)
 
 
 def never_stop(line: Line, *request: object) -> None:
-    """As a driver does that hangs."""
+    """Ignore every command, as a driver that hangs does."""
     from maulstick.jobs.paint.estimate import Estimate
 
     line.say(Estimate(1, 1.0, 1.0, 0, 1))

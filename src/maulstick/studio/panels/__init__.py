@@ -1,1 +1,1 @@
-"""The panels of the page, a file each."""
+"""Panels of the page, one folder per panel."""

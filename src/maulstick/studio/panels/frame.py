@@ -1,4 +1,4 @@
-"""The frame of the page: where one goes, what is going on, and the button that stops the machine."""
+"""Frame of the page: links to the panels, what is going on, and the button that stops the machine."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,9 +20,9 @@ _PANELS = {
     "/paint": ("Paint", "precision_manufacturing", "maulstick.studio.panels.paint.paint"),
     "/survey": ("Survey", "how_to_vote", "maulstick.studio.panels.survey.survey"),
 }
-"""By path: a panel's name, its icon, and its module, whose `build` is called with the studio and what a link asks."""
+"""Panels by path: name, icon, and module, whose `build` is called with the studio and the query of the link."""
 
-# Esc closes what is open first; only where nothing is does it stop the machine, as the button does always.
+# Esc closes an open dialog or menu first; where none is open it stops the machine. The button always stops it.
 _STOP = """<script>
   function stopMachine() {
     const silent = document.querySelector(".silent");
@@ -38,7 +38,7 @@ _STYLE = Path(__file__).with_name("studio.css")
 
 
 def page(studio: Studio) -> None:
-    """Build the page for whoever has opened it."""
+    """Build the page."""
     ui.on_exception(_tell)
     ui.add_css(_STYLE)
     ui.colors(primary="#8c3d26", secondary="#5b6770", accent="#2f6690", negative="#b3261e", positive="#3c7a3f")
@@ -62,20 +62,20 @@ def _links() -> dict[str, ui.link]:
 
 
 def _built(path: str, studio: Studio, links: dict[str, ui.link]) -> Callable[[PageArguments], None]:
-    def build(asked: PageArguments) -> None:
+    def build(arguments: PageArguments) -> None:
         for other, link in links.items():
             link.props(remove="aria-current")
             if other == path:
                 link.props('aria-current="page"')
         name, _, module = _PANELS[path]
         ui.page_title(f"{name} · Maulstick")
-        import_module(module).build(studio, asked.query_parameters)
+        import_module(module).build(studio, arguments.query_parameters)
 
     return build
 
 
 def _doing(studio: Studio) -> None:
-    """A line that says what is being planned and painted."""
+    """Show a line that says what is being planned and painted."""
     line = ui.label().classes("doing").props('role="status"')
 
     def say() -> None:
@@ -87,7 +87,7 @@ def _doing(studio: Studio) -> None:
 
 
 def _stop() -> None:
-    """Asked for beside the socket, so that it works while the page waits for anything else."""
+    """Show the button; it uses a request of its own, so that it works while the websocket is busy."""
     stop = html.button("STOP").classes("stop").props('type="button" title="Stop the machine and lift the pen (Esc)"')
     stop.on("click", js_handler="() => stopMachine()")
     html.p("Maulstick does not answer. If the machine moves, use its own emergency switch.").classes("silent").props(
@@ -97,7 +97,7 @@ def _stop() -> None:
 
 
 def _tell(error: Exception) -> None:
-    """A person's mistake is a sentence on the page; what is broken is in the terminal, where NiceGUI says it."""
+    """Show a person's mistake on the page; NiceGUI prints any other error in the terminal."""
     if isinstance(error, MaulstickError):
         first, _, rest = said(error).partition(" ")
         sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"

@@ -1,1 +1,1 @@
-"""The server of the studio, and the gate in front of it."""
+"""Server of the studio, and the gate in front of it."""

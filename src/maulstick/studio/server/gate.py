@@ -1,6 +1,6 @@
-"""The gate before the studio: who may come in, from which page, and with how much.
+"""Gate in front of the studio: checks who sends a request, from which page, and how much.
 
-Everything passes here, the socket included, before any of it is read.
+Every request passes here, those of the websocket included, before any of it is read.
 """
 
 import asyncio
@@ -20,10 +20,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from maulstick.studio.workers.uploads import LARGEST
 
 OPEN = "/survey/"
-"""Below this path lie the survey's own pages, whose links are tokens themselves."""
+"""Path of the survey's own pages, which need no token of the studio: their links are tokens themselves."""
 
-_LONGEST = 120.0  # seconds for an upload
-_OURS = {"same-origin", "none"}  # none: typed, or a bookmark
+_LONGEST = 120.0  # seconds for an upload: 64 MiB then need 4.5 Mbit/s
+_OWN_SITES = {"same-origin", "none"}  # none: typed, or a bookmark
 _HOST = re.compile(r"(?:\[([0-9a-f:.]+)\]|([0-9a-z.-]+))(?::[0-9]{1,5})?", re.IGNORECASE)
 _LENGTH = re.compile(r"[0-9]{1,18}")  # int() takes more: "+5", "1_000"
 _HEADERS = {
@@ -40,13 +40,13 @@ _HEADERS = {
 
 @final
 class Gate:
-    """ASGI middleware. token: what everybody must bring, once in the link and then in a cookie; None on loopback."""
+    """ASGI middleware. token: required of everybody, once in the link and then in a cookie; None on loopback."""
 
     def __init__(self, app: ASGIApp, token: str | None) -> None:
         self._app, self._token = app, token
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let it in, or say why not."""
+        """Pass the request on, or refuse it and say why."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -55,7 +55,7 @@ class Gate:
             await self._refuse(refusal, scope, receive, send)
             return
         if scope["type"] == "http":
-            with suppress(ClientDisconnect):  # people go away, and nobody need be told
+            with suppress(ClientDisconnect):  # people close pages; there is nothing to report
                 await self._app(scope, _Measured(receive).receive, _with_headers(send))
         else:
             await self._app(scope, receive, send)
@@ -67,11 +67,11 @@ class Gate:
             return _no(421, "The studio answers to this machine's own names alone; open the link that it printed.")
         origin = headers.get("origin")
         asks = scope.get("method") in ("GET", "HEAD")
-        ours = {f"{scheme}://{hosts[0].lower()}" for scheme in ("http", "https")}
-        if (origin is None and socket) or (origin is not None and origin.lower() not in ours):
+        own = {f"{scheme}://{hosts[0].lower()}" for scheme in ("http", "https")}
+        if (origin is None and socket) or (origin is not None and origin.lower() not in own):
             return _no(403, "Another site's page cannot use the studio; open the link that it printed.")
         navigates = asks and headers.get("sec-fetch-mode") == "navigate" and headers.get("sec-fetch-dest") == "document"
-        if headers.get("sec-fetch-site", "none") not in _OURS and not navigates:
+        if headers.get("sec-fetch-site", "none") not in _OWN_SITES and not navigates:
             return _no(403, "Another site's page cannot use the studio; open the link that it printed.")
         length = headers.get("content-length", "0")
         if not _LENGTH.fullmatch(length):
@@ -100,14 +100,14 @@ class Gate:
 
 
 class _Measured:
-    """What comes in, counted and timed. Whoever sends more, or slower, is taken to have gone away."""
+    """Receiver that limits size and time. Whoever sends more, or more slowly, is treated as disconnected."""
 
     def __init__(self, receive: Receive) -> None:
         self._receive, self._bytes, self._whole = receive, 0, False
         self._until = asyncio.get_running_loop().time() + _LONGEST
 
     async def receive(self) -> Message:
-        """The next message."""
+        """Receive the next message."""
         if self._whole:
             return await self._receive()
         left = self._until - asyncio.get_running_loop().time()
@@ -136,9 +136,9 @@ def _no(status: int, why: str) -> Response:
 
 
 def _let_in(path: str, query: dict[str, list[str]], cookie: str, token: str) -> Response:
-    """To the same address without its token, by a cookie.
+    """Set the cookie, and send the browser to the same address without the token.
 
-    Not by a redirect: a browser that came from another site follows one without a strict cookie.
+    This is no redirect: a browser that came from another site follows one without sending a strict cookie.
     """
     rest = urlencode(query, doseq=True)
     where = "/" + quote(path.lstrip("/")) + (f"?{rest}" if rest else "")  # "//evil.example" is another site
@@ -170,5 +170,5 @@ def _cookie(headers: Headers, name: str) -> str:
     return "" if morsel is None else morsel.value
 
 
-def _same(said: str, token: str) -> bool:
-    return compare_digest(said.encode(), token.encode())
+def _same(given: str, token: str) -> bool:
+    return compare_digest(given.encode(), token.encode())

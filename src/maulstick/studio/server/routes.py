@@ -1,4 +1,4 @@
-"""What the page asks for beside its socket: pictures by the names of things, and that the machine stop."""
+"""Routes that the page uses besides its websocket: pictures and files by name, and stopping the machine."""
 
 import re
 
@@ -12,36 +12,36 @@ from maulstick.studio.workers.planner import TARGET
 routes = APIRouter()
 
 _FRESH = {"Cache-Control": "no-cache"}
-_SHOWN = {
+_SHOWN = {  # files that a page may show, by kind
     "plans": {"preview.png", "palette.png", "painting-painted.png", TARGET},
     "pictures": {"small.jpg"},
     "hands": {"hand.png"},
 }
-_MOST_FRAMES = 100  # of two digits
-_TO_TAKE = {"plans": {"painting.json", "painting.svg", "preview.png"}}
+_MOST_FRAMES = 100  # their file names have two digits
+_DOWNLOADS = {"plans": {"painting.json", "painting.svg", "preview.png"}}
 
 
 @routes.get("/picture/{kind}/{name}/{file}")
 def picture(kind: str, name: str, file: str, request: Request) -> Response:
-    """A picture of something in the studio's folder."""
+    """Send a picture of something in the studio's folder."""
     return _file(request, kind, name, file if file in _SHOWN.get(kind, ()) else None)
 
 
 @routes.get("/picture/plans/{name}/order/{number}.jpg")
 def order(name: str, number: int, request: Request) -> Response:
-    """The first strokes of a plan."""
+    """Send a picture of the first strokes of a plan."""
     return _file(request, "plans", name, f"order/{number:02}.jpg" if 0 <= number < _MOST_FRAMES else None)
 
 
 @routes.get("/file/{kind}/{name}/{file}")
-def to_take(kind: str, name: str, file: str, request: Request) -> Response:
-    """A file to keep, which no browser opens in place."""
-    return _file(request, kind, name, file if file in _TO_TAKE.get(kind, ()) else None, save_as=f"{name}-{file}")
+def download(kind: str, name: str, file: str, request: Request) -> Response:
+    """Send a file as a download, which no browser opens in place."""
+    return _file(request, kind, name, file if file in _DOWNLOADS.get(kind, ()) else None, save_as=f"{name}-{file}")
 
 
 @routes.get("/live/{name}/{seen}")
 async def live(name: str, seen: int, request: Request) -> Response:
-    """The canvas of a plan that is being made; seen: makes each another address."""
+    """Send the canvas of a plan that is being made. seen: a number that gives each picture an address of its own."""
     plan = request.app.state.studio.plans.plans.get(name)
     if plan is None or not plan.canvas:
         return Response(status_code=404)
@@ -50,7 +50,7 @@ async def live(name: str, seen: int, request: Request) -> Response:
 
 @routes.get("/seen/{seen}.jpg")
 async def seen(seen: int, request: Request) -> Response:
-    """The sheet under the machine as it was last seen; seen: makes each another address."""
+    """Send the last photograph of the sheet. seen: a number that gives each picture an address of its own."""
     photograph = request.app.state.studio.run.state.photograph
     if not photograph:
         return Response(status_code=404)
@@ -59,7 +59,7 @@ async def seen(seen: int, request: Request) -> Response:
 
 @routes.get("/sheet/{file}")
 def style_sheet(file: str, request: Request) -> Response:
-    """The sheet of a style; its name says what is on it, so that it never changes."""
+    """Send the sheet of a style; its name is a hash of what is on it, so that it never changes."""
     path = request.app.state.studio.styles.sheets / file
     if not re.fullmatch(r"[0-9a-f]{32}\.png", file) or not path.is_file():
         return Response(status_code=404)
@@ -80,5 +80,5 @@ def _file(request: Request, kind: str, name: str, file: str | None, save_as: str
     except InputError:
         return Response(status_code=404)
     if file is None or not path.is_file() or not path.resolve().is_relative_to((studio.folder.root / kind).resolve()):
-        return Response(status_code=404)  # a link in there may lead anywhere
+        return Response(status_code=404)  # a symbolic link may lead anywhere
     return FileResponse(path, filename=save_as, headers=_FRESH)

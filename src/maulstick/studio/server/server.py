@@ -1,4 +1,4 @@
-"""The server: one page, its pictures, the survey, and a gate before all of them."""
+"""Server of the studio: one page, its pictures, the survey, and a gate in front of all of them."""
 
 import asyncio
 import logging
@@ -24,16 +24,16 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.studio import Studio
 from maulstick.survey.serve import listening
 
-_FIRST_PAGE = 3.0  # seconds
+_FIRST_PAGE = 3.0  # seconds for the first page to load, before the desk warms up beside it
 _GRACE = 3  # seconds for pages to close
 _FAVICON = Path(__file__).with_name("favicon.svg")
 
 
 def serve(root: Path, host: str, port: int, browse: bool) -> None:
-    """Let people work in the studio of this folder until Ctrl-C.
+    """Serve the studio of this folder until Ctrl-C.
 
     host: an address of this machine; unless it is the loopback, the link has a token.  browse: open a browser, too.
-    Raises InputError where the port cannot be had, and InputError and OutputError where the folder cannot.
+    Raises InputError where the port or the folder is in use, and OutputError where the folder cannot be written.
     """
     token = None if _is_loopback(host) else secrets.token_urlsafe(16)
     with Folder.opened(root) as folder, listening(host, port) as at:
@@ -65,7 +65,7 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
     app.include_router(routes)
     app.mount("/survey", survey_pages())
     nicegui.run.process_pool_start_method = "spawn"
-    logging.getLogger("nicegui").addFilter(_is_broken)
+    logging.getLogger("nicegui").addFilter(_is_for_the_terminal)
     ui.run_with(
         app,
         root=lambda: page(app.state.studio),
@@ -81,14 +81,14 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
 
 
 async def _warm(studio: Studio) -> None:
-    """Let the desk load what the first work would wait for, once the first page has come."""
+    """Let the desk load what the first task would wait for, once the first page has loaded."""
     await asyncio.sleep(_FIRST_PAGE)
     with suppress(MaulstickError):
         await studio.desk.warm_up()
 
 
-def _is_broken(record: logging.LogRecord) -> bool:
-    """Whether the terminal should be told: a person's mistake is for their page alone, and slowness for nobody."""
+def _is_for_the_terminal(record: logging.LogRecord) -> bool:
+    """Whether the terminal shows the record: a person's mistake is shown on their page alone, slowness nowhere."""
     is_mistake = record.exc_info and isinstance(record.exc_info[1], MaulstickError)
     return record.levelno >= logging.ERROR and not is_mistake
 

@@ -1,4 +1,4 @@
-"""The participants' pages of every survey in the studio's folder, and nothing but them."""
+"""Pages for the participants of every survey in the studio's folder, and nothing else."""
 
 from threading import Event
 
@@ -11,11 +11,11 @@ from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
 from maulstick.survey.app import participants
 
-_NOT_OURS = "There is no such page. Please check the link that you were given: it must be whole.\n"
+_NO_PAGE = "There is no such page. Please check the link that you were given: it must be whole.\n"
 
 
 def survey_pages() -> Router:
-    """NAME/TOKEN below wherever it is mounted. It answers for everything there, so that nothing else does."""
+    """Make the router of NAME/TOKEN; it answers every request below its path, so that nothing else does."""
     return Router([Mount("/{name}", _of_one)], redirect_slashes=False, default=_refuse)
 
 
@@ -33,7 +33,7 @@ async def _of_one(scope: Scope, receive: Receive, send: Send) -> None:
         return
     await pages(scope, receive, send)
     if progressed.is_set():
-        studio.surveys.somebody_progressed()
+        studio.surveys.note_progress()
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
@@ -41,4 +41,4 @@ async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
         await receive()
         await send({"type": "websocket.close", "code": 1008})
         return
-    await PlainTextResponse(_NOT_OURS, status_code=404)(scope, receive, send)
+    await PlainTextResponse(_NO_PAGE, status_code=404)(scope, receive, send)

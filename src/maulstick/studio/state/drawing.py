@@ -1,4 +1,4 @@
-"""The drawing that lies on the sheet, the same one for all who look, and on disk within half a second."""
+"""Drawing on the sheet: the same one on all pages, and on disk within half a second."""
 
 import asyncio
 from collections import deque
@@ -26,18 +26,18 @@ from maulstick.studio.workers.drawn_sheet import (
 )
 from maulstick.studio.workers.hand_work import DRAWING
 
-USUAL_SHEET = 0.21, 0.148  # metres; A5, as most screens lie
+USUAL_SHEET = 0.21, 0.148  # metres; A5, landscape as most screens are
 
-_STEPS = 100
+_STEPS = 100  # that can be undone
 _PAUSE = 0.5  # seconds between two writings
-_LARGEST_ID = 2**53  # of what JavaScript counts exactly
+_LARGEST_ID = 2**53  # up to which JavaScript counts exactly
 
 
 @dataclass(frozen=True)
 class _Step:
-    """What was done to the sheet: the stroke came to, or went from, this place in the order of drawing."""
+    """Change of the sheet: a stroke was added at, or removed from, this place in the order of drawing."""
 
-    came: bool
+    added: bool
     id: int
     stroke: DrawnStroke
     place: int
@@ -45,10 +45,10 @@ class _Step:
 
 @final
 class Drawing:
-    """Made in the server's event loop.
+    """Drawing of the current hand; made in the server's event loop.
 
-    changed: there are other strokes, or it has another name.  added: a stroke, by its id.  removed: the stroke of
-    that id.  renewed: another sheet lies there.
+    Events: `changed` after its strokes or its name have changed, `added` with the id and the stroke, `removed` with
+    the id, `renewed` after another sheet was opened.
     hands: all that were drawn or uploaded.  name: of the hand that is drawn now.  size: (width, height), metres.
     strokes: by id, in the order of drawing.  trouble: why it is not on disk, or "".
     """
@@ -69,16 +69,16 @@ class Drawing:
 
     @property
     def can_undo(self) -> bool:
-        """Whether something was done that can be undone."""
+        """Whether there is a change to undo."""
         return bool(self._done)
 
     @property
     def can_redo(self) -> bool:
-        """Whether something was undone."""
+        """Whether there is a change to redo."""
         return bool(self._undone)
 
     def add(self, id: object, numbers: object) -> None:
-        """Put a stroke onto the sheet. numbers: see `DrawnStroke.of`. Raises InputError where it cannot be there."""
+        """Add a stroke to the sheet. numbers: see `DrawnStroke.of`. Raises InputError where it does not fit."""
         if type(id) is not int or not 0 <= id < _LARGEST_ID or id in self.strokes:
             raise InputError("that stroke is on the sheet already, or has no number of its own; draw it again")
         if len(self.strokes) >= MOST_STROKES or self._points >= MOST_POINTS:
@@ -86,56 +86,56 @@ class Drawing:
         self._do(_Step(True, id, DrawnStroke.of(numbers, self.size), len(self.strokes)))
 
     def rub_out(self, id: object) -> None:
-        """Take a stroke from the sheet; it may be gone already, by somebody else's hand."""
+        """Remove a stroke from the sheet; another page may have removed it already."""
         if type(id) is int and id in self.strokes:
             self._do(_Step(False, id, self.strokes[id], list(self.strokes).index(id)))
 
     def undo(self) -> None:
-        """Take back what was done last, if anything was."""
+        """Undo the last change, if there is one."""
         if self._done:
             self._undone.append(step := self._done.pop())
-            self._apply(step, not step.came)
+            self._apply(step, not step.added)
 
     def redo(self) -> None:
-        """Do again what was undone last, if anything was."""
+        """Redo the change that was undone last, if there is one."""
         if self._undone:
             self._done.append(step := self._undone.pop())
-            self._apply(step, step.came)
+            self._apply(step, step.added)
 
     async def begin(self, size: tuple[float, float]) -> None:
-        """Put this sheet to the others and take a new one. size: (width, height), metres."""
+        """Store this sheet with the others and begin a new one. size: (width, height), metres."""
         await self._turn_to(DrawnSheet(size, ()), None)
 
     async def open(self, name: str) -> None:
-        """Put this sheet to the others and go on with that one. Raises InputError where it cannot be drawn on."""
+        """Store this sheet with the others and go on with another. Raises InputError where that one cannot be read."""
         if name != self.name:
             await self._turn_to(await self._desk.do(read_sheet, self._folder.of("hands", name) / DRAWING), name)
 
-    async def rename(self, wish: str) -> None:
-        """Call the hand like the wish, as near to it as a name can be that no other hand has."""
+    async def rename(self, wanted: str) -> None:
+        """Rename the hand, to a free name as near to the wanted one as possible."""
         async with self._turning, self._writing:
-            if wish == self.name:
+            if wanted == self.name:
                 return
-            name = self._folder.free_name("hands", wish)
+            name = self._folder.free_name("hands", wanted)
             if has_folder := self._has_folder:
                 self._path.rename(self._folder.of("hands", name))
             self.name, self._had_folder = name, has_folder
         self.changed.emit()
 
     async def throw_away(self, name: str) -> Path:
-        """Put a hand into the trash, this one too; where it lies then, for `hands.take_back`."""
+        """Move a hand, which may be this one, into the trash; return its place there, for `hands.take_back`."""
         if name == self.name:
             await self.begin(self.size)
         return await self.hands.throw_away(name)
 
     async def keep(self) -> None:
-        """Have all of it on disk when this returns, as ink and as a picture too."""
+        """Write the drawing, its ink and its picture to disk before returning. Raises OutputError if that fails."""
         await self._write()
         if self._has_folder:
             await self.hands.keep_ink(self.name)
 
     async def close(self) -> None:
-        """Have all of it on disk when this returns, if that can be; whoever looks has been told if not."""
+        """Write the drawing to disk before returning, if that is possible; if not, `trouble` says why."""
         with suppress(OutputError):
             await self._write()
 
@@ -180,10 +180,10 @@ class Drawing:
     def _do(self, step: _Step) -> None:
         self._undone.clear()
         self._done.append(step)
-        self._apply(step, step.came)
+        self._apply(step, step.added)
 
-    def _apply(self, step: _Step, comes: bool) -> None:
-        if comes:
+    def _apply(self, step: _Step, adds: bool) -> None:
+        if adds:
             order = list(self.strokes.items())
             order.insert(step.place, (step.id, step.stroke))
             self.strokes = dict(order)
@@ -220,7 +220,7 @@ class Drawing:
     def _make_folder(self) -> None:
         if self._has_folder:
             return
-        if self._path.exists():  # another hand has that name meanwhile
+        if self._path.exists():  # another hand has taken that name meanwhile
             self.name = self._folder.free_name("hands", self.name)
         try:
             self._path.mkdir()

@@ -1,4 +1,4 @@
-"""Files of easels, which say where a sheet lies before a machine, kept in the studio's folder by name."""
+"""Easel files, which say where a sheet lies in front of a machine, kept in the studio's folder by name."""
 
 import re
 from pathlib import Path
@@ -13,27 +13,27 @@ from maulstick.studio.workers.uploads import read_brought
 
 @final
 class Easels:
-    """The easels there are; one that somebody puts into the folder ``easels`` is there, too."""
+    """Easels in the folder ``easels``, including files that somebody puts there by hand."""
 
     def __init__(self, folder: Folder) -> None:
         self._folder, self._root = folder, folder.root / "easels"
 
     def names(self) -> list[str]:
-        """In order."""
+        """Return the names of the easels, sorted."""
         return sorted(path.stem for path in self._root.glob("*.json") if re.fullmatch(NAME, path.stem))
 
     def path(self, name: str) -> Path:
-        """The file of an easel. Raises InputError where there is none of that name."""
+        """Return the file of an easel. Raises InputError where there is none of that name."""
         if name not in (names := self.names()):
             raise InputError.of_choice("easel", name, names)
         return self._root / f"{name}.json"
 
     def keep(self, file: str, content: bytes) -> str:
-        """Keep an easel, in the place of another that came from a file of that name, which is in the trash then.
+        """Store an easel and return its name; one that came from a file of the same name before goes into the trash.
 
-        Returns its name now. Waits for the disk, and may be called in any thread.
+        Waits for the disk; may be called from any thread.
 
-        Raises InputError where that is no easel, OutputError where it cannot be kept.
+        Raises InputError where the content is no easel, OutputError where it cannot be written.
         """
         easel = read_brought(content, read_easel, "that file")
         name = plain_name(file) or "easel"

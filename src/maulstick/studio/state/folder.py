@@ -1,4 +1,4 @@
-"""The studio's folder: what was drawn, pictures, plans, surveys, and what was thrown away."""
+"""Folder of a studio: drawn hands, pictures, plans, surveys, and the trash."""
 
 import os
 import re
@@ -15,26 +15,27 @@ from maulstick.errors import InputError, OutputError
 from maulstick.storage.files import atomic_write, held
 from maulstick.storage.library import NAME
 
-_LONGEST, _ROOM = 40, 32  # letters of a name; and of one that a number may follow
+_LONGEST, _ROOM = 40, 32  # letters of a name, and of a name before a number is added
 
 KINDS = ("hands", "pictures", "plans", "surveys")
+"""Kinds of things in the folder, each in a folder of its own."""
 
-_INCOMING = ".incoming-"
+_INCOMING = ".incoming-"  # prefix of uploaded files until they are checked
 
 
 @final
 @dataclass(frozen=True)
 class Folder:
-    """The paths in it; everything has a name, which is never a path. root: absolute."""
+    """Paths in the folder; everything in it has a name, which is never a path. root: absolute."""
 
     root: Path
 
     @classmethod
     @contextmanager
     def opened(cls, root: Path) -> Iterator["Folder"]:
-        """The folder, made where it was not, for one studio at a time.
+        """Open the folder for one studio at a time; make it where there is none.
 
-        Raises InputError where another studio has it, OutputError where nothing can be written there.
+        Raises InputError where another studio uses it, OutputError where it cannot be written.
         """
         folder = cls(root.absolute())
         taken = f"another studio works in {root}; use that one, or name another folder"
@@ -48,23 +49,23 @@ class Folder:
             yield folder
 
     def of(self, kind: str, name: str) -> Path:
-        """Where something of a kind ("plans") and that name is, or would be. Raises InputError for what is no name."""
+        """Path of the thing of a kind ("plans") and a name, existing or not. Raises InputError for an invalid name."""
         if kind not in KINDS or not re.fullmatch(NAME, name):
             raise InputError(f"{name!r} is no name; use up to 40 of a-z, 0-9 and -, beginning with a letter or a digit")
         return self.root / kind / name
 
     def names(self, kind: str) -> list[str]:
-        """What there is of a kind, oldest first."""
+        """Return the names of all things of a kind, oldest first."""
         found: dict[str, int] = {}
         for path in (self.root / kind).iterdir():
             if re.fullmatch(NAME, path.name):
-                with suppress(FileNotFoundError):  # it went meanwhile
+                with suppress(FileNotFoundError):  # it was removed meanwhile
                     found[path.name] = path.lstat().st_mtime_ns
         return sorted(found, key=found.__getitem__)
 
-    def free_name(self, kind: str, wish: str) -> str:
-        """A name like the wish that nothing of the kind has yet, "My cat.JPG" as my-cat or my-cat-2."""
-        plain = plain_name(wish)[:_ROOM].strip("-") or kind[:-1]
+    def free_name(self, kind: str, wanted: str) -> str:
+        """Name like the wanted one that nothing of the kind has yet: for "My cat.JPG", my-cat or my-cat-2."""
+        plain = plain_name(wanted)[:_ROOM].strip("-") or kind[:-1]
         taken, number, name = set(self.names(kind)), 1, plain
         while name in taken:
             number += 1
@@ -72,55 +73,55 @@ class Folder:
         return name
 
     def incoming(self) -> Path:
-        """A new place for what comes from outside, until it is known what it is."""
+        """New path for an uploaded file, until its content is checked."""
         return self.root / f"{_INCOMING}{secrets.token_hex(8)}"
 
     def keep_former(self, *paths: Path) -> Path:
-        """Copy those files that there are into the trash, as others are about to take their places.
+        """Copy those of the files that exist into the trash, before others replace them.
 
-        Returns where the copies are, together; where there were no files, nothing is there. Raises OutputError where
-        one cannot be copied.
+        Returns the folder of the copies, which does not exist where there were no files. Raises OutputError where a
+        file cannot be copied.
         """
-        grave = self._grave()
+        trashed = self._new_trash_folder()
         try:
-            grave.mkdir()
+            trashed.mkdir()
             for path in paths:
                 if path.is_file():
-                    atomic_write(grave / path.name, path.read_bytes())
-            if not any(grave.iterdir()):
-                grave.rmdir()
+                    atomic_write(trashed / path.name, path.read_bytes())
+            if not any(trashed.iterdir()):
+                trashed.rmdir()
         except OSError as error:
-            shutil.rmtree(grave, ignore_errors=True)
+            shutil.rmtree(trashed, ignore_errors=True)
             what = ", ".join(path.name for path in paths)
             raise OutputError(f"cannot copy {what} into the trash: {error.strerror or error}") from error
-        return grave
+        return trashed
 
     def throw_away(self, *paths: Path) -> Path:
-        """Move files or folders into the trash; where they are then, together.
+        """Move files or folders into the trash; return the folder there that holds them.
 
         Raises OutputError, and leaves all of them where they are, where one cannot be moved.
         """
-        grave = self._grave()
-        grave.mkdir()
-        _move({path: grave / path.name for path in paths})
-        return grave
+        trashed = self._new_trash_folder()
+        trashed.mkdir()
+        _move({path: trashed / path.name for path in paths})
+        return trashed
 
-    def take_back(self, grave: Path, where: Path) -> list[Path]:
-        """Move what was thrown away to the folder `where` again; its places there.
+    def take_back(self, trashed: Path, where: Path) -> list[Path]:
+        """Move what was thrown away back into the folder `where`; return the new paths.
 
-        Raises OutputError where its place is taken, InputError where it is there already.
+        Raises OutputError where a path is taken, InputError where it was taken back already.
         """
-        if not grave.is_dir():
+        if not trashed.is_dir():
             raise InputError("it was taken out of the trash already; look where it was before")
-        places = {path: where / path.name for path in grave.iterdir()}
+        places = {path: where / path.name for path in trashed.iterdir()}
         for place in places.values():
             if os.path.lexists(place):
                 raise OutputError(f"there is a {place.name} again meanwhile; rename that one first")
         _move(places)
-        grave.rmdir()
+        trashed.rmdir()
         return list(places.values())
 
-    def _grave(self) -> Path:
+    def _new_trash_folder(self) -> Path:
         return self.root / "trash" / f"{time.time_ns()}-{secrets.token_hex(4)}"
 
     def _clear_incoming(self) -> None:
@@ -128,13 +129,13 @@ class Folder:
             path.unlink(missing_ok=True)
 
 
-def plain_name(wish: str) -> str:
-    """The wish, which may be a file's name, as a name can be; empty where nothing of it can."""
-    return re.sub(r"[^a-z0-9]+", "-", Path(wish).stem.lower()).strip("-")[:_LONGEST].strip("-")
+def plain_name(wanted: str) -> str:
+    """Turn a text, which may be a file's name, into a valid name; empty where no letter of it is allowed."""
+    return re.sub(r"[^a-z0-9]+", "-", Path(wanted).stem.lower()).strip("-")[:_LONGEST].strip("-")
 
 
 def _move(places: dict[Path, Path]) -> None:
-    """Move all of them, or none."""
+    """Move all paths, or none."""
     moved: dict[Path, Path] = {}
     try:
         for path, place in places.items():

@@ -1,4 +1,4 @@
-"""The pictures that people brought to be painted. A name is a folder with picture.png and small.jpg."""
+"""Pictures that people brought to be painted, each in a folder with picture.png and small.jpg."""
 
 import asyncio
 from importlib.resources import files
@@ -15,29 +15,29 @@ from maulstick.storage.files import atomic_write
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.desk import Desk
 
-_SMALL_PX = 480
+_SMALL_PX = 480  # longest side of a thumbnail
 _PORTRAIT = "portrait"
 
 
 @final
 class Gallery:
-    """All of them by name. changed: there are others."""
+    """Pictures by their names. changed: emitted after one was added."""
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
-        self._keeping = asyncio.Lock()  # two that come at once get names of their own
+        self._keeping = asyncio.Lock()  # or two uploads at once could get the same name
 
     def names(self) -> list[str]:
-        """The pictures that there are, newest first."""
+        """Return the names of all pictures, newest first."""
         return [name for name in reversed(self._folder.names("pictures")) if self.path(name).is_file()]
 
     def path(self, name: str) -> Path:
-        """The picture itself."""
+        """Return the file of a picture, which need not exist. Raises InputError for an invalid name."""
         return picture_of(self._folder.of("pictures", name))
 
     async def keep(self, brought: Path, called: str) -> str:
-        """Keep a picture; the name that it gets here. Raises InputError for what is no picture, or too large a one."""
+        """Store a picture and return its name here. Raises InputError for what is no picture, or too large a one."""
         async with self._keeping:
             name = self._folder.free_name("pictures", called)
             await self._desk.do(keep_picture, brought, self._folder.of("pictures", name))
@@ -45,23 +45,23 @@ class Gallery:
         return name
 
     async def keep_portrait(self) -> str:
-        """Keep the picture that comes along, once; its name."""
+        """Store the picture that comes with Maulstick, unless it is there; return its name."""
         return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(portrait(), _PORTRAIT)
 
 
 def portrait() -> Path:
-    """The picture that comes along."""
+    """Return the file of the picture that comes with Maulstick."""
     return Path(str(files("skimage.data").joinpath("astronaut.png")))
 
 
 def keep_picture(brought: Path, folder: Path) -> None:
-    """Keep the pixels of a picture, and nothing else of its file, in a new folder, which is there whole or not at all.
+    """Store the pixels of a picture, and nothing else of its file, in a new folder, written whole or not at all.
 
-    Raises InputError for what is no picture, or too large a one, and where another took the folder meanwhile.
+    Raises InputError for what is no picture, or too large a one, and where the folder exists by now.
     """
     picture = read_picture(brought, longest_px=LONGEST_KEPT_PX)
-    with TemporaryDirectory(prefix=".", dir=folder.parent) as beside:
-        made = Path(beside) / folder.name
+    with TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
+        made = Path(temporary) / folder.name
         made.mkdir()
         atomic_write(made / "picture.png", encode_png(picture))
         with Image.open(made / "picture.png") as small:
@@ -73,5 +73,5 @@ def keep_picture(brought: Path, folder: Path) -> None:
 
 
 def picture_of(folder: Path) -> Path:
-    """The picture in its folder."""
+    """Return the file of the picture in its folder."""
     return folder / "picture.png"

@@ -1,4 +1,4 @@
-"""The hands that were drawn or uploaded, each in a folder of its own."""
+"""Hands that were drawn or uploaded, each in a folder of its own."""
 
 import asyncio
 from pathlib import Path
@@ -15,9 +15,9 @@ from maulstick.studio.workers.hand_work import CARD, DRAWING, INK, HandCard, kee
 
 @final
 class Hands:
-    """They lie in files: drawing.json where one can go on drawing, hand.ink.npz, and a picture and a card of that.
+    """Hands in their files: drawing.json if the hand was drawn here, hand.ink.npz, and a picture and a card of the ink.
 
-    changed: a hand came, went or has another name, or its ink is another.
+    changed: emitted after a hand was added, removed or renamed, or its ink has changed.
     """
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
@@ -25,33 +25,33 @@ class Hands:
         self._folder, self._desk = folder, desk
 
     def names(self) -> list[str]:
-        """The last one first."""
-        return [name for name in reversed(self._folder.names("hands")) if self._is_one(self.path(name))]
+        """Return the names of all hands, newest first."""
+        return [name for name in reversed(self._folder.names("hands")) if self._is_hand(self.path(name))]
 
     def path(self, name: str) -> Path:
-        """The folder of a hand. Raises InputError for what is no name."""
+        """Return the folder of a hand. Raises InputError for an invalid name."""
         return self._folder.of("hands", name)
 
     def is_drawn(self, name: str) -> bool:
-        """Whether one can go on drawing it."""
+        """Whether the hand was drawn here, so that drawing can go on."""
         return (self.path(name) / DRAWING).is_file()
 
     def card(self, name: str) -> HandCard | None:
-        """What is known of its ink; None where it has none yet, or cannot be read."""
+        """Read the card of a hand's ink; None where there is none yet, or it cannot be read."""
         try:
             return read_record(HandCard, self.path(name) / CARD, "hand's card")
         except InputError:
             return None
 
     async def keep_ink(self, name: str) -> None:
-        """Make ink of what was drawn."""
+        """Write the ink, the picture and the card of the hand's drawing."""
         await self._desk.do(keep_drawing, self.path(name))
         self.changed.emit()
 
     async def take_in(self, file: Path, called: str, pen_millimetres: float | None) -> str:
-        """Make a hand of an uploaded recording; its name.
+        """Make a hand from an uploaded recording; return its name.
 
-        called: the name that the file had.  pen_millimetres: from the markers of a tracked pen to its tip.
+        called: name of the uploaded file.  pen_millimetres: length of a tracked pen from its markers to its tip.
         Raises InputError where it is no recording, or has no strokes.
         """
         name = self._folder.free_name("hands", called)
@@ -60,19 +60,19 @@ class Hands:
         return name
 
     async def learn(self, name: str, style: str) -> None:
-        """Learn a style of one's own from a hand. Raises InputError where it has too few strokes."""
+        """Learn a style from a hand and store it with the user's styles. Raises InputError for too few strokes."""
         await self._desk.do(learn, self.path(name), style)
 
     async def throw_away(self, name: str) -> Path:
-        """Put a hand into the trash; where it lies then, for `take_back`."""
-        grave = await asyncio.to_thread(self._folder.throw_away, self.path(name))
+        """Move a hand into the trash; return its place there, for `take_back`."""
+        trashed = await asyncio.to_thread(self._folder.throw_away, self.path(name))
         self.changed.emit()
-        return grave
+        return trashed
 
-    def take_back(self, grave: Path) -> None:
-        """Have again what was thrown away. Raises OutputError where there is another of that name meanwhile."""
-        self._folder.take_back(grave, self._folder.root / "hands")
+    def take_back(self, trashed: Path) -> None:
+        """Move a hand back out of the trash. Raises OutputError where another has its name by now."""
+        self._folder.take_back(trashed, self._folder.root / "hands")
         self.changed.emit()
 
-    def _is_one(self, path: Path) -> bool:
+    def _is_hand(self, path: Path) -> bool:
         return (path / DRAWING).is_file() or (path / INK).is_file()

@@ -1,4 +1,4 @@
-"""The paints of a plan: how to mix them from the tubes at hand, where they go, and which of them are mixed."""
+"""Paints of a plan: how to mix them from the tubes at hand, their wells, and which of them are mixed."""
 
 import asyncio
 import csv
@@ -26,11 +26,11 @@ from maulstick.studio.workers.uploads import read_brought
 
 _Tubes = tuple[NamedPaint, ...]
 
-_RINSES = 3  # turns in the water
+_RINSES = 3  # turns of the brush in the water, in a tray that the studio makes
 
 
 class Mixed(BaseModel):
-    """A plan's file of what is mixed: paints by their labels, so that one of another colour is not mixed yet."""
+    """File of a plan's mixed paints, by their labels, so that a paint whose colour changes is no longer mixed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -40,9 +40,10 @@ class Mixed(BaseModel):
 
 @dataclass(frozen=True)
 class RowOfWells:
-    """Wells one below the other beside the sheet; all in metres.
+    """Wells one below the other, next to the sheet; all in metres.
 
-    x, y: the first one, in the canvas frame.  step: to the next.  height, clearance, reach: as in `Tray`.
+    x, y: of the first well, in the canvas frame.  step: from a well to the next.  height, clearance, reach: as in
+    `Tray`.
     """
 
     x: float
@@ -55,24 +56,24 @@ class RowOfWells:
 
 @final
 class Mixing:
-    """All about paints in the studio's folder. changed: when a paint is mixed, or the tubes or the tray are others."""
+    """Paints, tubes and tray in the studio's folder. changed: emitted after any of them has changed."""
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
         self._folder, self._desk = folder, desk
         self._tubes, self._tray = folder.root / "tubes.csv", folder.root / "tray.json"
-        self._ticking = asyncio.Lock()  # or of two ticks at once one would be lost
-        self._looking = asyncio.Lock()  # or two pages would have the same worked out twice
+        self._ticking = asyncio.Lock()  # or one of two ticks at once would be lost
+        self._looking = asyncio.Lock()  # or two pages would compute the same twice
         self._seen: dict[str, tuple[object, tuple[PlannedPaint, ...]]] = {}
         self._advised: dict[str, tuple[object, tuple[Recipe, ...]]] = {}
 
     def plans(self) -> list[str]:
-        """The plans that have paints, newest first."""
+        """Return the names of the plans that have paints, newest first."""
         plans = self._folder.names("plans")
         return [name for name in reversed(plans) if (self._folder.of("plans", name) / "painting.json").is_file()]
 
     async def paints(self, plan: str) -> tuple[PlannedPaint, ...]:
-        """The paints of a plan. Raises InputError where there is no such plan."""
+        """Return the paints of a plan. Raises InputError where there is no such plan."""
         painting = self._folder.of("plans", plan) / "painting.json"
         tray = self._tray if self.has_tray else None
         stamp = (_stamp(painting), _stamp(self._tray))
@@ -82,7 +83,7 @@ class Mixing:
         return self._seen[plan][1]
 
     async def advice(self, plan: str) -> tuple[Recipe, ...]:
-        """A recipe from the tubes for each paint of a plan."""
+        """Compute a recipe from the tubes for each paint of a plan. Raises InputError where there is no such plan."""
         paints = await self.paints(plan)
         tubes, wanted = self.tubes(), tuple(paint.colour for paint in paints)
         async with self._looking:
@@ -91,17 +92,17 @@ class Mixing:
         return self._advised[plan][1]
 
     async def missing(self, plan: str) -> list[PlannedPaint]:
-        """The paints that must still be mixed before the plan can be painted."""
+        """Return the paints that must still be mixed before the plan can be painted."""
         paints, mixed = await self.paints(plan), self.mixed(plan)
         return [paint for paint in paints if paint.strokes and paint.label not in mixed]
 
     def mixed(self, plan: str) -> frozenset[str]:
-        """The labels of the paints that are mixed; there may be others that the plan no longer has."""
+        """Read the labels of the mixed paints; some may be of paints that the plan no longer has."""
         path = self._folder.of("plans", plan) / "mixed.json"
         return frozenset(read_record(Mixed, path, "list of mixed paints").paints if path.is_file() else ())
 
     async def tick(self, plan: str, label: str, mixed: bool) -> None:
-        """The paint is mixed, or is not. Raises InputError where the plan has none of that label."""
+        """Mark a paint as mixed, or as not mixed. Raises InputError where the plan has none of that label."""
         labels = {paint.label for paint in await self.paints(plan)}
         if label not in labels:
             raise InputError.of_choice("paint", label, labels)
@@ -110,41 +111,41 @@ class Mixing:
             await self._write(plan, labels & (before | {label} if mixed else before - {label}))
 
     async def tick_all(self, plan: str) -> None:
-        """All paints of the plan are mixed."""
+        """Mark all paints of the plan as mixed."""
         labels = {paint.label for paint in await self.paints(plan)}
         async with self._ticking:
             await self._write(plan, labels)
 
     def tubes(self) -> _Tubes:
-        """The paints in tubes that one has; a dozen usual ones until one says otherwise."""
+        """Return the user's tubes of paint; a dozen usual ones where none were chosen."""
         return read_paints(self._tubes) if self.has_own_tubes else USUAL_PAINTS
 
     @property
     def has_own_tubes(self) -> bool:
-        """Whether one has said which tubes one has."""
+        """Whether the user has chosen the tubes."""
         return self._tubes.is_file()
 
-    async def own(self, tubes: bytes) -> None:
-        """One has these tubes: a file as `read_paints` takes it. Raises InputError as it does."""
+    async def use_tubes(self, tubes: bytes) -> None:
+        """Set the user's tubes. tubes: content of a file for `read_paints`. Raises InputError as that does."""
         await asyncio.to_thread(self._keep_tubes, tubes)
         self.changed.emit()
 
     @property
     def has_tray(self) -> bool:
-        """Whether paints stand in a tray; else the pen or the brush is put into the holder when it is asked for."""
+        """Whether there is a tray of paints; without one, a person puts each pen or brush into the holder."""
         return self._tray.is_file()
 
     async def use_tray(self, content: bytes) -> None:
-        """Paints stand in this tray. Raises InputError where that is not the file of one."""
+        """Set the tray. content: of a tray file. Raises InputError where it is none."""
         await asyncio.to_thread(lambda: self._keep_tray(read_brought(content, read_tray, "that file")))
         self.changed.emit()
 
     async def lay_tray(self, plan: str, row: RowOfWells) -> None:
-        """The paints of a plan stand in a row, then water, then a cloth. Raises InputError where no row can be so."""
+        """Set a tray of wells in a row: a plan's paints, then water, then a cloth. Raises InputError for a bad row."""
         colours = dict.fromkeys(paint.hex for paint in await self.paints(plan))
         places = [{"x": row.x, "y": row.y + number * row.step} for number in range(len(colours) + 2)]
         wells = [place | {"height": row.height} for place in places[:-1]]
-        words = {
+        fields = {
             "schema_version": 1,
             "reach": row.reach,
             "clearance": row.clearance,
@@ -153,21 +154,21 @@ class Mixing:
             "cloth": places[-1] | {"height": 0.0},
         }
         try:
-            tray = Tray.model_validate(words)
+            tray = Tray.model_validate(fields)
         except ValidationError as error:
             raise InputError(f"the wells cannot be so: {validation_fault(error)}") from error
         await asyncio.to_thread(self._keep_tray, tray)
         self.changed.emit()
 
     def remove_tray(self) -> Path:
-        """There is no tray any more; where its file is in the trash."""
-        grave = self._folder.throw_away(self._tray)
+        """Move the tray's file into the trash; return its place there, for `take_back_tray`."""
+        trashed = self._folder.throw_away(self._tray)
         self.changed.emit()
-        return grave
+        return trashed
 
-    def take_back_tray(self, grave: Path) -> None:
-        """Use the tray again that was removed."""
-        self._folder.take_back(grave, self._folder.root)
+    def take_back_tray(self, trashed: Path) -> None:
+        """Move the tray's file back out of the trash."""
+        self._folder.take_back(trashed, self._folder.root)
         self.changed.emit()
 
     async def _write(self, plan: str, labels: set[str] | frozenset[str]) -> None:
@@ -187,14 +188,14 @@ class Mixing:
 
 
 def tubes_csv(tubes: Iterable[tuple[str, str]]) -> bytes:
-    """The file of tubes: the name and the colour of each."""
+    """Encode tubes, given by name and colour, as a file for `read_paints`."""
     file = io.StringIO(newline="")
     csv.writer(file, lineterminator="\n").writerows([("name", "colour"), *tubes])
     return file.getvalue().encode()
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
-    """What is another one when the file is."""
+    """Stamp of a file, which changes when the file changes; None where there is none."""
     try:
         status = path.stat()
     except OSError:

@@ -1,4 +1,4 @@
-"""What all pages show: one studio, however many look at it."""
+"""State that all pages show: one studio, however many pages are open."""
 
 import asyncio
 from typing import final
@@ -16,11 +16,10 @@ from maulstick.studio.workers.desk import Desk
 
 @final
 class Studio:
-    """Made in the server's event loop.
+    """State of the studio; made in the server's event loop.
 
-    drawing: the hand that is being drawn.  styles: those there are.  gallery: pictures to paint.
-    plans: those there are, and those being made.
-    mixing: which paints are mixed.  surveys: those there are.  run: the machine, if it paints.
+    drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
+    mixing: of paints.  run: of a machine that paints.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -34,7 +33,7 @@ class Studio:
         self.run = Run(folder, self.desk, self.mixing)
 
     async def close(self) -> None:
-        """Stop whatever moves, and let the rest keep what it has."""
+        """Stop the machine, write what is unsaved, and end all processes."""
         await self.run.close()
         await self.drawing.close()
         await asyncio.to_thread(self.plans.close)

@@ -1,4 +1,4 @@
-"""The styles that all pages show: those that come with Maulstick, and one's own."""
+"""Styles that all pages show: those that come with Maulstick, and the user's own."""
 
 import asyncio
 import hashlib
@@ -20,12 +20,12 @@ from maulstick.studio.workers.style_work import Difference, Map, differences_of,
 from maulstick.style.cards import STYLES, StyleCard, read_card, rename_style
 
 MOST = 6
-"""Styles on a map, and in a comparison."""
+"""Most styles on a map, and in a comparison: there is a colour for each."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A style of the gallery. card: what its file says; None where it cannot be used, and `fault` says why."""
+    """Entry of the gallery of styles. card: None where the style cannot be used; `fault` then says why."""
 
     name: str
     is_built_in: bool
@@ -34,33 +34,33 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Thrown:
-    """A style that was deleted, and where it lies."""
+class DeletedStyle:
+    """Style that was deleted, and the folder in the trash that holds its files."""
 
     name: str
-    grave: Path
+    trashed: Path
 
 
 @final
 class Styles:
-    """They lie in files, and are read anew whenever they are asked for: other programs write there, too.
+    """Styles in their files, which are read again each time: other programs write there, too.
 
-    changed: a style came, went, or has another name.  sheets: the folder of the sheets that were drawn.
-    thrown_away: since the studio was opened, the last one last.
+    changed: emitted after a style was added, removed or renamed.  sheets: folder of the drawn sheets.
+    thrown_away: styles deleted since the studio was opened, the newest last.
     """
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
-        self.thrown_away: list[Thrown] = []
+        self.thrown_away: list[DeletedStyle] = []
         self._folder, self._desk = folder, desk
         self.sheets = folder.root / ".cache" / "sheets"
 
     def names(self) -> list[str]:
-        """Those that come with Maulstick first."""
+        """Return the names of all styles; those that come with Maulstick are first."""
         return list(STYLES.paths())
 
     def entry(self, name: str) -> Entry:
-        """What is known of a style. Raises InputError where there is none."""
+        """Read the gallery's entry of a style. Raises InputError where there is none of that name."""
         path = self._path(name)
         try:
             return Entry(name, STYLES.is_built_in(path), read_card(path))
@@ -68,7 +68,7 @@ class Styles:
             return Entry(name, STYLES.is_built_in(path), None, said(error))
 
     async def sheet(self, name: str) -> Path:
-        """The picture of strokes by the hand and by the style, drawn now if need be.
+        """Return the file of a style's sheet: strokes by the hand and by the style. Draw it where there is none yet.
 
         Raises MaulstickError where the style cannot be used.
         """
@@ -78,53 +78,53 @@ class Styles:
         return sheet
 
     async def map_of(self, names: Sequence[str]) -> Map:
-        """Where the strokes of the styles' hands lie. Raises MaulstickError where there are none, or more than six."""
+        """Map the strokes of the styles' hands. Raises MaulstickError where there are no styles, or more than six."""
         return await self._desk.do(map_of, self._chosen(names, 1))
 
     async def differences_of(self, names: Sequence[str]) -> tuple[Difference, ...]:
-        """Of each pair of two to six styles. Raises MaulstickError where that cannot be."""
+        """Compare each pair of two to six styles. Raises MaulstickError for another number, or an unusable style."""
         return await self._desk.do(differences_of, self._chosen(names, 2))
 
     async def rename(self, name: str, new: str) -> None:
-        """Give a style of one's own another name. Raises InputError and OutputError, see `rename_style`."""
+        """Rename one of the user's styles. Raises InputError and OutputError, see `rename_style`."""
         await asyncio.to_thread(rename_style, name, new)
         self.changed.emit()
 
-    async def delete(self, name: str) -> Thrown:
-        """Throw a style of one's own away; what `take_back` needs. Raises InputError where it is none."""
+    async def delete(self, name: str) -> DeletedStyle:
+        """Move one of the user's styles into the trash; return what `take_back` needs. Raises InputError for others."""
         path = self._path(name)
         if STYLES.is_built_in(path):
             raise InputError(f"the style {name} comes with Maulstick and stays; only your own can be deleted")
         files = [file for file in (path, path.with_suffix(".safetensors")) if os.path.lexists(file)]
-        grave = await asyncio.to_thread(self._folder.throw_away, *files)
-        self.thrown_away.append(thrown := Thrown(name, grave))
+        trashed = await asyncio.to_thread(self._folder.throw_away, *files)
+        self.thrown_away.append(deleted := DeletedStyle(name, trashed))
         self.changed.emit()
-        return thrown
+        return deleted
 
     async def renew(self, name: str, learn: Callable[[], Awaitable[None]]) -> bool:
-        """Learn a style of one's own anew; whether it was another before, which can be taken back then.
+        """Learn one of the user's styles again; return whether it replaced a different one, which can be taken back.
 
-        What it was stays in its place until the new one takes it. Raises what `learn` raises.
+        The former one stays in its place until the new one replaces it. Raises what `learn` raises.
         """
         former = STYLES.own() / f"{name}.json"
-        grave = await asyncio.to_thread(self._folder.keep_former, former, former.with_suffix(".safetensors"))
-        card = grave / former.name
+        trashed = await asyncio.to_thread(self._folder.keep_former, former, former.with_suffix(".safetensors"))
+        card = trashed / former.name
         try:
             await learn()
         finally:
             is_another = card.is_file() and not (former.is_file() and former.read_bytes() == card.read_bytes())
             if is_another:
-                self.thrown_away.append(Thrown(name, grave))
+                self.thrown_away.append(DeletedStyle(name, trashed))
             else:
-                await asyncio.to_thread(shutil.rmtree, grave, ignore_errors=True)
+                await asyncio.to_thread(shutil.rmtree, trashed, ignore_errors=True)
             self.changed.emit()
         return is_another
 
-    async def take_back(self, thrown: Thrown) -> None:
-        """Have again what was deleted. Raises OutputError where there is another of that name meanwhile."""
-        if thrown in self.thrown_away:  # or another page was quicker
-            await asyncio.to_thread(self._folder.take_back, thrown.grave, STYLES.own())
-            self.thrown_away.remove(thrown)
+    async def take_back(self, deleted: DeletedStyle) -> None:
+        """Move a deleted style back. Raises OutputError where another has its name by now."""
+        if deleted in self.thrown_away:  # else another page has done so already
+            await asyncio.to_thread(self._folder.take_back, deleted.trashed, STYLES.own())
+            self.thrown_away.remove(deleted)
             self.changed.emit()
 
     def _path(self, name: str) -> Path:
@@ -140,6 +140,6 @@ class Styles:
         return chosen
 
     def _sheet(self, name: str) -> Path:
-        """Named by all that the picture depends on. Raises InputError where the style cannot be used."""
+        """Path of a style's sheet, named by a hash of all that it shows. Raises InputError for an unusable style."""
         content = f"{version('maulstick')} {name} {read_card(self._path(name)).model_dump_json()}"
         return self.sheets / f"{hashlib.sha256(content.encode()).hexdigest()[:32]}.png"

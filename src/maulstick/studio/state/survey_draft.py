@@ -1,4 +1,4 @@
-"""A survey as it is put together, with whatever is still missing."""
+"""Draft of a survey, parts of which may still be missing."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ _Part = TypeVar("_Part", bound=BaseModel)
 
 @dataclass
 class HandDraft:
-    """A hand, and what was drawn by it and in its style. Drawings are keys of `Surveys.drawings`."""
+    """Draft of a hand: drawings by the person and in the person's style, as keys of `Surveys.drawings`."""
 
     name: str = ""
     by_hand: str | None = None
@@ -23,13 +23,13 @@ class HandDraft:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nobody said anything about it."""
+        """Whether nothing is filled in."""
         return not (self.name.strip() or self.by_hand or self.by_machine)
 
 
 @dataclass
 class PairDraft:
-    """A picture and two looks of it. Drawings are keys of `Surveys.drawings`."""
+    """Draft of a comparison: a picture and two drawings of it, as keys of `Surveys.drawings`."""
 
     reference: str | None = None
     first: str | None = None
@@ -37,13 +37,13 @@ class PairDraft:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nobody said anything about it."""
+        """Whether nothing is filled in."""
         return not (self.reference or self.first or self.second)
 
 
 @dataclass
 class Draft:
-    """All of it. Rows that are empty do not count; a questionnaire without any is not asked."""
+    """Draft of a survey. Empty rows do not count; a questionnaire without rows is left out."""
 
     title: str = ""
     hands: list[HandDraft] = field(default_factory=lambda: [HandDraft(), HandDraft()])
@@ -54,7 +54,7 @@ class Draft:
     pairs_asked: int = 1
 
     def match(self, path_of: Callable[[str], Path]) -> Match | None:
-        """The first questionnaire. path_of: the file of a drawing. Raises InputError where something is missing."""
+        """Make the matching questionnaire. path_of: file of a drawing. Raises InputError where something is missing."""
         rows = [hand for hand in self.hands if not hand.is_empty]
         if not rows:
             return None
@@ -76,7 +76,7 @@ class Draft:
         return _made(Match, hands=tuple(hands), asked=self.hands_asked)
 
     def opinions(self, path_of: Callable[[str], Path]) -> Opinions | None:
-        """The second questionnaire. path_of: the file of a drawing. Raises InputError likewise."""
+        """Make the questionnaire of opinions. path_of: file of a drawing. Raises InputError where it is not whole."""
         rows = [pair for pair in self.pairs if not pair.is_empty]
         if not rows:
             return None

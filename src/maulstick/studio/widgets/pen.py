@@ -1,4 +1,4 @@
-"""The pen: a sheet on the page that a stylus, a finger or a mouse draws on."""
+"""Sheet on the page to draw on with a stylus, a finger or a mouse."""
 
 import asyncio
 from collections.abc import Callable
@@ -12,14 +12,14 @@ from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.wording import said
 from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, in_mm
 
-_AT_ONCE = 50_000  # points in one message
+_AT_ONCE = 50_000  # points per message, so that the page stays responsive while a full sheet loads
 
 
 @final
 class DrawingSheet(Element, component="pen.js"):
-    """It draws what the hand does by itself and at once, tells each stroke when it is done, and shows the others'.
+    """Sheet that draws at once in the browser, sends each finished stroke, and shows the strokes of other pages.
 
-    say: hears of each stroke why it is refused, or "" when it is kept.
+    say: called for each stroke with the reason why it is refused, or with "" where it is kept.
     """
 
     def __init__(self, drawing: Drawing, say: Callable[[str], None]) -> None:
@@ -38,11 +38,11 @@ class DrawingSheet(Element, component="pen.js"):
         drawing.removed.subscribe(self._drop, unsubscribe_on_delete=False)
 
     def rub_out(self, rubs: bool) -> None:
-        """From now on rub strokes out, or draw."""
+        """Switch to rubbing strokes out, or to drawing."""
         self._props["rubs"] = rubs
 
     async def _show_all(self) -> None:
-        """All strokes, a part of them a message; what comes and goes meanwhile is told beside."""
+        """Send all strokes, in several messages; strokes added or removed meanwhile are sent as usual."""
         if self._is_ready:
             return
         self._is_ready = True
@@ -50,7 +50,7 @@ class DrawingSheet(Element, component="pen.js"):
         for id, stroke in list(self._drawing.strokes.items()):
             if id not in self._drawing.strokes:
                 continue
-            part.append((id, _seen(stroke)))
+            part.append((id, _shown(stroke)))
             if sum(len(points) for _, points in part) > 3 * _AT_ONCE:
                 self.run_method("show", part)
                 part = []
@@ -58,12 +58,12 @@ class DrawingSheet(Element, component="pen.js"):
         self.run_method("show", part)
 
     def _add(self, event: events.GenericEventArguments) -> None:
-        told = event.args if isinstance(event.args, dict) else {}
-        self._drawn_here = told.get("id")
+        sent = event.args if isinstance(event.args, dict) else {}
+        self._drawn_here = sent.get("id")
         try:
-            self._drawing.add(told.get("id"), told.get("points"))
+            self._drawing.add(sent.get("id"), sent.get("points"))
         except InputError as error:
-            self.run_method("drop", told.get("id"))
+            self.run_method("drop", sent.get("id"))
             self._say(said(error))
         else:
             self._say("")
@@ -72,7 +72,7 @@ class DrawingSheet(Element, component="pen.js"):
 
     def _show(self, id: int, stroke: DrawnStroke) -> None:
         if self._is_ready and id != self._drawn_here:
-            self.run_method("show", [(id, _seen(stroke))])
+            self.run_method("show", [(id, _shown(stroke))])
 
     def _drop(self, id: int) -> None:
         self.run_method("drop", id)
@@ -83,6 +83,7 @@ class DrawingSheet(Element, component="pen.js"):
         super()._handle_delete()
 
 
-def _seen(stroke: DrawnStroke) -> list[float]:
+def _shown(stroke: DrawnStroke) -> list[float]:
+    """List x, y and pressure of all points, one after the other, as pen.js takes them."""
     points: list[float] = stroke.points[:, 1:4].ravel().tolist()
     return points

@@ -1,4 +1,4 @@
-"""What is on a page follows what the studio knows."""
+"""Refreshing of what is on a page after changes of the studio's state."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,7 @@ from nicegui.element import Element
 
 
 def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> None:
-    """Refresh now, and at every such event, for as long as the element `root` is on its page."""
+    """Call `refresh` now and at every such event, for as long as the element `root` is on its page."""
 
     def again() -> None:
         if root.is_deleted:  # another panel took its place, or the page is gone

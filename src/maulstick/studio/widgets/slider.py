@@ -1,4 +1,4 @@
-"""A slider of the browser's own, which keys and screen readers know."""
+"""Slider of the browser itself, which works with keys and screen readers."""
 
 from collections.abc import Callable
 from math import isfinite
@@ -7,9 +7,9 @@ from nicegui import events, html, ui
 
 
 class Slider:
-    """From 0 to `most`, in steps, under its label.
+    """Slider from 0 to `most`, in steps, below its label.
 
-    on_change: is called once a person lets go of it, or while they move it where it is `live`.
+    on_change: called after a person lets go of the slider, or also while they move it where `live` is true.
     """
 
     def __init__(
@@ -31,14 +31,14 @@ class Slider:
             self._range.on(event, self._moved, js_handler="(event) => emit(Number(event.target.value))", throttle=0.1)
 
     def set(self, value: float, most: float | None = None) -> None:
-        """Move it, and its end."""
+        """Move the slider, and its upper end where `most` is given."""
         self._most = self._most if most is None else most
         self.value = value
         self._range.props["max"] = self._most
         ui.run_javascript(f"setTimeout(() => {{ document.getElementById('{self._range.html_id}').value = {value}; }})")
 
     def _moved(self, event: events.GenericEventArguments) -> None:
-        said = event.args
-        if isinstance(said, int | float) and isfinite(said):
-            self.value = min(max(float(said), 0.0), self._most)
+        sent = event.args
+        if isinstance(sent, int | float) and isfinite(sent):
+            self.value = min(max(float(sent), 0.0), self._most)
             self._on_change()

@@ -1,15 +1,15 @@
-"""What was done can be undone for a while."""
+"""Offer to undo what was just done."""
 
 from collections.abc import Callable
 
 from nicegui import Client, html, ui
 from nicegui.element import Element
 
-_SECONDS = 20.0
+_SECONDS = 20.0  # for which the offer is shown: enough to notice a mistake
 
 
 def offer_undo(client: Client, done: str, undo: Callable[[], object]) -> None:
-    """Say what was done on a client's page, with a button that undoes it."""
+    """Show on a client's page what was done, with a button that undoes it."""
     with _place(client), html.div().classes("undo").props('role="status"') as bar:
         ui.label(done)
 
@@ -22,7 +22,7 @@ def offer_undo(client: Client, done: str, undo: Callable[[], object]) -> None:
 
 
 def _place(client: Client) -> Element:
-    """Where such offers stand on a page, one below the other."""
+    """Find or make the element of a page that holds all such offers."""
     there: Element | None = next((element for element in client.layout if "undos" in element.classes), None)
     if there is None:
         with client.layout:

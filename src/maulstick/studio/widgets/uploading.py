@@ -1,4 +1,4 @@
-"""Files that people bring: a button to choose one, and a place for it that its name has no say in."""
+"""Uploaded files: a button to choose one, and a temporary place for it that does not depend on its name."""
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -11,13 +11,13 @@ from maulstick.errors import InputError
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.uploads import LARGEST, known_as
 
-_MOST_OF_A_FEW = 2**20  # bytes
+_LARGEST_SMALL = 2**20  # bytes: of a file of a few numbers, read into memory whole
 
 
 def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArguments], Awaitable[None]]) -> ui.button:
-    """A button that lets a person choose a file.
+    """Make a button that lets a person choose a file.
 
-    accept: endings that the browser offers, as ".png,.jpg", which it does not enforce.  take: is called with the file.
+    accept: endings that the browser offers, as ".png,.jpg", but does not enforce.  take: called with the file.
     """
     chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=take, on_rejected=_refuse)
     chooser.props(f'accept="{accept}" aria-hidden=true').style("display: none")
@@ -33,7 +33,7 @@ def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArgu
 
 @asynccontextmanager
 async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIterator[Path]:
-    """The content of an uploaded file in a file that goes again afterwards."""
+    """Write an uploaded file to a temporary path, which is removed afterwards."""
     path = folder.incoming()
     try:
         await file.file.save(path)
@@ -44,9 +44,9 @@ async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIt
 
 
 async def small_content(file: events.UploadEventArguments, what: str) -> bytes:
-    """The content of an uploaded file that is a `what`, of a few numbers. Raises InputError where it is too large."""
-    if file.file.size() > _MOST_OF_A_FEW:
-        raise InputError(f"that file is larger than {_MOST_OF_A_FEW >> 10} KiB, too large for a {what}; choose another")
+    """Read a small uploaded file. what: its name in errors. Raises InputError where it is too large."""
+    if file.file.size() > _LARGEST_SMALL:
+        raise InputError(f"that file is larger than {_LARGEST_SMALL >> 10} KiB, too large for a {what}; choose another")
     return await file.file.read()
 
 

@@ -1,4 +1,4 @@
-"""A desk for short work: reading what was uploaded, fitting a style, drawing a plot; never in the server itself."""
+"""Desk: a process for short tasks, as reading an upload, fitting a style or drawing a plot, outside the server."""
 
 import asyncio
 import resource
@@ -13,10 +13,14 @@ from maulstick.studio.workers.process import Failed, Line, Process
 P = ParamSpec("P")
 Result = TypeVar("Result")
 
-_LONGEST = 60.0  # seconds
-_NICENESS = 5
+_LONGEST = 60.0  # seconds that a task may take before it is given up
+_NICENESS = 5  # so that the server itself comes first; planning has 10
 _MEMORY = 6 * 2**30  # bytes, thrice what the largest picture needs: a file that swells beyond is stopped here
-_USUAL = ("maulstick.style.store", "maulstick.plots.style", "maulstick.recording.files.ink_files")
+_USUAL = (  # modules that the first tasks need, and that take seconds to load
+    "maulstick.style.store",
+    "maulstick.plots.style",
+    "maulstick.recording.files.ink_files",
+)
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ class _Refused:
 
 @final
 class Desk:
-    """One piece of work at a time, each within its time, in a process that is kept for the next one."""
+    """Queue of short tasks: one at a time, each with a time limit, in a process that is kept for the next one."""
 
     def __init__(self) -> None:
         self._free = asyncio.Lock()
@@ -46,7 +50,10 @@ class Desk:
         self._answer: asyncio.Future[Any] | None = None
 
     async def do(self, function: Callable[P, Result], *arguments: P.args, **named: P.kwargs) -> Result:
-        """What the function of a module returns. Raises MaulstickError as it does, and where it takes too long."""
+        """Call the function of a module in the process and return its result.
+
+        Raises MaulstickError where the function does, and where it takes too long.
+        """
         async with self._free:
             process = self._process or self._begin()
             self._answer = answer = asyncio.get_running_loop().create_future()
@@ -58,17 +65,17 @@ class Desk:
                 raise MaulstickError(
                     f"that took longer than {_LONGEST:.0f} s and was given up; try something smaller"
                 ) from None
-            except asyncio.CancelledError:  # its answer must not be taken for the next one's
+            except asyncio.CancelledError:  # the next task must not get the answer of this one
                 self.close()
                 raise
             return result
 
     async def warm_up(self) -> None:
-        """Let the process load now what the first work would wait for."""
+        """Load the modules now that the first task would wait for."""
         await self.do(_load_usual)
 
     def close(self) -> None:
-        """End the process; the next work begins another."""
+        """End the process; the next task starts another."""
         if self._process is not None:
             self._process.kill()
             self._process = None
@@ -80,7 +87,7 @@ class Desk:
             if process is not self._process:
                 return
             if isinstance(word, Failed):
-                self._process = None  # although it is not over yet: it does not listen any more
+                self._process = None  # it still runs, but does not listen any more
             self._reply(word)
 
         def ended() -> None:
@@ -102,7 +109,7 @@ class Desk:
 
 
 def _work(line: Line) -> None:
-    """Do each task that is heard; a fault of Maulstick's own ends the process."""
+    """Do each task that comes; an error that is not a MaulstickError ends the process."""
     resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, resource.getrlimit(resource.RLIMIT_DATA)[1]))
     for task in line.hear():
         assert isinstance(task, _Task)

@@ -1,4 +1,4 @@
-"""The sheet that a hand draws on, in the form of docs/pointer-events.md; and what is let onto it."""
+"""Sheet of a drawn hand, in the format of docs/pointer-events.md, and checks of the strokes on it."""
 
 import json
 from collections.abc import Iterable
@@ -15,19 +15,19 @@ from maulstick.storage.files import read_whole
 MOST_STROKES = 2_000
 MOST_OF_A_STROKE = 10_000
 MOST_POINTS = 500_000
-"""On a sheet; its file stays below what ``maulstick record ink`` reads."""
+"""Limits of a sheet, so that its file stays below what ``maulstick record ink`` reads."""
 
 _MEMBERS = ("timeStamp", "x", "y", "pressure", "tiltX", "tiltY")
-_ROUNDED = np.array([10.0, 1e3, 1e3, 1e3, 1.0, 1.0])  # parts of a unit
+_ROUNDED = np.array([10.0, 1e3, 1e3, 1e3, 1.0, 1.0])  # steps per unit that are kept of each member
 _LATEST = 1e13  # milliseconds; a browser counts them from 1970
-_SLACK = 1e-3  # millimetres
-_LARGEST = 64 * 2**20  # bytes
+_SLACK = 1e-3  # millimetres beyond the sheet, which rounding may add
+_LARGEST = 64 * 2**20  # bytes of a drawing's file
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class DrawnStroke:
-    """One stroke, from when the pen touches until it lifts.
+    """Stroke, from when the pen touches until it lifts.
 
     points: (m, 6) of a browser's timeStamp (ms), x, y (mm), pressure in [0, 1], tiltX and tiltY (degrees).
     text: the same as JSON.
@@ -38,9 +38,9 @@ class DrawnStroke:
 
     @classmethod
     def of(cls, numbers: object, size: tuple[float, float]) -> Self:
-        """The stroke whose points lie in one list of numbers. size: of the sheet, metres.
+        """Make a stroke from the numbers of its points in one list. size: of the sheet, metres.
 
-        Raises InputError where it is no such list, is too long, or a point of it cannot be.
+        Raises InputError where it is no such list, is too long, or has an invalid point.
         """
         members = len(_MEMBERS)
         if not isinstance(numbers, list) or not numbers or len(numbers) % members:
@@ -61,20 +61,20 @@ class DrawnStroke:
 
 @dataclass(frozen=True)
 class DrawnSheet:
-    """What was drawn on a sheet. size: (width, height), metres."""
+    """Strokes drawn on a sheet. size: (width, height), metres."""
 
     size: tuple[float, float]
     strokes: tuple[DrawnStroke, ...]
 
 
 def sheet_json(size: tuple[float, float], strokes: Iterable[DrawnStroke]) -> bytes:
-    """The sheet as a file, which `read_sheet` and ``maulstick record ink`` read."""
+    """Encode a sheet as a file for `read_sheet` and ``maulstick record ink``."""
     head = f'{{"schema_version":1,"size_mm":[{in_mm(size[0])},{in_mm(size[1])}],"strokes":[\n'
     return head.encode() + b",\n".join(stroke.text for stroke in strokes) + b"\n]}\n"
 
 
 def read_sheet(path: Path) -> DrawnSheet:
-    """The sheet in the file at `path`. Raises InputError where there is none that the studio could have written."""
+    """Read the sheet in the file at `path`. Raises InputError where it is none that the studio could have written."""
     content = read_whole(path, "drawing", _LARGEST)
     try:
         record = json.loads(content)
@@ -87,7 +87,7 @@ def read_sheet(path: Path) -> DrawnSheet:
 
 
 def in_mm(metres: float) -> float:
-    """A side of a sheet in millimetres, to a thousandth."""
+    """Convert a side of a sheet to millimetres, rounded to a thousandth."""
     return round(1e3 * metres, 3)
 
 

@@ -1,4 +1,4 @@
-"""What the desk does with hands: ink of drawings and of uploaded recordings, and styles of ink."""
+"""Tasks of the desk with hands: ink from drawings and from uploaded recordings, and styles from ink."""
 
 import shutil
 from io import BytesIO
@@ -21,15 +21,15 @@ from maulstick.studio.workers.uploads import known_as
 DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
 
 _LONGER = 1024  # pixels of a picture's longer side
-_FINER = 3  # times, before it is scaled down
-_LINE = 0.5e-3  # metres
-_PAPER, _LINE_COLOUR = 255, 30
-_LARGEST_INK = 256 * 2**20  # bytes
-_LONGEST_PEN = 2e3  # millimetres
+_FINER = 3  # times larger it is drawn before it is scaled down, against jagged edges
+_LINE = 0.5e-3  # metres: width of a stroke in a picture
+_PAPER, _LINE_COLOUR = 255, 30  # greys of a picture, of 255
+_LARGEST_INK = 256 * 2**20  # bytes, unpacked: so that the desk's memory suffices
+_LONGEST_PEN = 2e3  # millimetres: beyond, another unit was meant
 
 
 class HandCard(BaseModel):
-    """What hand.json says of a hand's ink. pressed: whether it tells how the pen was pressed."""
+    """Content of hand.json about a hand's ink. pressed: whether the pressure of the pen was recorded."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -39,7 +39,7 @@ class HandCard(BaseModel):
 
 
 def keep_drawing(hand: Path) -> None:
-    """Make ink, its picture and its card of the drawing in the folder of a hand."""
+    """Write the ink, its picture and its card for the drawing in the folder of a hand."""
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
     sheet = read_sheet(hand / DRAWING)
@@ -48,7 +48,7 @@ def keep_drawing(hand: Path) -> None:
 
 
 def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) -> None:
-    """Make the folder of a hand of an uploaded recording; see `Hands.take_in`."""
+    """Make the folder of a hand from an uploaded recording; see `Hands.take_in`."""
     with known_as(file, called):
         ink = _read(file, Path(called).suffix.lower(), pen_millimetres)
     if not len(ink):
@@ -65,7 +65,7 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
 
 
 def learn(hand: Path, style: str) -> None:
-    """Learn a style from a hand's ink and keep it among one's own."""
+    """Learn a style from a hand's ink and store it with the user's styles. Raises InputError for too few strokes."""
     from maulstick.strokes.strokes import Strokes
     from maulstick.style.cards import FEWEST, STYLES
     from maulstick.style.exemplar import Exemplar  # these load torch

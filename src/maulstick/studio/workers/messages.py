@@ -1,15 +1,15 @@
-"""What the process of a run and the studio say to each other."""
+"""Messages between the studio and the process of a run."""
 
 from dataclasses import dataclass
 from enum import Enum
 
 PAINTING = "painting"
 PLANNING = "planning the rest again"
-"""What it is doing: a stroke, or after it has looked."""
+"""Values of `Going.doing` while a stroke is painted, and while the rest is planned again after a look."""
 
 
 class Command(Enum):
-    """What it hears. LOOK: photograph the sheet after this stroke, and plan again."""
+    """Command to the process. LOOK: photograph the sheet after this stroke, and plan the rest again."""
 
     STOP = "stop"
     PAUSE = "pause"
@@ -19,18 +19,18 @@ class Command(Enum):
 
 @dataclass(frozen=True)
 class Done:
-    """Heard once what was asked for, in the question of that number, is done."""
+    """Message to the process that a person has done what it asked for. question: its number."""
 
     question: int
 
 
 @dataclass(frozen=True)
 class Going:
-    """Where painting is, a few times a second.
+    """Progress of painting, sent a few times per second.
 
-    doing: in a few words.  stroke: the one under the brush, or the last one, counted from 1 over all runs.
-    strokes: of the painting, or None while it is planned again.  drawn, metres: of stroke in this run.
-    left: seconds, without what people do.  paint, next_paint: by their index in the painting.
+    doing: current action, in a few words.  stroke: number of the current or the last stroke, from 1, over all runs.
+    strokes: number in the painting, None while it is planned again.  drawn, metres: length of stroke drawn so far,
+    and of all, in this run.  left: seconds, without what people do.  paint, next_paint: indices in the painting.
     """
 
     doing: str
@@ -45,7 +45,7 @@ class Going:
 
 @dataclass(frozen=True)
 class Asking:
-    """The `question`-th thing that a person has to do, after which they say that it is `Done`; None once they have."""
+    """Request to a person, answered by `Done`. question: its number, from 1.  message: None once it is done."""
 
     question: int
     message: str | None
@@ -53,24 +53,24 @@ class Asking:
 
 @dataclass(frozen=True)
 class Photograph:
-    """The sheet as it was just seen."""
+    """Newest picture of the sheet, as a JPEG."""
 
     jpeg: bytes
 
 
 @dataclass(frozen=True)
 class Note:
-    """Something odd that did not stop the machine."""
+    """Warning about something that did not stop the machine."""
 
     sentence: str
 
 
 @dataclass(frozen=True)
 class Ended:
-    """The last word of a machine that was to paint.
+    """Last message of a run.
 
-    why: None where it has painted all, "" where somebody stopped it, else what was wrong.
-    lifted: whether the pen is, as far as is known.
+    why: None where all is painted, "" where somebody stopped it, else what went wrong.
+    lifted: whether the pen is lifted, as far as is known.
     """
 
     why: str | None

@@ -1,4 +1,4 @@
-"""Whoever sits before the studio's page, as the machine sees them, in the process that drives it."""
+"""Operator at the studio's page, in the process that drives the machine."""
 
 import threading
 import time
@@ -20,12 +20,12 @@ from maulstick.studio.workers.messages import PAINTING, PLANNING, Asking, Going,
 from maulstick.studio.workers.planned_paints import called
 from maulstick.studio.workers.process import Line
 
-_GLANCE = 0.05  # seconds between two looks at what they want
-_SHOW = 0.25  # seconds between two words about where painting is
+_GLANCE = 0.05  # seconds between two checks for an answer or a stop
+_SHOW = 0.25  # seconds between two messages about progress
 _PHOTOGRAPH = 1.0  # seconds between two pictures of a simulated sheet
-_LONGEST_PX = 1280
-_CARE = {"rinse": "rinsing the brush", "wipe": "wiping the brush", "dip": "taking up paint"}
-_MOVING = {PAINTING, *_CARE.values()}
+_LONGEST_PX = 1280  # longest side of a picture that is sent to the page
+_TRAY_VISITS = {"rinse": "rinsing the brush", "wipe": "wiping the brush", "dip": "taking up paint"}
+_MOVING = {PAINTING, *_TRAY_VISITS.values()}
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class _Moment:
 
 @final
 class PageOperator(Operator):
-    """Says over the line what they are to see, and hears what they want.
+    """Operator who sees and answers on the page, over the line to the studio.
 
-    painted: strokes that are there already.
+    painted: number of strokes that are painted already.
     """
 
     def __init__(self, line: Line, setup: PaintSetup, painted: int) -> None:
@@ -60,7 +60,7 @@ class PageOperator(Operator):
     @contextmanager
     def on_duty(self) -> Iterator[None]:
         """As in `Operator`."""
-        if self.stopped:  # while the machine was connected, which forgets that
+        if self.stopped:  # while the machine was connecting, which clears the robot's own stop
             raise StoppedError
         over = threading.Event()
         showing = threading.Thread(target=self._keep_showing, args=(over,), daemon=True)
@@ -79,7 +79,7 @@ class PageOperator(Operator):
                 self._stroke += 1
                 doing = PAINTING
             case TrayVisit(what=what):
-                doing = _CARE[what]
+                doing = _TRAY_VISITS[what]
             case Prompt():
                 doing = "waiting for you"
             case None:
@@ -96,7 +96,7 @@ class PageOperator(Operator):
     def ask(self, action: Prompt) -> None:
         """As in `Operator`."""
         self._question += 1
-        self._done.clear()  # after that, so that an answer to an earlier one is none to this
+        self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
         message = action.message.replace(f"the paint {paint.label}", called(paint, action.paint))
         self._line.say(Asking(self._question, message))
@@ -109,7 +109,7 @@ class PageOperator(Operator):
         self._line.say(Note(sentence))
 
     def show(self, photograph: Path) -> None:
-        """As in `Operator`; what comes next is the plan."""
+        """As in `Operator`; planning comes next."""
         self.leave(photograph)
         self._strokes = None  # it may leave some out
         if (moment := self._moment) is not None:
@@ -130,12 +130,12 @@ class PageOperator(Operator):
         return wanted
 
     def confirm(self, question: int) -> None:
-        """They have done what they were asked for in that question; it may be an earlier one than this."""
+        """Note that the request of that number is done; one of an earlier number is ignored."""
         if question == self._question:
             self._done.set()
 
     def look_after_this_stroke(self) -> None:
-        """They want the camera to look now."""
+        """Note that the camera is wanted after this stroke."""
         self._wants_a_look = True
 
     def _keep_showing(self, over: threading.Event) -> None:

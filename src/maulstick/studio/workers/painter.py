@@ -1,6 +1,6 @@
-"""The process of a run, which holds the machine, the journal and the camera: what it hears and what it says.
+"""Process of a run, which has the machine, the journal and the camera.
 
-It stops the machine, lifts the pen and ends by itself once the studio is gone, however that went.
+It stops the machine, lifts the pen and ends by itself once the studio is gone, even if the studio was killed.
 """
 
 import os
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
     from maulstick.jobs.paint.setup import PaintSetup
     from maulstick.studio.workers.page_operator import PageOperator
 
-_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once nobody is there
+_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once the studio is gone
 
 
 def rehearse_in_process(line: Line, request: "PaintRequest") -> None:
-    """Say the `Estimate` of a run."""
+    """Check a run, and send its `Estimate`."""
     from maulstick.jobs.paint.session import rehearse
 
     line.say(rehearse(request))
 
 
 def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | None) -> None:
-    """Paint. unfinished: whether the stroke that was under the brush is on the paper, where somebody has said so."""
-    ear = _Ear()
-    line.heard_by(ear.hear, ear.stay_alone)
+    """Paint. unfinished: whether the stroke that was interrupted is on the paper, or None where nobody has said."""
+    commands = _Commands()
+    line.heard_by(commands.hear, commands.stay_alone)
     from maulstick.jobs.paint import session
     from maulstick.studio.workers.page_operator import PageOperator
 
@@ -46,35 +46,35 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
         operator = PageOperator(line, setup, len(painted))
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, operator.interrupt)
-        ear.belong_to(operator)
+        commands.belong_to(operator)
         return operator
 
     try:
         session.paint(request, is_painted, operator_for)
     except (MaulstickError, KeyboardInterrupt) as error:
-        if ear.operator is None:
+        if commands.operator is None:
             raise
-        why = said(error) if isinstance(error, MaulstickError) and not ear.operator.stopped else ""
-        line.say(Ended(why, ear.operator.robot.lifted))
+        why = said(error) if isinstance(error, MaulstickError) and not commands.operator.stopped else ""
+        line.say(Ended(why, commands.operator.robot.lifted))
     else:
         line.say(Ended(None, True))
 
 
-class _Ear:
-    """What is heard, in its own thread, before there is a person whom it can be brought to, and then."""
+class _Commands:
+    """Receiver of the studio's commands, in a thread of its own; a stop is remembered until there is an operator."""
 
     def __init__(self) -> None:
         self.operator: PageOperator | None = None
         self._is_to_stop = False
 
     def belong_to(self, operator: "PageOperator") -> None:
-        """From now on bring it to them."""
+        """Pass commands to this operator from now on, and a stop that came before."""
         self.operator = operator
         if self._is_to_stop:
             operator.stop()
 
     def hear(self, word: object) -> None:
-        """A wish."""
+        """Pass a message of the studio on."""
         if word is Command.STOP:
             self._is_to_stop = True
         if self.operator is None:
@@ -92,7 +92,7 @@ class _Ear:
                 self.operator.confirm(question)
 
     def stay_alone(self) -> None:
-        """Nobody is there any more."""
+        """Stop, and end the process once the pen had time to lift: the studio is gone."""
         self.hear(Command.STOP)
         time.sleep(_LONGEST_FAREWELL)
         os._exit(1)
@@ -100,5 +100,5 @@ class _Ear:
 
 def _stop(operator: "PageOperator") -> None:
     operator.stop()
-    if operator.resting:  # else a signal would disturb what lifts the pen
+    if operator.resting:  # otherwise a signal would interrupt the lifting of the pen
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)

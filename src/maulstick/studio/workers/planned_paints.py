@@ -1,4 +1,4 @@
-"""The paints of a plan, as they are read at the desk: a painting may be large."""
+"""Paints of a plan, read at the desk since a painting may be large."""
 
 from dataclasses import dataclass
 from itertools import groupby
@@ -11,12 +11,12 @@ from maulstick.robot.tray import read_tray
 
 @dataclass(frozen=True)
 class PlannedPaint:
-    """A paint as a plan uses it.
+    """Paint as a plan uses it.
 
-    number: from 1, as in the plan's palette.  called: as people know it.
-    metres: that it draws, in so many strokes.
-    place: among the paints in the order in which they first come, from 1; 0 where none of its strokes is left.
-    times: that it is taken up.  well: where it is in the tray, if there is a tray with a well for it.
+    number: in the plan's palette, from 1.  called: its name for people.
+    metres: length of all its strokes.  strokes: their number.
+    place: among the paints in the order of their first use, from 1; 0 where no stroke has it.
+    times: number of times that it is taken up.  well: its place in the tray (x, y), metres, or None.
     """
 
     number: int
@@ -32,17 +32,17 @@ class PlannedPaint:
 
     @property
     def hex(self) -> str:
-        """The colour as ``#rrggbb``."""
+        """Colour as ``#rrggbb``."""
         return hex_colour(self.colour)
 
 
 def called(paint: Paint, index: int) -> str:
-    """What people know a paint by: its name, or its number in the palette, from 1, and what its colour looks like."""
+    """Name of a paint for people: its own, or its number in the palette, from 1, and a word for its colour."""
     return paint.name if paint.name is not None else f"paint {index + 1} ({colour_word(paint.colour)})"
 
 
 def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ...]:
-    """The paints of the painting at `path`, in the wells of the tray.
+    """Read the paints of the painting at `path`, with their wells in the tray.
 
     tray_path: of the tray's file, if there is a tray. Raises InputError where one of the files cannot be read.
     """

@@ -1,4 +1,4 @@
-"""Work in processes of its own: it says what becomes of it, and hears what is wanted of it."""
+"""Work in processes of its own, which exchange messages with the studio."""
 
 import asyncio
 import os
@@ -19,26 +19,26 @@ from maulstick.errors import MaulstickError
 from maulstick.studio.wording import said
 
 _SPAWN = get_context("spawn")
-_OF_THE_TERMINAL = {signal.SIGINT}  # which tells all of its processes; the studio tells its own
+_OF_THE_TERMINAL = {signal.SIGINT}  # Ctrl-C reaches every process of a terminal; here the studio alone acts on it
 
 
 @dataclass(frozen=True)
 class Failed:
-    """The last word of work that could not be done: why, in a sentence for people."""
+    """Last message of work that failed. why: a sentence for people."""
 
     why: str
 
 
 @final
 class Line:
-    """The end of the line that the work has."""
+    """Connection of the work to the studio."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._saying = threading.Lock()
 
     def say(self, word: object) -> None:
-        """Let the studio know; from any thread. Nobody need listen any more."""
+        """Send a message to the studio, from any thread; it is lost where the studio is gone."""
         with self._saying:
             try:
                 self._connection.send(word)
@@ -46,7 +46,7 @@ class Line:
                 return
 
     def hear(self) -> Iterator[object]:
-        """Each word of the studio, as it comes; ends once the studio is gone, killed or not."""
+        """Yield each message of the studio, as it comes; end once the studio is gone, killed or not."""
         try:
             while True:
                 yield self._connection.recv()
@@ -54,7 +54,7 @@ class Line:
             return
 
     def heard_by(self, hear: Callable[[object], None], alone: Callable[[], None]) -> None:
-        """From now on each word is heard in a thread of its own, and once the studio is gone `alone` is called."""
+        """Call `hear` with each message from now on, in a thread of its own, and `alone` once the studio is gone."""
 
         def listen() -> None:
             for word in self.hear():
@@ -66,11 +66,11 @@ class Line:
 
 @final
 class Process:
-    """The studio's end. Made in its event loop, in which `hear` and `ended` are called.
+    """Process of some work, as the studio has it. Made in its event loop, in which `hear` and `ended` are called.
 
     work: a function of a module, called with a `Line` and the arguments.
-    hear: is told each word of the work.  ended: is called once, when the process is over.
-    niceness: how much the work gives way to everything else on the machine.
+    hear: called with each message of the work.  ended: called once, when the process is over.
+    niceness: of the process, as for ``nice``.
     """
 
     def __init__(
@@ -95,15 +95,15 @@ class Process:
         threading.Thread(target=self._listen, args=(hear, ended), daemon=True).start()
 
     def tell(self, word: object) -> None:
-        """Let the work know, which may not listen yet, or be over."""
+        """Send a message to the work, which may not listen yet, or be over."""
         self._words.put(ForkingPickler.dumps(word))
 
     def kill(self) -> None:
-        """End it at once, whatever it does."""
+        """Kill the process at once."""
         self._process.kill()
 
     def join(self, seconds: float) -> bool:
-        """Wait so long for its end; whether it has come."""
+        """Wait for the end of the process, at most so many seconds; return whether it has ended."""
         self._process.join(seconds)
         return not self._process.is_alive()
 
@@ -129,7 +129,7 @@ class Process:
     def _call(self, function: Callable[..., None], *arguments: object) -> None:
         try:
             self._loop.call_soon_threadsafe(function, *arguments)
-        except RuntimeError:  # the studio is closing, and nobody wants to know
+        except RuntimeError:  # the studio is closing
             return
 
 

@@ -1,29 +1,28 @@
-"""What the desk does for the styles: their sheets, their maps, and how they differ."""
+"""Tasks of the desk with styles: their sheets, their maps, and their differences."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.storage.files import atomic_write
 
-_PX = 1024
+_PX = 1024  # height of a sheet
 
 
 @dataclass(frozen=True)
 class Map:
-    """N strokes of the hands of some styles, and where they lie.
+    """Map of N strokes of the hands of some styles.
 
-    names: of the styles.  whose: (N,), the number of its style.  places, glyphs: see `maulstick.plots.latent_map`.
-    paths: (N, 32, 2), metres, standardised.  lengths: (N,), metres.  speeds: (N,), metres a second, the median along
-    the stroke.  pressure: (N,), in [0, 1], the mean.  Speeds and pressure are NaN where nobody knows.
-    strokes: of all hands     together, of which those on the map are some.
+    names: of the styles.  whose: (N,), index of the style.  places, glyphs: see `maulstick.plots.latent_map`.
+    paths: (N, 32, 2), metres, standardised.  lengths: (N,), metres.  speeds: (N,), metres per second, the median along
+    the stroke.  pressure: (N,), in [0, 1], the mean.  Speeds and pressure are NaN where they were not recorded.
+    strokes: number of strokes of all hands together, of which the map may show a part.
     """
 
     names: tuple[str, ...]
-    whose: NDArray[np.int64]
+    whose: Ints
     places: Floats
     glyphs: Floats
     paths: Floats
@@ -35,11 +34,11 @@ class Map:
 
 @dataclass(frozen=True)
 class Difference:
-    """Between the strokes of two styles' hands.
+    """Difference between the strokes of two styles' hands.
 
-    distance: 0 for two parts of one hand, 1 as two people differ on average.
-    accuracy: how many of the strokes give away whose they are, in [0, 1]; half of them would by chance.
-    words: what the second hand's do beside the first's.  shared: how many strokes are both hands', in [0, 1].
+    distance: about 0 for two parts of one hand, 1 for two people on average.
+    accuracy: share of the strokes that a classifier gives to the right hand, in [0, 1]; 0.5 by guessing.
+    words: how the second hand's strokes differ from the first's.  shared: share of strokes that both have, in [0, 1].
     """
 
     first: str
@@ -51,11 +50,11 @@ class Difference:
 
 
 _TWO_PEOPLE = 1.8
-"""The energy distance of two people's strokes on average, as it was measured (design §5)."""
+"""Energy distance between the strokes of two people on average, by which `Difference.distance` is scaled."""
 
 
 def draw_sheet(style: Path, sheet: Path) -> None:
-    """Draw the sheet of the style whose JSON that is, unless it is there already."""
+    """Draw the sheet of a style, given by its JSON file, unless it is drawn already."""
     from maulstick.plots.style import style_plot  # these load torch
     from maulstick.style.store import read_style
 
@@ -65,23 +64,23 @@ def draw_sheet(style: Path, sheet: Path) -> None:
 
 
 def map_of(styles: dict[str, Path]) -> Map:
-    """Where the strokes of the styles' hands lie. styles: by name, their JSON."""
+    """Map the strokes of the styles' hands. styles: their JSON files by name."""
     from maulstick.plots.latent_map import places_of  # these load torch
     from maulstick.strokes.strokes import path_lengths
     from maulstick.style.store import read_style
 
     read = [read_style(path) for path in styles.values()]
-    at = places_of(read)
-    which = list(zip(at.whose, at.rows, strict=True))
+    found = places_of(read)
+    which = list(zip(found.whose, found.rows, strict=True))
     paths, pressure, speeds = (
         np.stack([getattr(read[style].hand, field)[row] for style, row in which])
         for field in ("paths", "pressure", "speeds")
     )
     return Map(
         tuple(styles),
-        at.whose,
-        at.places,
-        at.glyphs,
+        found.whose,
+        found.places,
+        found.glyphs,
         paths,
         path_lengths(paths),
         np.median(speeds, axis=1),
@@ -91,7 +90,7 @@ def map_of(styles: dict[str, Path]) -> Map:
 
 
 def differences_of(styles: dict[str, Path]) -> tuple[Difference, ...]:
-    """Of each pair of the styles. styles: by name, their JSON."""
+    """Compare each pair of the styles. styles: their JSON files by name."""
     from maulstick.style.compare import Comparison  # these load torch
     from maulstick.style.store import read_style
 

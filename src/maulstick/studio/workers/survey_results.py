@@ -1,4 +1,4 @@
-"""What came out of a survey, as it is worked out at the desk: its statistics take a moment."""
+"""Results of a survey, computed at the desk since its statistics take a moment."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,8 +8,8 @@ from maulstick.survey.results import Results, Rows, opinions_rows, results, righ
 
 
 @dataclass(frozen=True)
-class Told:
-    """What came out of a survey. right, opinions: tables for people, of what was asked."""
+class SurveyReport:
+    """Results of a survey. right, opinions: tables for people; None where the survey has no such questionnaire."""
 
     title: str
     results: Results
@@ -17,10 +17,10 @@ class Told:
     opinions: Rows | None
 
 
-def told(folder: Path) -> Told:
-    """What the participants of the survey in a folder said. Raises InputError where there is none."""
+def survey_report(folder: Path) -> SurveyReport:
+    """Compute the results so far of the survey in a folder. Raises InputError where there is none."""
     found = results(folder)
-    return Told(
+    return SurveyReport(
         title=read_survey(folder).title,
         results=found,
         right=None if found.matching is None else right_rows(found.matching),

@@ -1,4 +1,4 @@
-"""Files that people brought, read under the names that they know them by."""
+"""Uploaded files, called in errors by the names that people know."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,14 +9,14 @@ from typing import TypeVar
 from maulstick.errors import MaulstickError
 
 LARGEST = 64 * 2**20
-"""Bytes of one upload."""
+"""Largest upload, bytes."""
 
 Content = TypeVar("Content")
 
 
 @contextmanager
 def known_as(path: Path, called: str) -> Iterator[None]:
-    """While it lasts an error calls the file at `path` what people call it."""
+    """Replace the path in errors that are raised inside by the name that people know the file by."""
     try:
         yield
     except MaulstickError as error:
@@ -24,7 +24,7 @@ def known_as(path: Path, called: str) -> Iterator[None]:
 
 
 def read_brought(content: bytes, read: Callable[[Path], Content], called: str) -> Content:
-    """What `read` makes of a file with this content; raises as it does, with the file `called` so."""
+    """Read this content as `read` reads a file. called: name of the file in errors. Raises what `read` raises."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "brought"
         path.write_bytes(content)

@@ -1,1 +1,1 @@
-"""The panel Draw."""
+"""Panel Draw."""

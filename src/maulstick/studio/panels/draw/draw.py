@@ -1,4 +1,4 @@
-"""The panel to draw a hand on: the sheet, its tools, and the style that is learned from it."""
+"""Panel to draw a hand: the sheet, its tools, and learning a style from it."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,11 +15,11 @@ from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import said
 
 _STYLE = Path(__file__).with_name("draw.css")
-_GOOD = 20  # strokes
+_GOOD = 20  # strokes that the page recommends for a style
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: nothing is asked of it."""
+    """Build the panel. query: not used."""
     ui.add_css(_STYLE)
     html.h1("Draw a hand")
     html.p(
@@ -32,7 +32,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 
 class _Sheet:
-    """The sheet, with what can be done to it on its left, and what can be done with it on its right."""
+    """Sheet, with the tools on its left, and the style to be learned on its right."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client
@@ -85,7 +85,7 @@ class _Sheet:
             self._name.set_value(drawing.name)
 
     def _complain(self, refusal: str) -> None:
-        """Say beside the sheet why something was refused here just now, and what is wrong for all; "" is nothing."""
+        """Show next to the sheet why something was refused on this page, and what is wrong on all; "" for nothing."""
         self._refusal = refusal
         troubles = [each for each in (refusal, self._drawing.trouble) if each]
         self._trouble.set_text("\n".join(dict.fromkeys(troubles)))

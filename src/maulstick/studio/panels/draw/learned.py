@@ -1,4 +1,4 @@
-"""From a hand to a style, which is shown at once."""
+"""Learning a style from a hand, and showing it."""
 
 from nicegui import Client, html, ui
 
@@ -9,7 +9,7 @@ from maulstick.style.cards import STYLES
 
 
 async def learn_hand(studio: Studio, name: str, client: Client) -> None:
-    """Learn the style of a hand's name from it, in place of one's own of that name, and show it to a client.
+    """Learn a style with the hand's name, which replaces the user's style of that name, and show it to a client.
 
     Raises InputError where the hand has too few strokes, or its name belongs to a style that comes with Maulstick.
     """
@@ -18,7 +18,7 @@ async def learn_hand(studio: Studio, name: str, client: Client) -> None:
     if old is not None and STYLES.is_built_in(old):
         raise InputError(f"a style that comes with Maulstick is called {name}; give this hand another name")
     replaces = await styles.renew(name, lambda: studio.drawing.hands.learn(name, name))
-    with client.layout:  # where the button was, there may be something else by now
+    with client.layout:  # the page may show another panel by now
         _show(name, f"/sheet/{(await styles.sheet(name)).name}", replaces=replaces)
 
 

@@ -1,4 +1,4 @@
-"""The hands that were drawn or uploaded before, and a place to bring more."""
+"""Hands that were drawn or uploaded before, and a button to bring more."""
 
 from pathlib import Path
 
@@ -13,18 +13,18 @@ from maulstick.studio.widgets.uploading import incoming, upload_button
 from maulstick.studio.wording import said
 from maulstick.studio.workers.hand_work import PICTURE, HandCard
 
-_KINDS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"
+_ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"
 
 
 class OtherHands:
-    """All but the one on the sheet."""
+    """All hands but the one on the sheet."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client
         with html.section().classes("hands"):
             html.h2("Other hands")
             with ui.element().classes("line"):
-                self._bring = upload_button("Bring a recording", _KINDS, self._take_in)
+                self._bring = upload_button("Bring a recording", _ENDINGS, self._take_in)
                 self._pen = (
                     ui.number("Length of its pen, mm", min=0, max=2000)
                     .props("outlined dense clearable")
@@ -56,7 +56,7 @@ class OtherHands:
                 picture = html.img(src=f"/picture/hands/{name}/{PICTURE}?{drawn}", alt=f"What {name} drew")
                 picture.classes("picture").props("loading=lazy")
             ui.label(name).classes("name")
-            ui.label("not read yet" if card is None else _told(card)).classes("hint")
+            ui.label("not read yet" if card is None else _summary(card)).classes("hint")
             trouble = _trouble()
             with ui.element().classes("line"):
                 if hands.is_drawn(name):
@@ -77,8 +77,8 @@ class OtherHands:
             button.props(remove="loading")
 
     async def _throw_away(self, name: str) -> None:
-        grave = await self._drawing.throw_away(name)
-        offer_undo(self._client, f"{name} is in the trash.", lambda: self._drawing.hands.take_back(grave))
+        trashed = await self._drawing.throw_away(name)
+        offer_undo(self._client, f"{name} is in the trash.", lambda: self._drawing.hands.take_back(trashed))
 
     async def _take_in(self, upload: events.UploadEventArguments) -> None:
         called = Path(upload.file.name).name
@@ -99,6 +99,6 @@ def _trouble() -> ui.label:
     return ui.label().classes("trouble").props('role="alert"')
 
 
-def _told(card: HandCard) -> str:
+def _summary(card: HandCard) -> str:
     count = f"{card.strokes} stroke{'' if card.strokes == 1 else 's'}"
     return f"{count}, {'with' if card.pressed else 'without'} pressure"

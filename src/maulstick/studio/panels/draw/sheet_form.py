@@ -1,4 +1,4 @@
-"""The question which sheet to take next."""
+"""Dialog that asks for the size of a new sheet."""
 
 from nicegui import html, ui
 
@@ -18,7 +18,7 @@ _SHEETS = {
 
 
 def choose_sheet(drawing: Drawing) -> None:
-    """Ask for a size, and put a new sheet of it before all."""
+    """Ask for a size, and begin a new sheet of that size on all pages."""
     with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks"):
         dialog.props('aria-label="A new sheet"').on("hide", dialog.delete)
         html.h2("A new sheet")

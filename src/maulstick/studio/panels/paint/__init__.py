@@ -1,1 +1,1 @@
-"""The panel Paint."""
+"""Panel Paint."""

@@ -1,4 +1,4 @@
-"""What a person asks of the machine, on the page where it paints."""
+"""Form for the options of a run: machine, speed, sheet, tray and camera."""
 
 import asyncio
 from collections.abc import Callable
@@ -13,22 +13,22 @@ from maulstick.studio.widgets.uploading import upload_button
 from maulstick.studio.wording import MACHINES
 
 SHORT_MENU = "outlined popup-content-class=short-menu"
-"""Of a select: its menu opens downwards, and not up under the frame."""
+"""Properties of a select whose menu opens downwards, and not up under the frame."""
 
 _AT_A_PORT = ("grbl", "axidraw")
 _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
 _EASEL_S_OWN = "easel"
-_LARGEST_EASEL = 2**16  # bytes
+_LARGEST_EASEL = 2**16  # bytes; an easel file has a few hundred
 _SLOWEST, _FASTEST = 0.1, 10_000  # mm/s: no limit, where the machine has one of its own, as all have
-_MOST_STROKES = 100_000
-_LONGEST_ADDRESS = 253
+_MOST_STROKES = 100_000  # between two looks; more than any painting has
+_LONGEST_ADDRESS = 253  # letters, as of a host name
 
 
 class OptionsForm:
-    """What fits the machine that is chosen is shown, and nothing else.
+    """Form that shows only the fields that fit the chosen machine.
 
-    first: where the machine is asked for.  later: where the finer points are.
-    touched: is called once a person has asked for something else.
+    first: place of the fields of the machine.  later: place of the finer options.
+    touched: called after a person has changed a field.
     """
 
     def __init__(self, studio: Studio, first: ui.element, later: ui.element, touched: Callable[[], None]) -> None:
@@ -65,19 +65,19 @@ class OptionsForm:
         self.fit()
 
     async def offer_ports(self) -> None:
-        """Let the serial ports be chosen that there are."""
+        """List the serial ports of this computer in the form."""
         ports = await asyncio.to_thread(_ports)
         if not self._port.is_deleted:
             self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
 
     def dip(self, dips: bool) -> None:
-        """Whether the brush is to be dipped, for a plan that nothing was asked for yet."""
+        """Set whether the brush is dipped into the tray, for a plan that has no options yet."""
         self._tray_file = self._studio.folder.root / "tray.json"
         self._tray.value = dips
         self.fit()
 
     def fill(self, options: PaintOptions) -> None:
-        """Show what was asked before."""
+        """Show the options of an earlier run."""
         self._tray_file = options.tray or self._studio.folder.root / "tray.json"
         self._tray.value = options.tray is not None
         kind, _, address = options.machine.partition(":")
@@ -94,16 +94,16 @@ class OptionsForm:
         self._every.value = options.replan or 0
 
     def options(self, picture: Path | None) -> PaintOptions:
-        """All that is asked now, and where something is not, None. picture: that the plan is of.
+        """Return the options as filled in. picture: that the plan is of, None where it is of none.
 
-        Raises InputError for what cannot be asked.
+        Raises InputError for options that are invalid or do not fit each other.
         """
         looks, every = bool(self._camera.value), _whole(self._every.value)
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
         return PaintOptions(
-            robot=self._word(),
+            robot=self._machine_spec(),
             easel=(self._easel_files.get(easel) or self._studio.run.easels.path(easel)) if easel else None,
             tray=self._tray_file if self._tray.visible and self._tray.value else None,
             speed=1e-3 * _speed(self._speed.value),
@@ -113,8 +113,8 @@ class OptionsForm:
             picture=picture if looks else None,
         )
 
-    def _word(self) -> str:
-        """The machine's."""
+    def _machine_spec(self) -> str:
+        """Return the machine with its address, as for ``--robot``. Raises InputError where the address is missing."""
         kind = str(self._machine.value)
         if kind.startswith("sim"):
             return kind
@@ -129,7 +129,7 @@ class OptionsForm:
         return f"{kind}:{address}"
 
     def fit(self) -> None:
-        """Show what belongs to the machine, and to the tray if there is one."""
+        """Show the fields that fit the machine, and the switch for the tray if there is one."""
         kind = str(self._machine.value)
         simulated = kind.startswith("sim")
         self._port.visible = kind in _AT_A_PORT
@@ -142,7 +142,7 @@ class OptionsForm:
         self._every.visible = bool(self._camera.value)
 
     def _easel_of(self, path: Path) -> str:
-        """What it is called here; one of the command line by its path."""
+        """Return an easel's name in the studio, or its path where it comes from the command line."""
         easels = self._studio.run.easels
         if path.stem in easels.names() and easels.path(path.stem).absolute() == path:
             return path.stem
@@ -169,7 +169,7 @@ def _ports() -> list[str]:
 
 
 def _speed(value: float | None) -> float:
-    """Millimetres a second."""
+    """Check the speed, millimetres per second; None is no limit. Raises InputError for a speed out of range."""
     if value is None:
         return _FASTEST
     if not _SLOWEST <= value <= _FASTEST:

@@ -1,4 +1,4 @@
-"""How far a machine is: its sheet beside the plan, what it does, what it wants, and what can be told to it."""
+"""Progress of a machine: its sheet next to the plan, what it does and needs, and buttons to control it."""
 
 from math import ceil
 
@@ -14,7 +14,7 @@ from maulstick.studio.workers.planned_paints import PlannedPaint
 
 
 class Controls:
-    """While it paints: progress, the next paint, the question, and pause."""
+    """Controls while a machine paints: progress, the next paint, its request, and pause."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._run = studio, studio.run
@@ -43,7 +43,7 @@ class Controls:
                 self._look.props("outline")
 
     def show(self) -> None:
-        """As the run stands."""
+        """Show the state of the run."""
         state, going = self._run.state, self._run.state.going
         if not state.is_on:
             self._show_answer(None)
@@ -67,7 +67,7 @@ class Controls:
             background_tasks.create(self._learn_paints(state.plan), context=self.root)
 
     def _show_answer(self, question: int | None) -> None:
-        """A button for each question: a click on that of an earlier one, which comes late, is no answer to this."""
+        """Make a new button for each request, so that a late click for an earlier one does not answer this one."""
         if question == self._asked_for:
             return
         self._asked_for = question
@@ -93,7 +93,7 @@ class Controls:
 
 
 class Sheets:
-    """The plan beside the sheet as it was last seen, and how a check or a run came out."""
+    """Pictures of the plan and of the sheet as it was last seen, and the outcome of a check or a run."""
 
     def __init__(self, studio: Studio) -> None:
         self._run, self._folder = studio.run, studio.folder
@@ -113,12 +113,12 @@ class Sheets:
         self._past: State | None = None
 
     def forget_outcome(self) -> None:
-        """It is of something else than what is asked for now."""
+        """Hide the outcome: the form has changed since."""
         self._past = self._run.state
         self._show_outcome()
 
     def show(self, plan: str) -> None:
-        """The plan, and what is known of its sheet."""
+        """Show the plan, and the last picture of its sheet."""
         state = self._run.state
         self._show_outcome()
         self._pair.visible = bool(plan)
@@ -144,7 +144,7 @@ class Sheets:
         self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
 
     def _left_of(self, plan: str) -> str:
-        """Where the picture is that an earlier run left of its sheet, if it did and none is on."""
+        """Return the address of the picture of the sheet after an earlier run; "" where there is none, or one is on."""
         path = self._folder.of("plans", plan) / "painting-painted.png"
         if self._run.state.is_on or not path.is_file():
             return ""
@@ -176,7 +176,7 @@ def _doing(state: State) -> str:
 
 def _metrics(state: State) -> str:
     if (going := state.going) is None:
-        return "" if state.estimate is None else _in_words(state.estimate)
+        return "" if state.estimate is None else _summary(state.estimate)
     if going.metres < 1:
         return f"{1e3 * going.drawn:.0f} of {_length(going.metres)} · {_left(going.left)}"
     return f"{going.drawn:.1f} m of {_length(going.metres)} · {_left(going.left)}"
@@ -196,11 +196,11 @@ def _outcome(state: State) -> str:
     if state.phase != "ended":
         return ""
     if state.estimate is not None and state.estimate.strokes and state.going is None and not state.fault:
-        return f"{state.sentence} {_in_words(state.estimate)}"
+        return f"{state.sentence} {_summary(state.estimate)}"
     return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
 
 
-def _in_words(estimate: Estimate) -> str:
+def _summary(estimate: Estimate) -> str:
     paints = "1 paint" if estimate.paints == 1 else f"{estimate.paints} paints"
     strokes = "1 stroke" if estimate.strokes == 1 else f"{estimate.strokes} strokes"
     time = f"about {max(1, ceil(estimate.seconds / 60))} min"

@@ -1,4 +1,4 @@
-"""The panel where a machine paints: what it is to do, and what there is before it does."""
+"""Panel where a machine paints: its options, the start, and the progress."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ _STYLE = Path(__file__).with_name("paint.css")
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: `plan` is the one that is chosen first."""
+    """Build the panel. query: `plan` is chosen first."""
     ui.add_css(_STYLE)
     html.h1("Let a machine paint")
     html.p("Choose a plan and a machine, check, and start. STOP or the Esc key lifts the pen at once.").classes("hint")
@@ -42,13 +42,13 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 
 class _Setting:
-    """What is to be painted on what, and the buttons that begin it.
+    """Choice of the plan and the machine, and the buttons that start it.
 
-    on_choice: called when another plan is chosen.  on_touch: when a person asks for anything else than before.
+    on_choice: called after another plan was chosen.  on_touch: called after a person has changed anything.
     """
 
     def __init__(self, studio: Studio, plan: str) -> None:
-        self._touches = 0  # by a person, of the form
+        self._touches = 0  # number of changes that a person made in the form
         self._studio, self._run = studio, studio.run
         self._status: PaintStatus | None = None
         self._unfilled = True
@@ -98,11 +98,11 @@ class _Setting:
 
     @property
     def plan(self) -> str:
-        """The one that is chosen; none where there is none."""
+        """Name of the chosen plan, or ""."""
         return str(self._plan.value or "")
 
     def show(self) -> None:
-        """As the run stands."""
+        """Show the state of the run."""
         busy = self._run.is_busy
         if self._was_busy and not busy:
             self._follow()
@@ -124,7 +124,7 @@ class _Setting:
         background_tasks.create(self._look_up(self.plan), context=self.root)
 
     async def _look_up(self, plan: str) -> None:
-        """Find out how far the plan is, and what it lacks."""
+        """Find out how much of the plan is painted, and which paints are not mixed yet."""
         if not plan:
             return
         status, fault, missing, paints = None, "", list[PlannedPaint](), 0
@@ -138,14 +138,14 @@ class _Setting:
             return
         is_other = status is not None and (self._status is None or status.options != self._status.options)
         if status != self._status:
-            self._answer.value = None  # it was about another stroke
+            self._answer.value = None  # the answer was about another stroke
         self._status = status
         if status is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
             self._form.fill(status.options)
         elif status is None and self._unfilled:
             self._form.dip(paints > 1)  # the one pen is in the holder
         self._unfilled = self._unfilled and bool(fault)
-        self._begun.text = fault or _begun(status)
+        self._begun.text = fault or _begun_text(status)
         self._mix.text = _to_be_mixed(len(missing), paints)
         self._mix.props["href"] = f"/paints?plan={plan}"
         self._show_buttons()
@@ -166,32 +166,32 @@ class _Setting:
         for button in (self._check, self._start, self._restart, self._resume):
             button.enabled = not self._run.is_busy
 
-    def _asked(self) -> tuple[str, PaintOptions]:
+    def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
         return self.plan, self._form.options(None if known is None else known.asked.picture)
 
     def _rehearse(self) -> None:
-        self._run.check(*self._asked(), resume=self._status is not None and not self._status.is_over)
+        self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)
 
     async def _begin(self) -> None:
-        await self._run.begin(*self._asked())
+        await self._run.begin(*self._filled_in())
 
     def _ask_for_a_new_sheet(self) -> None:
-        self._asked()  # before anybody is asked about the sheet
+        self._filled_in()  # first, so that its errors come before the question
         self._new_sheet.open()
 
     async def _begin_anew(self) -> None:
         self._new_sheet.close()
-        await self._run.begin(*self._asked(), restart=True)
+        await self._run.begin(*self._filled_in(), restart=True)
 
     async def _go_on(self) -> None:
         answer = self._answer.value
         if self._question.visible and answer is None:
             raise InputError("say first whether the stroke is on the paper: look at the sheet")
-        await self._run.resume(*self._asked(), answer if self._question.visible else None)
+        await self._run.resume(*self._filled_in(), answer if self._question.visible else None)
 
 
-def _begun(status: PaintStatus | None) -> str:
+def _begun_text(status: PaintStatus | None) -> str:
     if status is None:
         return ""
     if status.is_over:

@@ -1,1 +1,1 @@
-"""The panel Paints."""
+"""Panel Paints."""

@@ -1,4 +1,4 @@
-"""The panel where paints are mixed: what a plan wants, how to mix it, and what is mixed already."""
+"""Panel where paints are mixed: the paints of a plan, their recipes, and which are mixed already."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ _STYLE = Path(__file__).with_name("paints.css")
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: `plan` is the one whose paints are shown first."""
+    """Build the panel. query: the paints of `plan` are shown first."""
     ui.add_css(_STYLE)
     html.h1("Mix the paints")
     html.p(
@@ -27,14 +27,14 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     ).classes("hint")
     with ui.element().classes("desk"):
         with ui.element().classes("wide"):
-            _Wanted(studio, query.get("plan", ""))
+            _Paints(studio, query.get("plan", ""))
         with ui.element().classes("side"):
             build_tubes(studio)
             build_tray(studio)
 
 
-class _Wanted:
-    """The paints of the plan that is chosen, a card each; a card stays as it is while others are ticked."""
+class _Paints:
+    """Paints of the chosen plan, one card per paint; a card stays in place while others are ticked."""
 
     def __init__(self, studio: Studio, plan: str) -> None:
         self._studio = studio
@@ -57,7 +57,7 @@ class _Wanted:
         shown_by(self._root, studio.mixing.changed, self._show)
 
     def _offer(self) -> None:
-        """Let the plans be chosen that there are."""
+        """List the plans that there are."""
         plans = self._studio.mixing.plans()
         value = self._plan.value if self._plan.value in plans else plans[0] if plans else None
         self._plan.set_options(plans, value=value)
@@ -131,14 +131,14 @@ class _Wanted:
 
 
 def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone: bool) -> ui.checkbox:
-    """A paint. alone: it is the only one, and most likely a pen's ink."""
+    """Build the card of a paint. alone: the paint is the only one, most likely the ink of a pen."""
     with html.article().classes("sheet paint").props(f'aria-label="Paint {paint.number}"'):
         swatch = html.div().classes("swatch").style(f"background: {paint.hex}")
         with swatch.props(f'role="img" aria-label="The colour {paint.hex}"'):
             html.span(str(paint.number)).classes("number")
         html.h2(paint.called[0].upper() + paint.called[1:])
-        html.p(f"{paint.hex} · {_used(paint)}").classes("figure hint")
-        html.p(_where(studio, paint)).classes("hint")
+        html.p(f"{paint.hex} · {_usage(paint)}").classes("figure hint")
+        html.p(_place(studio, paint)).classes("hint")
         if not alone:
             if paint.is_named and not studio.mixing.has_own_tubes:
                 html.p("As it is in its tube.")
@@ -147,7 +147,7 @@ def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone:
         text = "The pen is in the holder" if alone else "This one is mixed"
 
         async def tick(event: events.ValueChangeEventArguments[bool | None]) -> None:
-            if event.value != (paint.label in studio.mixing.mixed(plan)):  # a person did it, not `_Wanted`
+            if event.value != (paint.label in studio.mixing.mixed(plan)):  # a person did it, not `_Paints`
                 await studio.mixing.tick(plan, paint.label, bool(event.value))
 
         return ui.checkbox(text, on_change=tick).props("size=lg").classes("tick")
@@ -166,11 +166,11 @@ def _recipe(studio: Studio, paint: PlannedPaint, recipe: Recipe) -> None:
         for text, colour in (("wanted", paint.hex), ("this gives", given)):
             with html.div().style(f"background: {colour}; color: {_legible_on(colour)}"):
                 ui.label(text)
-    with ui.label(_judged(recipe)):
+    with ui.label(_verdict(recipe)):
         ui.tooltip(f"CIEDE2000 {recipe.error:.1f}")
 
 
-def _judged(recipe: Recipe) -> str:
+def _verdict(recipe: Recipe) -> str:
     match recipe.verdict:
         case "out of reach":
             return "Your tubes cannot reach it; the difference will be seen"
@@ -180,7 +180,7 @@ def _judged(recipe: Recipe) -> str:
             return f"{nearness.capitalize()} what is wanted"
 
 
-def _used(paint: PlannedPaint) -> str:
+def _usage(paint: PlannedPaint) -> str:
     if not paint.strokes:
         return "No stroke uses it; it need not be mixed."
     strokes = f"{paint.strokes} stroke{'' if paint.strokes == 1 else 's'}"
@@ -188,7 +188,7 @@ def _used(paint: PlannedPaint) -> str:
     return f"{paint.metres:.1f} m in {strokes} · comes {_ordinal(paint.place)}{again}"
 
 
-def _where(studio: Studio, paint: PlannedPaint) -> str:
+def _place(studio: Studio, paint: PlannedPaint) -> str:
     if paint.well is None:
         if studio.mixing.has_tray:
             return "The tray has no well for it yet; add one to the tray's file."

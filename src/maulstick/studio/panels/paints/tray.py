@@ -1,4 +1,4 @@
-"""The tray with wells of paint beside the sheet, where there is one."""
+"""Tray with wells of paint next to the sheet, where there is one."""
 
 from nicegui import events, html, ui
 
@@ -17,19 +17,19 @@ _ROW = {
     "clearance": ("Tip above everything: mm above the paper", 30.0),
     "reach": ("mm that one dip paints", 300.0),
 }
-"""The numbers of a row of wells: what they are called, and what they are at first, in millimetres."""
+"""Numbers of a row of wells: their labels and their defaults, millimetres."""
 
 
 def build_tray(studio: Studio) -> None:
-    """The tray, if paints stand in one, and ways to have one."""
+    """Build the part of the page that shows the tray, with buttons to set or remove one."""
 
     async def bring(event: events.UploadEventArguments) -> None:
         await studio.mixing.use_tray(await small_content(event, "tray"))
         ui.notify("The paints stand in this tray now.")
 
     def remove() -> None:
-        grave = studio.mixing.remove_tray()
-        offer_undo(said.client, "The tray is removed.", lambda: studio.mixing.take_back_tray(grave))
+        trashed = studio.mixing.remove_tray()
+        offer_undo(said.client, "The tray is removed.", lambda: studio.mixing.take_back_tray(trashed))
 
     with html.section().classes("sheet").props('aria-label="The tray"'):
         html.h2("The tray")
@@ -52,7 +52,7 @@ def build_tray(studio: Studio) -> None:
 
 
 def _lay(studio: Studio) -> None:
-    """Ask where a row of wells is."""
+    """Ask for the place of a row of wells, and set it."""
 
     async def keep() -> None:
         if plan.value is None:

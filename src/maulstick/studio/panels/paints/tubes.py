@@ -1,4 +1,4 @@
-"""The tubes that one has, which recipes are made from."""
+"""Tubes of paint that the user has, from which recipes are made."""
 
 from nicegui import events, html, ui
 
@@ -11,7 +11,7 @@ from maulstick.studio.widgets.uploading import small_content, upload_button
 
 
 def build_tubes(studio: Studio) -> None:
-    """The tubes, and a way to say which ones they are."""
+    """Build the part of the page that lists the tubes, with a button to change them."""
     with html.section().classes("sheet").props('aria-label="Your tubes"'):
         html.h2("Your tubes")
         said = ui.label().classes("hint")
@@ -36,7 +36,7 @@ def build_tubes(studio: Studio) -> None:
 
 
 def _change(studio: Studio) -> None:
-    """A small table of tubes; nothing is kept before one says so."""
+    """Ask for the tubes in a small table; nothing is stored before “Keep these”."""
     rows: list[tuple[ui.element, ui.input, ui.input]] = []
 
     def add(name: str, colour: str) -> None:
@@ -59,12 +59,12 @@ def _change(studio: Studio) -> None:
 
     async def keep() -> None:
         tubes = [(str(named.value or "").strip(), str(picked.value)) for _, named, picked in rows]
-        await studio.mixing.own(tubes_csv(tube for tube in tubes if tube[0]))
+        await studio.mixing.use_tubes(tubes_csv(tube for tube in tubes if tube[0]))
         dialog.close()
         ui.notify("These are your tubes now; the recipes follow.")
 
     async def bring(event: events.UploadEventArguments) -> None:
-        await studio.mixing.own(await small_content(event, "list of tubes"))
+        await studio.mixing.use_tubes(await small_content(event, "list of tubes"))
         dialog.close()
         ui.notify(f"{event.file.name} was read; the recipes follow.")
 

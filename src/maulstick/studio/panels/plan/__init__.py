@@ -1,1 +1,1 @@
-"""The panel Plan."""
+"""Panel Plan."""

@@ -1,4 +1,4 @@
-"""How the loss of a plan falls, each of its terms a line; the scale is logarithmic."""
+"""Curve of a plan's loss, one line per term, on a logarithmic scale."""
 
 from collections.abc import Mapping, Sequence
 from math import log
@@ -8,11 +8,11 @@ from nicegui import html, ui
 from maulstick.studio.panels.plan.weights import CALLED
 
 _COLOURS = ("var(--mark)", "var(--focus)", "#5f8a3a", "#b98220", "#7a4f95", "#6a6257")
-_WIDE, _HIGH = 300, 60
+_WIDE, _HIGH = 300, 60  # units of the drawing, which is stretched to the width of its card
 
 
 class LossCurve:
-    """A picture of it, and which line is which."""
+    """Picture of the curve, with a legend."""
 
     def __init__(self) -> None:
         self._figure = html.figure().classes("curve")
@@ -23,7 +23,7 @@ class LossCurve:
         self._terms: dict[str, ui.element] = {}
 
     def show(self, curve: Sequence[tuple[float, Mapping[str, float]]]) -> None:
-        """Show the parts of the loss over how far the plan was, in [0, 1]."""
+        """Show the terms of the loss over the progress of planning, in [0, 1]."""
         self._figure.visible = len(curve) > 1
         names = sorted({name for _, parts in curve for name in parts})
         for name in names:

@@ -1,4 +1,4 @@
-"""Which picture is to be painted: one of those that were brought, or none."""
+"""Choice of the picture to be painted: one of those that were brought, or none."""
 
 from collections.abc import Awaitable
 from pathlib import Path
@@ -9,11 +9,11 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
-_PICTURES = ".jpg,.jpeg,.png,.webp,.tif,.tiff,.gif,.bmp"
+_ENDINGS = ".jpg,.jpeg,.png,.webp,.tif,.tiff,.gif,.bmp"
 
 
 class PictureChoice:
-    """Small pictures to choose from, and ways to bring another."""
+    """Thumbnails to choose from, and buttons to bring another picture."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio = studio
@@ -21,13 +21,13 @@ class PictureChoice:
         self._chosen = names[0] if names else None
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
         with ui.element().classes("line"):
-            upload_button("Bring a picture", _PICTURES, self._bring)
+            upload_button("Bring a picture", _ENDINGS, self._bring)
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 
     @property
     def path(self) -> Path | None:
-        """Of the picture that is chosen, if one is."""
+        """File of the chosen picture, or None."""
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
 
     def _show(self) -> None:

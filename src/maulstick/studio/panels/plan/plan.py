@@ -1,4 +1,4 @@
-"""The panel where a painting is planned: what is wished for on the left, the plans on the right."""
+"""Panel where paintings are planned: the form on the left, the plans on the right."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +14,7 @@ _STYLE = Path(__file__).with_name("plan.css")
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: `style` is the hand to begin with."""
+    """Build the panel. query: `style` is chosen first."""
     ui.add_css(_STYLE)
     html.h1("Plan a painting")
     html.p("Choose a picture and a hand. Watch the strokes find their places, and stop whenever you like it.").classes(
@@ -28,7 +28,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 
 def _plans(studio: Studio) -> None:
-    """A card a plan, the newest first; a card stays as it is while others come and go."""
+    """Show one card per plan, the newest first; a card stays in place while others come and go."""
     plans = studio.plans
     shown: dict[str, PlanCard] = {}
     nothing = html.p("Nothing is planned yet. Your plans will stand here side by side.").classes("hint")

@@ -1,1 +1,1 @@
-"""The panel Styles."""
+"""Panel Styles."""

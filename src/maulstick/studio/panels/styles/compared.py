@@ -1,4 +1,4 @@
-"""Some styles side by side: how much their strokes differ, in what, and all of them on one map."""
+"""Comparison of some styles: how much and in what their strokes differ, and all of them on one map."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from maulstick.studio.workers.style_work import Difference
 
 
 def show_compared(studio: Studio, names: Sequence[str]) -> ui.element:
-    """Build it; what keys then act upon."""
+    """Build the comparison; return the element to focus."""
     styles = studio.styles
     back = (
         ui.button("All hands", icon="arrow_back", on_click=lambda: ui.navigate.to(address_of([])))

@@ -1,23 +1,22 @@
-"""The map of strokes on the page: each at its place, to be chosen by hand or by keyboard and seen large."""
+"""Map of strokes on the page: each can be chosen by pointer or keyboard, and is then shown large."""
 
 from pathlib import Path
 from typing import final
 
 import numpy as np
 from nicegui import events, html, ui
-from numpy.typing import NDArray
 
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.studio.workers.style_work import Map
 
 WIDE, HIGH = 1400, 1000
-"""Units of the map's drawing."""
+"""Size of the map's drawing, in its own units."""
 
-_CLOSE = 1.3  # times its share of the map, since some strokes are small
+_CLOSE = 1.3  # size of the largest stroke over its share of the map; above 1 since most strokes are smaller
 _LARGEST = 125.0  # units: the largest stroke at most
-_MARGIN = 30.0
-_LARGE_WIDE, _LARGE_HIGH, _LARGE_MARGIN = 600, 300, 40
-_BAR = 0.01  # metres
+_MARGIN = 30.0  # units around the map
+_LARGE_WIDE, _LARGE_HIGH, _LARGE_MARGIN = 600, 300, 40  # units of the drawing of the chosen stroke
+_BAR = 0.01  # metres: usual length of the scale bar
 _NOTHING = f'<svg viewBox="0 0 {_LARGE_WIDE} {_LARGE_HIGH}" aria-hidden="true"></svg>'
 _DIRECTIONS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 _SCRIPT = Path(__file__).with_name("map.js")
@@ -25,7 +24,7 @@ _SCRIPT = Path(__file__).with_name("map.js")
 
 @final
 class StrokeMap:
-    """The map, and above it the stroke that was chosen."""
+    """Map, and above it the chosen stroke."""
 
     def __init__(self, found: Map) -> None:
         self._map = found
@@ -56,11 +55,11 @@ class StrokeMap:
         number = event.args
         if type(number) is int and 0 <= number < len(self._map.whose):
             self._large.set_content(large_svg(self._map.paths[number], int(self._map.whose[number])))
-            self._told.set_text(told_of(self._map, number))
+            self._told.set_text(description_of(self._map, number))
 
 
 def map_svg(found: Map) -> str:
-    """The drawing of the map, of numbers alone."""
+    """Draw the map as SVG; it contains numbers alone, no text that a user gave."""
     count = len(found.whose)
     size = min(_LARGEST, _CLOSE * float(np.sqrt(WIDE * HIGH / count)))
     room = np.array([WIDE, HIGH]) - size - 2 * _MARGIN
@@ -84,8 +83,8 @@ def map_svg(found: Map) -> str:
     )
 
 
-def neighbours(centres: Floats) -> NDArray[np.int64]:
-    """The nearest of the places (N, 2) to the left, to the right, above and below each, (N, 4); itself for none."""
+def neighbours(centres: Floats) -> Ints:
+    """Index of the nearest of the places (N, 2) left, right, above and below each, (N, 4); its own where none is."""
     apart = centres[None] - centres[:, None]
     distances = np.linalg.norm(apart, axis=2)
     found = np.tile(np.arange(len(centres))[:, None], len(_DIRECTIONS))
@@ -98,7 +97,7 @@ def neighbours(centres: Floats) -> NDArray[np.int64]:
 
 
 def large_svg(path: Floats, whose: int) -> str:
-    """A stroke (n, 2), metres, as large as there is room, with a bar of a centimetre, or a tenth or tenfold of it."""
+    """Draw a stroke (n, 2), metres, as large as fits, as SVG with a scale bar of 1, 10 or 100 mm."""
     low, extent = path.min(axis=0), np.ptp(path, axis=0).clip(min=1e-6)
     room = np.array([_LARGE_WIDE - 2 * _LARGE_MARGIN, _LARGE_HIGH - 2.5 * _LARGE_MARGIN])
     scale = float((room / extent).min())
@@ -114,16 +113,16 @@ def large_svg(path: Floats, whose: int) -> str:
     )
 
 
-def told_of(found: Map, number: int) -> str:
-    """What is known of a stroke, for people."""
+def description_of(found: Map, number: int) -> str:
+    """Describe a stroke for people."""
     speed, pressure = found.speeds[number], found.pressure[number]
-    told = [
+    facts = [
         f"Stroke {number + 1} of {len(found.whose)}, by {found.names[found.whose[number]]}",
         f"{1e3 * found.lengths[number]:.3g} mm long",
-        *([] if np.isnan(speed) else [f"drawn at {1e3 * speed:.3g} mm a second"]),
+        *([] if np.isnan(speed) else [f"drawn at {1e3 * speed:.3g} mm per second"]),
         *([] if np.isnan(pressure) else [f"pen pressure {100 * pressure:.0f} %"]),
     ]
-    return ", ".join(told)
+    return ", ".join(facts)
 
 
 def _line(path: Floats) -> str:

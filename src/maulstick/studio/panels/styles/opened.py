@@ -1,4 +1,4 @@
-"""A style looked at closely: its sheet, and the map of its strokes."""
+"""Close look at a style: its sheet, and the map of its strokes."""
 
 from nicegui import html, ui
 
@@ -10,7 +10,7 @@ from maulstick.studio.wording import said
 
 
 def show_opened(studio: Studio, name: str) -> ui.element:
-    """Build it; what keys then act upon."""
+    """Build the close look; return the element to focus."""
     styles = studio.styles
     entry = styles.entry(name)
     back = (

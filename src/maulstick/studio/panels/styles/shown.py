@@ -1,4 +1,4 @@
-"""What the styles look like wherever they are shown."""
+"""Elements that show a style, shared by the gallery, the close look and the comparison."""
 
 from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
@@ -13,31 +13,31 @@ from maulstick.style.cards import StyleCard
 Result = TypeVar("Result")
 
 AS_TURNED = "Each stroke is turned so that it begins on the left and ends on the right."
-"""Of the sheets and the maps, which show strokes as a style knows them."""
+"""Note about sheets and maps, which show strokes as a style has them."""
 
 _KINDS = {"exemplar": "learned from the strokes themselves", "trajvae": "learned by a small network"}
 
 
 def address_of(names: Sequence[str]) -> str:
-    """Where the gallery of the hands is, one of them looked at closely, or some side by side."""
-    asked = "" if not names else f"?style={names[0]}" if len(names) == 1 else f"?compare={','.join(names)}"
-    return f"/styles{asked}"
+    """Address of the gallery, of the close look at a hand, or of a comparison, by the number of names."""
+    query = "" if not names else f"?style={names[0]}" if len(names) == 1 else f"?compare={','.join(names)}"
+    return f"/styles{query}"
 
 
 def about(card: StyleCard) -> str:
-    """How many strokes a style has, and how it was learned."""
+    """Describe a style: its number of strokes, and how it was learned."""
     return f"{card.strokes} strokes, {_KINDS[card.settings.kind]}"
 
 
 def sheet_picture(sheet: Path, alternative: str, classes: str = "picture") -> None:
-    """The sheet of a style. alternative: what is told of it to those who do not see it."""
+    """Show the sheet of a style. alternative: text for people who do not see it."""
     html.img(src=f"/sheet/{sheet.name}", alt=alternative).classes(classes)
 
 
-async def fill(place: ui.element, asked: Awaitable[Result], show: Callable[[Result], object]) -> None:
-    """Show in a place what was asked for once it comes, or why it does not."""
+async def fill(place: ui.element, result_to_come: Awaitable[Result], show: Callable[[Result], object]) -> None:
+    """Show a result in a place once it is there, or why there is none."""
     try:
-        result = await asked
+        result = await result_to_come
     except MaulstickError as error:
         if not place.is_deleted:
             place.clear()
@@ -50,9 +50,9 @@ async def fill(place: ui.element, asked: Awaitable[Result], show: Callable[[Resu
             show(result)
 
 
-def shown_later(waiting: str, ask: Callable[[], Awaitable[Result]], show: Callable[[Result], object]) -> None:
-    """Leave a place with a calm word in it, and `fill` it."""
+def shown_later(waiting: str, make: Callable[[], Awaitable[Result]], show: Callable[[Result], object]) -> None:
+    """Show the text `waiting`, and replace it by the result of `make` once it is there; see `fill`."""
     place = ui.element().classes("later").props('aria-live="polite"')
     with place:
         ui.label(waiting).classes("hint waiting")
-    ui.timer(0, lambda: fill(place, ask(), show), once=True)
+    ui.timer(0, lambda: fill(place, make(), show), once=True)

@@ -1,4 +1,4 @@
-"""The panel of styles: a gallery of hands, one of them looked at closely, or some side by side."""
+"""Panel of styles: a gallery of hands, the close look at one, or a comparison of some."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,24 +9,24 @@ from maulstick.studio.panels.styles.compared import show_compared
 from maulstick.studio.panels.styles.opened import show_opened
 from maulstick.studio.panels.styles.shown import AS_TURNED, about, address_of, fill, sheet_picture
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.state.styles import MOST, Entry, Thrown
+from maulstick.studio.state.styles import MOST, DeletedStyle, Entry
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.style.cards import StyleCard
 
 _STYLE = Path(__file__).with_name("styles.css")
-_LEFT, _TICKED = "style-left", "styles-ticked"
+_LEFT, _TICKED = "style-left", "styles-ticked"  # keys of what a page remembers
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: `style` is the hand to look at closely, `compare` those to see side by side, as in a,b."""
+    """Build the panel. query: `style` is the hand to look at closely, `compare` those to compare, as in a,b."""
     ui.add_css(_STYLE)
-    asked = [query["style"]] if "style" in query else query.get("compare", "").split(",")
+    wanted = [query["style"]] if "style" in query else query.get("compare", "").split(",")
     names = studio.styles.names()
-    StylesPanel(studio, [name for name in dict.fromkeys(asked) if name in names][:MOST])
+    StylesPanel(studio, [name for name in dict.fromkeys(wanted) if name in names][:MOST])
 
 
 class StylesPanel:
-    """What a page looks at by its address: none of the styles in particular, one, or some side by side."""
+    """Panel by the address of the page. looked_at: none for the gallery, one for the close look, some to compare."""
 
     def __init__(self, studio: Studio, looked_at: Sequence[str]) -> None:
         self._studio, self._looked_at = studio, looked_at
@@ -48,7 +48,7 @@ class StylesPanel:
             _focus(way_out)
 
     def _follow(self) -> None:
-        """What somebody looks at closely stays as it is for as long as it is there."""
+        """Rebuild the gallery; leave a close look or a comparison as it is while its styles exist."""
         if not self._looked_at:
             self._root.clear()
             with self._root:
@@ -64,7 +64,7 @@ class StylesPanel:
             "Each sheet shows what a person drew and, below it, what Maulstick draws in that hand. "
             f"{AS_TURNED} Look closer at one, or tick a few to see how they differ."
         ).classes("hint")
-        ways_in = {thrown.name: self._thrown(thrown) for thrown in styles.thrown_away[-3:]}
+        ways_in = {deleted.name: self._deleted(deleted) for deleted in styles.thrown_away[-3:]}
         with ui.element().classes("line chosen"):
             self._compare = ui.button("Compare", icon="compare", on_click=lambda: _look_at(self._ticked))
             self._told = ui.label().classes("hint").props('role="status"')
@@ -83,12 +83,12 @@ class StylesPanel:
         if left in ways_in:
             _focus(ways_in[left])
 
-    def _thrown(self, thrown: Thrown) -> ui.element:
-        """A line about what was deleted; its button that has it again."""
+    def _deleted(self, deleted: DeletedStyle) -> ui.element:
+        """Show a line about a deleted style; return its button that undoes it."""
         with ui.element().classes("line notice").props('role="status"'):
-            ui.label(f"{thrown.name} is deleted.")
-            return ui.button("Undo", icon="undo", on_click=lambda: self._studio.styles.take_back(thrown)).props(
-                f'outline aria-label="Undo: have {thrown.name} again"'
+            ui.label(f"{deleted.name} is deleted.")
+            return ui.button("Undo", icon="undo", on_click=lambda: self._studio.styles.take_back(deleted)).props(
+                f'outline aria-label="Undo: have {deleted.name} again"'
             )
 
     def _broken(self, entry: Entry) -> None:
@@ -99,7 +99,7 @@ class StylesPanel:
             delete.props(f'outline aria-label="Delete {entry.name}"').classes("foot")
 
     def _card(self, entry: Entry, card: StyleCard) -> tuple[ui.element, ui.element]:
-        """A style among the others; where its sheet goes, and the button that opens it."""
+        """Build the card of a style; return the place of its sheet, and the button that opens it."""
         picture = html.div().classes("thumb")
         picture.on("click", lambda: _look_at([entry.name]))
         with picture:
@@ -129,7 +129,7 @@ class StylesPanel:
         self._told.set_text(told if count <= MOST else f"{count} are too many to compare; leave at most {MOST} ticked.")
 
     async def _draw(self, sheets: Mapping[str, ui.element]) -> None:
-        """One after another, so that the desk is soon free for somebody who wants something else of it."""
+        """Draw the sheets one after another, so that the desk can do other tasks in between."""
         for name, place in sheets.items():
             if place.is_deleted:
                 return
@@ -141,5 +141,5 @@ def _look_at(names: Sequence[str]) -> None:
 
 
 def _focus(element: ui.element) -> None:
-    """Let keys act upon it once it is there: what had the focus is gone."""
+    """Focus the element once it is shown: the element that had the focus is gone."""
     element.on("vnodeMounted", js_handler="(node) => node.el.focus()")

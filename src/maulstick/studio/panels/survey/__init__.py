@@ -1,1 +1,1 @@
-"""The panel Survey."""
+"""Panel Survey."""

@@ -1,4 +1,4 @@
-"""The form for a new survey: two questionnaires, put together from drawings that there are."""
+"""Form for a new survey: two questionnaires, put together from drawings in the studio."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,12 +11,12 @@ from maulstick.studio.state.surveys import address_of
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
-_PICTURES = ".png,.jpg,.jpeg,.webp,.tif,.tiff,.bmp"
-_KEPT = "survey"  # what was put together, for as long as this page is open
+_ENDINGS = ".png,.jpg,.jpeg,.webp,.tif,.tiff,.bmp"
+_KEPT = "survey"  # key of the draft, which a page remembers while it is open
 
 
 class SurveyForm:
-    """What is filled in stays while one looks at other panels. made: is called with the name of the new survey."""
+    """Form whose content stays while other panels are open. made: called with the name of the new survey."""
 
     def __init__(self, studio: Studio, made: Callable[[str], None]) -> None:
         self._studio, self._made = studio, made
@@ -33,7 +33,7 @@ class SurveyForm:
                     "cut at the edges of the sheet."
                 ).classes("hint")
                 with ui.element().classes("line"):
-                    upload_button("Bring a drawing", _PICTURES, self._bring)
+                    upload_button("Bring a drawing", _ENDINGS, self._bring)
             self._parts = ui.element().classes("parts")
             with ui.element().classes("line"):
                 self._make = ui.button("Make the survey", icon="how_to_vote", on_click=self._make_it)
@@ -65,7 +65,7 @@ class SurveyForm:
                         "Another hand", icon="add", on_click=lambda: self._add(self._draft.hands, HandDraft())
                     )
                     add.props("outline")
-                    _asked("Hands that each person is asked about", self._draft, "hands_asked", 10)
+                    _count_field("Hands that each person is asked about", self._draft, "hands_asked", 10)
             with html.section().classes("sheet").props('aria-label="Which of two looks?"'):
                 html.h2("Which of two looks?")
                 html.p(
@@ -85,7 +85,7 @@ class SurveyForm:
                         "Another picture", icon="add", on_click=lambda: self._add(self._draft.pairs, PairDraft())
                     )
                     add.props("outline")
-                    _asked("Pictures that each person is asked about", self._draft, "pairs_asked", 50)
+                    _count_field("Pictures that each person is asked about", self._draft, "pairs_asked", 50)
         self._name_looks()
 
     def _show_hand(self, number: int, hand: HandDraft) -> None:
@@ -103,7 +103,7 @@ class SurveyForm:
             self._remover(f"Remove comparison {number}", self._draft.pairs, pair)
 
     def _name_looks(self) -> None:
-        """Call the drawings of a comparison what the looks are called."""
+        """Label the drawings of a comparison with the names of the looks."""
         for name, choice in self._looks:
             usual = "First look" if name == "first_look" else "Second look"
             choice.props["label"] = f"In {called}" if (called := getattr(self._draft, name).strip()) else usual
@@ -176,7 +176,7 @@ def _text(label: str, draft: Draft | HandDraft, name: str, most: int) -> ui.inpu
     return text.props(f"outlined maxlength={most}")
 
 
-def _asked(label: str, draft: Draft, name: str, most: int) -> None:
+def _count_field(label: str, draft: Draft, name: str, most: int) -> None:
     number = ui.number(label, min=1, max=most, precision=0).props("outlined dense").classes("asked")
     number.bind_value(draft, name)
 

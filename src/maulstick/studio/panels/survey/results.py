@@ -1,36 +1,36 @@
-"""The tables of a survey's results (paper: the confusion matrix, and the table of opinions)."""
+"""Tables of a survey's results (paper: the confusion matrix, and the table of opinions)."""
 
 from nicegui import html
 
 from maulstick.survey.results import Matching, Rows, matching_rows
 
 
-def taken_table(matching: Matching) -> None:
-    """For whose strokes they were taken: the confusion matrix, the darker the more."""
-    told = matching_rows(matching)
+def confusion_table(matching: Matching) -> None:
+    """Show the confusion matrix; the larger a share, the darker its cell."""
+    rows = matching_rows(matching)
     shades = [["" if share != share else f"--share: {share:.3f}" for share in row] for row in matching.shares.tolist()]
-    _table("For whose strokes they were taken", told, shades)
+    _table("For whose strokes they were taken", rows, shades)
 
 
 def right_table(right: Rows) -> None:
-    """How often the right hand was found."""
+    """Show how often the right hand was found."""
     _table("How often the right hand was found", right, None)
 
 
 def opinions_table(opinions: Rows) -> None:
-    """What people prefer."""
+    """Show which look people chose."""
     _table("Which look they chose", opinions, None)
 
 
-def _table(caption: str, told: Rows, shades: list[list[str]] | None) -> None:
+def _table(caption: str, rows: Rows, shades: list[list[str]] | None) -> None:
     region = html.div().classes("scrolled").props(f'tabindex=0 role="region" aria-label="{caption}"')
     with region, html.table().classes("told figure"):
         html.caption(caption)
         with html.thead(), html.tr():
-            for head in told.heads:
+            for head in rows.heads:
                 html.th(head).props("scope=col")
         with html.tbody():
-            for number, (name, *cells) in enumerate(told.rows):
+            for number, (name, *cells) in enumerate(rows.rows):
                 with html.tr():
                     html.th(name).props("scope=row")
                     for column, cell in enumerate(cells):

@@ -1,4 +1,4 @@
-"""The panel where people are asked: surveys that there are, their links, and what came out."""
+"""Panel of surveys: a form for a new one, and the links and the results of each."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,12 +7,12 @@ from nicegui import background_tasks, html, ui
 
 from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.panels.survey.form import SurveyForm
-from maulstick.studio.panels.survey.results import opinions_table, right_table, taken_table
+from maulstick.studio.panels.survey.results import confusion_table, opinions_table, right_table
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.wording import said
-from maulstick.studio.workers.survey_results import Told
+from maulstick.studio.workers.survey_results import SurveyReport
 from maulstick.survey.answers import Participant
 
 _STYLE = Path(__file__).with_name("survey.css")
@@ -20,7 +20,7 @@ _MOST_SHOWN = 40  # links; all of them can be copied
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
-    """Build it. query: nothing is asked of it."""
+    """Build the panel. query: not used."""
     ui.add_css(_STYLE)
     html.h1("Ask people")
     html.p(
@@ -31,7 +31,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
 
 
 class _Panel:
-    """A list of surveys, and beside it the one that is chosen, or the form for a new one."""
+    """List of surveys, and next to it the chosen one, or the form for a new one."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._address = studio, str(ui.context.client.request.base_url)
@@ -76,7 +76,7 @@ class _Panel:
 
 
 class _Survey:
-    """One that there is."""
+    """Survey of the studio: its links and its results."""
 
     def __init__(self, studio: Studio, name: str, address: str) -> None:
         self._surveys, self._name, self._under = studio.surveys, name, f"{address}survey/{name}"
@@ -107,14 +107,14 @@ class _Survey:
 
     async def _show(self) -> None:
         try:
-            told, people = await self._surveys.told(self._name), await self._surveys.people(self._name)
+            report, people = await self._surveys.report(self._name), await self._surveys.people(self._name)
         except MaulstickError as error:
             self._count.text, self._said.visible = said(error), True
             return
         if self._root.is_deleted:
             return
         begun, finished = sum(person.begun for person in people), sum(person.finished for person in people)
-        self._title.text = told.title
+        self._title.text = report.title
         self._count.text = f"{len(people)} links · {begun} have begun · {finished} have finished"
         if people != self._people:
             self._people = people
@@ -122,7 +122,7 @@ class _Survey:
         self._said.visible = True
         self._results.clear()
         with self._results:
-            _tables(told)
+            _tables(report)
 
     def _show_links(self, waiting: list[Participant]) -> None:
         self._all.visible = bool(waiting)
@@ -151,15 +151,17 @@ class _Survey:
 
     def _copy_all(self) -> None:
         waiting = [person for person in self._people or () if not person.finished]
-        _copy("\n".join(map(self._link, waiting)), f"Copied, a line each: {len(waiting)}.")
+        _copy("\n".join(map(self._link, waiting)), f"Copied, one per line: {len(waiting)}.")
 
     async def _download(self) -> None:
         ui.download.content(await self._surveys.csv(self._name), f"{self._name}.csv", "text/csv")
 
     def _throw_away(self) -> None:
-        grave = self._surveys.throw_away(self._name)
+        trashed = self._surveys.throw_away(self._name)
         offer_undo(
-            self._root.client, f"{self._name} and its answers are thrown away.", lambda: self._surveys.take_back(grave)
+            self._root.client,
+            f"{self._name} and its answers are thrown away.",
+            lambda: self._surveys.take_back(trashed),
         )
 
 
@@ -168,16 +170,16 @@ def _copy(text: str, done: str) -> None:
     ui.notify(done)
 
 
-def _tables(told: Told) -> None:
-    found = told.results
+def _tables(report: SurveyReport) -> None:
+    found = report.results
     if not found.begun:
         ui.label("Nobody has answered yet. The tables fill in as people do.").classes("hint")
         return
-    if found.matching is not None and told.right is not None:
-        taken_table(found.matching)
-        right_table(told.right)
-    if told.opinions is not None:
-        opinions_table(told.opinions)
+    if found.matching is not None and report.right is not None:
+        confusion_table(found.matching)
+        right_table(report.right)
+    if report.opinions is not None:
+        opinions_table(report.opinions)
     html.p(
         "With 95 % certainty the true share lies in the interval; the more people answer, the narrower it is. p is how "
         "likely mere chance would have looked like this, or more so."
