@@ -19,6 +19,7 @@ COLOURS = (INK, ACCENT, "#2f6690", "#5f8a3a", "#b98220", "#7a4f95")
 _PROPORTION = 1.4
 _MOST = 400
 _PERPLEXITY = 30
+_SAME = 1e-4  # of codes, whose change of 1 is a large one: rounding in float32 stays below a tenth of this
 _LARGEST = 7.0  # lines: the largest stroke at most
 _CLOSE = 1.3  # times its share of the map, since some strokes are small
 _WIDTH = 0.075  # lines
@@ -44,7 +45,7 @@ def places_of(styles: Sequence[Fitted]) -> MapPositions:
     """Where strokes of the styles' hands lie, by the t-SNE of their codes in the first style.
 
     Strokes lie near each other where the style thinks them alike; directions and distances across the map mean
-    nothing. Of more than 400 strokes there is every so-manieth.
+    nothing. Strokes that are all the same lie in the middle. Of more than 400 strokes there is every so-manieth.
 
     Raises InputError where there are more styles than colours.
     """
@@ -85,7 +86,9 @@ def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
 
 
 def _placed(codes: Floats) -> Floats:
-    """Codes (N, K) on the plane, (N, 2), the same for the same codes."""
+    """Codes (N, K) on the plane, (N, 2), the same for the same codes; all at the origin if none differ."""
+    if np.ptp(codes, axis=0).max() < _SAME:  # only rounding tells them apart: t-SNE would divide by it, or by nothing
+        return np.zeros((len(codes), 2))
     from sklearn.manifold import TSNE  # takes a moment
 
     perplexity = min(_PERPLEXITY, (len(codes) - 1) / 3)
@@ -97,7 +100,7 @@ def _placed(codes: Floats) -> Floats:
 def _spread(places: Floats) -> Floats:
     """Places (N, 2) over the square of side 1 about the origin."""
     low, size = places.min(axis=0), np.ptp(places, axis=0)
-    spread: Floats = (places - low) / size.clip(min=1e-12) - 0.5
+    spread: Floats = (places - low - size / 2) / size.clip(min=1e-12)
     return spread
 
 
