@@ -109,7 +109,7 @@ def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -
 
 
 def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
-    """Return the photographs (C, H, W) that the unknowns predict; only strokes `taught` (N,) give gradients of the brush.
+    """Return the photographs (C, H, W) that the unknowns predict; strokes `taught` (N,) give gradients of the brush.
 
     The other strokes still find their own place and ink, so that their remaining error is the brush's.
     """

@@ -43,9 +43,8 @@ class MapPositions:
 def places_of(styles: Sequence[Fitted]) -> MapPositions:
     """Place strokes of the styles' hands on a map, by t-SNE of their codes in the first style.
 
-    """Embed codes (N, K) in the plane, (N, 2): always alike, and at the origin if none differ."""
-    if np.ptp(codes, axis=0).max() < _SAME:  # only rounding tells them apart: t-SNE would divide by it, or by nothing
-        return np.zeros((len(codes), 2))
+    Strokes lie near each other where the style gives them similar codes; directions and long distances mean nothing.
+    Of more than 400 strokes an even selection is placed.
 
     Raises InputError where there are more styles than colours.
     """
@@ -100,7 +99,7 @@ def _placed(codes: Floats) -> Floats:
 def _spread(places: Floats) -> Floats:
     """Scale places (N, 2) to fill the square of side 1 about the origin."""
     low, size = places.min(axis=0), np.ptp(places, axis=0)
-    spread: Floats = (places - low - size / 2) / size.clip(min=1e-12)
+    spread: Floats = (places - low) / size.clip(min=1e-12) - 0.5
     return spread
 
 

@@ -159,7 +159,7 @@ class Exemplar(Style):
         return self.price(self._numbers_of(codes), pressure_knots)
 
     def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
-        """Cost (N,), nats: how far each stroke is from the hand's nearest, and all of them from the hand's distribution.
+        """Cost (N,), nats: how far each stroke is from the hand's nearest, and all from the hand's distribution.
 
         numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 
