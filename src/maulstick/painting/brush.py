@@ -135,6 +135,24 @@ class Brush(BaseModel):
         marked[..., :2] = start + (self.m_x, self.m_y) * (self._dragged(marked[..., :2]) - start) + (self.b_x, self.b_y)
         return marked
 
+    def bare_mark(self, trajectory: Floats) -> tuple[Floats, Floats, float]:
+        """Return what a commanded trajectory (n, 3) of x, y in metres and pressure in [0, 1] leaves on paper.
+
+        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.bare` for one stroke.
+        """
+        points, pressure = self.mark(trajectory[:, :2]), trajectory[:, 2]
+        paled = min(self.faint + (1 - self.faint) * float(pressure.mean()) / self.solid, 1.0)
+        return points, self.half_width(pressure) * self._broadening(points), self.opacity * paled
+
+    def _broadening(self, points: Floats) -> Floats:
+        """How much broader than its mean the mark is at each point (n,), for the direction of travel there."""
+        if len(points) < 2 or not any(self.nib):
+            return np.ones(len(points))
+        along = np.concatenate([points[1:2] - points[:1], points[2:] - points[:-2], points[-1:] - points[-2:-1]])
+        x, y = along.T
+        squared = x * x + y * y + _SHORTEST**2
+        return np.asarray(1 + (self.nib[0] * (x * x - y * y) + self.nib[1] * 2 * x * y) / squared)
+
     def _dragged(self, path: Floats) -> Floats:
         """Positions of the tip at the commanded points (..., n, 2): the exact solution along straight segments."""
         tips = [path[..., 0, :] + self.touch]

@@ -16,7 +16,7 @@ from maulstick.robot.machines import SPECS
 from maulstick.robot.routine import Draw, Prompt, routine
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
-from maulstick.robot.simulated.sheets import sheet_for
+from maulstick.robot.simulated.sheets import MyPaintSheet, sheet_for
 from maulstick.robot.tray import Tray
 from maulstick.storage.files import atomic_write
 
@@ -56,6 +56,16 @@ class Simulation:
         )
         robot.hold(painting.paints[0].colour)
         return cls(robot, painting)
+
+    @property
+    def note(self) -> str | None:
+        """What is simpler than it could be, a sentence; None where libmypaint draws."""
+        if isinstance(self.robot.sheet, MyPaintSheet):
+            return None
+        return (
+            "libmypaint is not installed, so the sheet takes our own brush model's ink; on Debian: "
+            "apt-get install libmypaint-1.5-1 mypaint-brushes"
+        )
 
     def ask(self, action: Prompt) -> None:
         """It helps itself."""
