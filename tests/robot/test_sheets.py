@@ -14,7 +14,6 @@ from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.robot.simulated import sheets
 from maulstick.robot.simulated.sheets import InkedSheet, ModelSheet, MyPaintSheet, sheet_for
 from maulstick.storage.arrays import Image
-from tests.support import tolerances
 from tests.support.nominal import nominal
 from tests.support.robot.small_paintings import BLUE, RED
 

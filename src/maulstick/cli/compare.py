@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
 
 _MOST = 6
-_MEASURED_PX, _WIDEST_PX = 512, 4096  # height of the sheet, and its width at most
 _NOTHING = "-"
 _SEVERAL = 3  # names that are told, at most
 
@@ -49,10 +48,11 @@ def compare(
     picture = None if photo is None else read_picture(photo, longest_px=READ_PX)
 
     from maulstick.plots.compare import Panel, compare_plot
+    from maulstick.rendering.likeness import likeness as likeness_to
     from maulstick.rendering.preview import preview  # these load torch
 
     named = dict(zip(_names(paintings), plans, strict=True))
-    likeness = {name: None if picture is None else _likeness(plan, picture) for name, plan in named.items()}
+    likeness = {name: None if picture is None else likeness_to(plan, picture) for name, plan in named.items()}
     panels = [
         Panel(name, _note(plan, likeness[name]), (plan.sheet.width, plan.sheet.height), partial(preview, plan))
         for name, plan in named.items()
@@ -102,27 +102,6 @@ def _over(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
     return lay_out(picture, canvas, "cover")[0]
 
 
-def _measured_on(plan: Painting) -> Canvas:
-    width, height = plan.sheet.width, plan.sheet.height
-    return Canvas(width, height, min(_MEASURED_PX / height, _WIDEST_PX / width))
-
-
-def _likeness(plan: Painting, picture: NDArray[np.float32]) -> "Metrics":
-    """How near the painting comes to the picture over the picture's area."""
-    from maulstick.painting.metrics import compare as metrics
-    from maulstick.rendering.preview import preview
-
-    canvas = _measured_on(plan)
-    left, top, right, bottom = (
-        round(metres * canvas.pixels_per_metre)
-        for metres in (*plan.area[:2], plan.area[0] + plan.area[2], plan.area[1] + plan.area[3])
-    )
-    painted = preview(plan, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
-    height, width = painted.shape[:2]
-    area = Canvas(width / canvas.pixels_per_metre, height / canvas.pixels_per_metre, canvas.pixels_per_metre)
-    return metrics(painted, _over(picture, area))
-
-
 def _note(plan: Painting, likeness: "Metrics | None") -> str:
     counts = f"{len(plan.strokes)} strokes, {len(plan.paints)} paint{'s' if len(plan.paints) != 1 else ''}"
     return counts if likeness is None else f"{counts}, {_metrics(likeness)}"
@@ -136,6 +115,7 @@ def _metrics(likeness: "Metrics | None") -> str:
 
 def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> dict[str, list[str]]:
     """A value for each plan in each row."""
+    from maulstick.rendering.likeness import measured_canvas
     from maulstick.rendering.preview import coverage
 
     lengths = [plan.lengths() for plan in plans]
@@ -148,7 +128,7 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> di
         "mean stroke": [f"{1e3 * each.mean():.1f} mm" if len(each) else _NOTHING for each in lengths],
         "paints": [f"{len(plan.paints)}" for plan in plans],
         "paint changes": [f"{plan.paint_changes()}" for plan in plans],
-        "sheet covered": [f"{coverage(plan, _measured_on(plan)).mean():.0%}" for plan in plans],
+        "sheet covered": [f"{coverage(plan, measured_canvas(plan)).mean():.0%}" for plan in plans],
         "style": [_first_names([name for name, _ in each.most_common()]) for each in styles],
         "brush": [_first_names(list(plan.brushes)) for plan in plans],
         "picture": [plan.provenance.image or _NOTHING for plan in plans],

@@ -9,10 +9,7 @@ from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
 from maulstick.painting.painting import read_painting
 from maulstick.painting.picture import encode_png
-from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
-
-_LARGEST_PX = 8192
 
 
 def render(
@@ -26,12 +23,8 @@ def render(
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
     plan = read_painting(painting)
-    longest = px * max(1.0, plan.sheet.width / plan.sheet.height)
-    if not 1 <= px <= longest <= _LARGEST_PX:
-        raise InputError.of_range("--px", px, f"at least 1, with no side of the image above {_LARGEST_PX}")
     check_absent(path, "--out", overwrite)
-    from maulstick.rendering.preview import preview  # loads torch
+    from maulstick.rendering.preview import preview_of_height  # loads torch
 
-    canvas = Canvas.of_height((plan.sheet.width, plan.sheet.height), px)
-    atomic_write(path, encode_png(preview(plan, canvas)))
+    atomic_write(path, encode_png(preview_of_height(plan, px)))
     print(path, flush=True)

@@ -20,7 +20,7 @@ COMMAND_LINE: Final = Wording(
         Remedy.LEAVE_OUT_CAMERA: "leave out --camera",
         Remedy.WITHOUT_REPLAN: "go on with --replan 0",
         Remedy.HOLD_PRESSURE: "plan it again with maulstick plan --pressure 0.5",
-        Remedy.SLOW_DOWN: "slow all strokes down with --speed {speed}",
+        Remedy.SLOW_DOWN: "slow all strokes down with --speed {millimetres}",
         Remedy.CLIP_WEIGHTS: "give a file of them with --clip-weights",
         Remedy.CLIP_WEIGHTS_OR_NETWORK: "give a file of them with --clip-weights, or try again with a network",
     },

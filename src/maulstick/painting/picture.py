@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 
@@ -17,6 +18,9 @@ from maulstick.storage.files import file_to_read
 
 FITS = ("contain", "cover")
 """Ways to place a picture on a canvas of another shape, see `lay_out`."""
+
+Picture = str | Path | Image.Image | NDArray[np.generic]
+"""What a picture may be in Python: a path, a Pillow image, or an array."""
 
 READ_PX = 4096
 """Longest side of a picture that is read to be planned, pixels: finer than any canvas in one piece."""
@@ -68,6 +72,36 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
     except Exception as error:  # decoders raise anything on a damaged file
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
+
+
+def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
+    """Return (H, W, 3) sRGB in [0, 1] of a path, a Pillow image, or an array (H, W, 3) or (H, W), scaled down.
+
+    Raises InputError for a file that cannot be read, and for an array that is neither uint8 nor float in [0, 1]: its
+    values are never clipped or scaled.
+    """
+    if isinstance(picture, str | Path):
+        return read_picture(picture, longest_px)
+    if isinstance(picture, Image.Image):
+        return _decode(picture.copy(), longest_px)
+    pixels = np.asarray(picture)
+    if pixels.ndim not in (2, 3) or (pixels.ndim == 3 and pixels.shape[2] != 3) or 0 in pixels.shape:
+        raise InputError(f"the picture has shape {pixels.shape}; it must be (H, W, 3), or (H, W) for greys")
+    if pixels.dtype == np.uint8:
+        image: Pixels = pixels.astype(np.float32) / np.float32(255)
+    elif pixels.dtype.kind == "f":
+        if not (pixels.min() >= 0 and pixels.max() <= 1):  # NaN is neither
+            reach = f"{pixels.min():.4g} to {pixels.max():.4g}"
+            raise InputError(f"the picture has values from {reach}; floats must be in [0, 1], so divide them first")
+        image = pixels.astype(np.float32)
+    else:
+        raise InputError(f"the picture is an array of {pixels.dtype}; give uint8, or float in [0, 1]")
+    if image.ndim == 2:
+        image = np.repeat(image[..., None], 3, axis=2)
+    size = _at_most((image.shape[1], image.shape[0]), longest_px)
+    if size == (image.shape[1], image.shape[0]):
+        return image
+    return scaled(image, size, (0, 0, image.shape[1], image.shape[0]))
 
 
 def decode_png(content: bytes) -> Pixels:

@@ -3,10 +3,13 @@
 import torch
 from torch import Tensor
 
+from maulstick.errors import InputError, option
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image
+
+_LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
 
 
 def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> Image:
@@ -18,6 +21,17 @@ def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> I
     shown = painting.strokes[:strokes]
     colours = [painting.paints[stroke.paint].colour for stroke in shown]
     return _painted(sheet, painting, torch.tensor(colours, dtype=torch.float32).reshape(-1, 3), canvas)
+
+
+def preview_of_height(painting: Painting, px: int) -> Image:
+    """Return the painting as an image that is `px` pixels high, (px, W, 3) sRGB in [0, 1].
+
+    Raises InputError where that, or its width, is out of range.
+    """
+    longest = px * max(1.0, painting.sheet.width / painting.sheet.height)
+    if not 1 <= px <= longest <= _LARGEST_PX:
+        raise InputError.of_range(option("px"), px, f"at least 1, with no side of the image above {_LARGEST_PX}")
+    return preview(painting, Canvas.of_height((painting.sheet.width, painting.sheet.height), px))
 
 
 def coverage(painting: Painting, canvas: Canvas) -> Image:

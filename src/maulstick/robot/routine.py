@@ -188,7 +188,8 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
                 f"stroke {stroke.id} is drawn at {1e3 * own.max():.0f} mm/s, and the machine's fastest is "
                 f"{1e3 * limits.speed:g}",
                 Remedy.SLOW_DOWN,
-                speed=f"{1e3 * limits.speed:g}",
+                speed=limits.speed,
+                millimetres=f"{1e3 * limits.speed:g}",
             )
         speeds = own.clip(max=most)
     heights = -_depth(points[:, 2], brush, easel) if limits.varies_pressure else np.zeros(len(points))

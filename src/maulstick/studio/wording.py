@@ -61,7 +61,7 @@ _PAGE: Final = Wording(
         Remedy.LEAVE_OUT_CAMERA: "choose that one, or none",
         Remedy.WITHOUT_REPLAN: "go on without a camera",
         Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
-        Remedy.SLOW_DOWN: f"slow all strokes down: write {{speed}} under “{FINER}”",
+        Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{FINER}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{FINER}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",
         Remedy.CLIP_WEIGHTS: "plan it on the command line, which takes a file of weights",

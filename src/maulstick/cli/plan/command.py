@@ -1,7 +1,6 @@
 """The options of ``maulstick plan``, and what can be said against them before anything is read."""
 
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +9,7 @@ import typer
 from maulstick.cli.folder import check_free
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.request import PlanRequest, state_files
+from maulstick.jobs.plan.request import PlanRequest, demo_picture, state_files
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
 _objectives = partial(typer.Option, rich_help_panel="What it should be like")
@@ -131,21 +130,21 @@ def plan(
     options = PlanOptions(
         strokes=strokes,
         exact=exact,
-        style=_name_or_file(style),
-        brush=_name_or_file(brush),
+        style=style,
+        brush=brush,
         pressure=pressure,
         paints=paints,
         ink=ink,
-        paints_from=_whole(paints_from),
+        paints_from=paints_from,
         size=size,
         fit=fit,
         paper=paper,
-        background=_whole(background),
+        background=background,
         text=text,
-        look=_whole(look),
+        look=look,
         weights=_weights(weight or []),
         clip=clip,
-        clip_weights=_whole(clip_weights),
+        clip_weights=clip_weights,
         clip_layers=_layers(clip_layers),
         steps=steps,
         ask_every=ask_every,
@@ -178,15 +177,7 @@ def _picture_path(picture: Path | None, demo: bool, text: str | None) -> Path | 
         if text is None:
             raise InputError("name one picture to paint, --demo for the portrait that comes along, or a --text")
         return None
-    return _whole(picture or Path(str(files("skimage.data").joinpath("astronaut.png"))))
-
-
-def _whole(path: Path | None) -> Path | None:
-    return path.absolute() if path is not None else None
-
-
-def _name_or_file(name: str) -> str:
-    return str(Path(name).absolute()) if Path(name).suffix == ".json" else name
+    return picture or demo_picture()
 
 
 def _weights(pairs: list[str]) -> dict[str, float]:

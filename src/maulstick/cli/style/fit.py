@@ -11,17 +11,15 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats, kind_of
-from maulstick.strokes.ink import read_ink
-from maulstick.strokes.strokes import POINTS, Strokes, path_lengths, read_strokes
+from maulstick.jobs.learn import KINDS, learn_style, strokes_of
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import path_lengths
 from maulstick.style.cards import STYLES
 
 if TYPE_CHECKING:
-    from maulstick.style.hand import Hand
     from maulstick.style.store import Fitted
 
-_KINDS = ("exemplar", "trajvae")
-_FEW_LATENTS = 16
+_FEW_LATENTS = 16  # fewer active ones than this draw strokes that are much alike
 _FREEDOM = ("kept close to the hand's", "varied a little", "varied freely", "varied as freely as can be")
 
 
@@ -44,25 +42,23 @@ def fit(
 
     It is kept among your own styles, and maulstick plan --style NAME paints in it.
     """
-    if kind not in _KINDS:
-        raise InputError.of_choice("kind", kind, _KINDS)
-    if len(files) != len({file.resolve() for file in files}):
-        raise InputError("a file is named twice, and its strokes would count twice; name each file once")
-    from maulstick.style.hand import Hand  # these load torch
-    from maulstick.style.store import write_style
-
+    if kind not in KINDS:
+        raise InputError.of_choice("kind", kind, KINDS)
     STYLES.check_own_name(name, overwrite)
+    from maulstick.style.store import write_style  # loads torch
+
     started = time.monotonic()
-    strokes = _read(files)
-    hand = Hand.of(strokes)
-    style, told = _exemplar(name, hand) if kind == "exemplar" else _trajvae(name, hand)
+    strokes = strokes_of(files)
+    with Console(stderr=True).status("learning …"):
+        style = learn_style(name, strokes, kind)
+    hand = style.hand
     path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
         "lengths": _lengths(path_lengths(hand.paths)),
         "pressure": _recorded(hand.pressure),
         "speed": _recorded(hand.speeds),
-        **told,
+        **_told(style),
         "learned in": f"{time.monotonic() - started:.2g} s",
         "kept as": f"{path}",
     }
@@ -75,47 +71,17 @@ def fit(
     print(f"maulstick plan photo.jpg --style {name}", flush=True)
 
 
-def _read(files: list[Path]) -> Strokes:
-    parts = [_strokes_in(file) for file in files]
-    return Strokes(
-        np.concatenate([part.trajectories for part in parts]),
-        np.concatenate([part.times for part in parts]),
-        np.concatenate([part.poses for part in parts]),
-    )
-
-
-def _strokes_in(file: Path) -> Strokes:
-    kind = kind_of(file)
-    if kind == "ink":
-        return Strokes.of(read_ink(file))
-    if kind == "strokes":
-        strokes = read_strokes(file)
-        points = strokes.trajectories.shape[1]
-        if points != POINTS:
-            raise InputError.of_range(f"the number of points of a stroke in {file}", points, f"{POINTS}")
-        return strokes
-    raise InputError(f"{file} is neither ink nor strokes; make ink of it with maulstick record")
-
-
-def _exemplar(name: str, hand: "Hand") -> tuple["Fitted", dict[str, str]]:
+def _told(style: "Fitted") -> dict[str, str]:
     from maulstick.style.exemplar import Exemplar
-    from maulstick.style.store import load_hands
-
-    style = Exemplar.fit(name, hand, load_hands())
-    return style, {"new strokes": _FREEDOM[round(style.freedom * (len(_FREEDOM) - 1))]}
-
-
-def _trajvae(name: str, hand: "Hand") -> tuple["Fitted", dict[str, str]]:
-    from maulstick.style.train import fine_tune, pretrained
     from maulstick.style.trajvae import activity
 
-    with Console(stderr=True).status("training the network …"):
-        style = fine_tune(pretrained(), hand, seed=0, name=name)
-    latents = activity(style.weights, hand.paths)
+    if isinstance(style, Exemplar):
+        return {"new strokes": _FREEDOM[round(style.freedom * (len(_FREEDOM) - 1))]}
+    latents = activity(style.weights, style.hand.paths)
     told = f"{latents.active} active, of an effective rank of {latents.effective_rank:.1f}"
     if latents.active < _FEW_LATENTS:
         told += ": the strokes are much alike; draw more varied ones"
-    return style, {"latents": told}
+    return {"latents": told}
 
 
 def _left_out(dots: int) -> str:

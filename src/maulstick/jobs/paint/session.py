@@ -17,7 +17,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
-from maulstick.robot.robot import StoppedError
+from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import routine
 from maulstick.robot.workplace import Workplace
 
@@ -28,6 +28,7 @@ class PaintRequest:
 
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
     restart: on a new sheet, whatever the journal says, which is kept.
+    robot: a machine of one's own, instead of the one that the options name.
     """
 
     painting: Path
@@ -35,13 +36,14 @@ class PaintRequest:
     from_stroke: int | None = None
     resume: bool = False
     restart: bool = False
+    robot: Robot | None = None
 
 
 def rehearse(request: PaintRequest) -> Estimate:
     """Everything but motion: the machine is asked for its limits. Raises what `paint` would."""
     plan = _plan_of(request)
     if not request.resume:
-        setup = PaintSetup.of(request.options, plan)
+        setup = PaintSetup.of(request.options, plan, request.robot)
         return _rehearsed(setup, setup.first(request.from_stroke))
     with _reopened(request) as (setup, journal):
         return _rehearsed(setup, journal.painted)
@@ -60,7 +62,7 @@ def paint(
     """
     plan = _plan_of(request)
     if not request.resume:
-        setup = PaintSetup.of(request.options, plan)
+        setup = PaintSetup.of(request.options, plan, request.robot)
         with machine_lock(request.options.machine):
             _see_that_it_may_begin(request)
             _paint(request, setup, None, operator_for)
@@ -88,7 +90,10 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
     with Journal.open(path) as journal:
         if journal.revision is None:
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
-        yield PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting())), journal
+        yield (
+            PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting()), request.robot),
+            journal,
+        )
 
 
 def _was_begun(path: Path) -> bool:

@@ -27,7 +27,7 @@ class PaintSetup:
     replanning: Replanning | None
 
     @classmethod
-    def of(cls, options: PaintOptions, plan: Painting) -> "PaintSetup":
+    def of(cls, options: PaintOptions, plan: Painting, robot: Robot | None = None) -> "PaintSetup":
         """Read what the words name. Raises InputError where something of it cannot be used."""
         replanning = Replanning.of(options)
         if replanning is not None:
@@ -36,7 +36,8 @@ class PaintSetup:
         tray = read_tray(options.tray) if options.tray is not None else None
         plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
         simulation = Simulation.of(options.machine, plan, easel, tray) if options.simulated else None
-        robot = machine(options.machine, easel) if simulation is None else simulation.robot
+        if robot is None:
+            robot = machine(options.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
         return cls(options, plan, robot, easel, tray, simulation, replanning)
 

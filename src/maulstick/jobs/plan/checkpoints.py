@@ -8,7 +8,6 @@ from pathlib import Path
 from maulstick.jobs.plan.prepare import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, with_metrics
 from maulstick.planning.planner import PlanProgress
 from maulstick.planning.state import State, read_state, write_state
 
@@ -62,7 +61,4 @@ def plan_with(
         except _Reweighed as change:
             prepared, state = prepared.weighed(change.weights), change.state
             asked = replace(asked, options=replace(asked.options, weights=dict(change.weights)))
-    painting = as_painting(
-        planned, prepared.layout, prepared.brush, prepared.style, prepared.provenance, prepared.names
-    )
-    return with_metrics(painting, prepared.layout, prepared.problem)
+    return prepared.painting(planned)

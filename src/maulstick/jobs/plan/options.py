@@ -41,6 +41,9 @@ class PlanOptions:
     seed: repeats a plan to the bit on one machine.
 
     Raises InputError for a value that is out of its range, and for options that contradict each other.
+
+        >>> PlanOptions(strokes=600, style="loops").steps
+        1500
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -69,6 +72,12 @@ class PlanOptions:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        for name in ("background", "look", "paints_from", "clip_weights"):  # so that a plan can go on from any folder
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, Path(getattr(self, name)).absolute())
+        for name in ("style", "brush"):
+            if Path(getattr(self, name)).suffix == ".json":
+                object.__setattr__(self, name, str(Path(getattr(self, name)).absolute()))
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
         _check_whole("strokes", self.strokes, 1, MOST_STROKES)

@@ -13,12 +13,12 @@ from maulstick.errors import InputError, option
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, load_brush
-from maulstick.painting.painting import Provenance, Sheet, hex_colour
+from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
 from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
 from maulstick.painting.raster import Canvas, parse_size
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
-from maulstick.planning.from_picture import problem_of, provenance_of
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import LONGEST_PX, Layout, canvas_for, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
@@ -63,6 +63,11 @@ class Prepared:
             resume=resume,
         )
 
+    def painting(self, planned: PlanResult) -> Painting:
+        """Return the painting that was planned, with its metrics."""
+        painting = as_painting(planned, self.layout, self.brush, self.style, self.provenance, self.names)
+        return with_metrics(painting, self.layout, self.problem)
+
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """The same with other weights of the terms. Raises InputError for weights that cannot be."""
         loss_options = replace(self.loss_options, weights=weights)
@@ -72,13 +77,16 @@ class Prepared:
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
 
-def prepare(request: PlanRequest, image: Image | None = None) -> Prepared:
+def prepare(
+    request: PlanRequest, image: Image | None = None, *, brush: Brush | None = None, style: Style | None = None
+) -> Prepared:
     """Read all files of a request. Raises InputError for the first that cannot be used, and for contradictions.
 
     image: the picture, (H, W, 3), sRGB in [0, 1], where it is in memory and not in a file that the request names.
+    brush, style: instead of those that the options name.
     """
     options = request.options
-    brush, sheet = load_brush(options.brush), _sheet(options)
+    brush, sheet = brush or load_brush(options.brush), _sheet(options)
     if options.pressure is not None:
         brush = brush.held_at(options.pressure)
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
@@ -91,7 +99,7 @@ def prepare(request: PlanRequest, image: Image | None = None) -> Prepared:
         layout = lay_out_for(picture, sheet, brush, options.fit, options.px)
     else:
         layout = mural.overview(LONGEST_PX)
-    style = load_style(options.style, layout.canvas)
+    style = style or load_style(options.style, layout.canvas)
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
     asks_clip = {"likeness": 1.0} if options.names_clip and picture is not None else {}
     loss_options = LossOptions(options.text, look, {**asks_clip, **options.weights})

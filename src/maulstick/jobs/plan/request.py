@@ -3,6 +3,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass, field, replace
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, Self
 
@@ -36,6 +37,8 @@ class PlanRequest:
     sums: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if self.picture is not None:
+            object.__setattr__(self, "picture", self.picture.absolute())
         if not 1 <= self.tries <= _MOST_TRIES:
             raise InputError.of_range(option("tries"), self.tries, f"from 1 to {_MOST_TRIES}")
         if self.options.seed + self.tries - 1 > _MOST_SEED:
@@ -88,6 +91,11 @@ class PlanRequest:
         options = self.options
         files = (self.picture, options.look, options.background, options.paints_from, options.clip_weights)
         return [file for file in files if file is not None]
+
+
+def demo_picture() -> Path:
+    """Return the path of the portrait that comes along, with scikit-image: Eileen Collins, by NASA."""
+    return Path(str(files("skimage.data").joinpath("astronaut.png")))
 
 
 def state_file(out: Path, seed: int) -> Path:

@@ -1,7 +1,6 @@
 """Pictures that people brought to be painted, each in a folder with picture.png and small.jpg."""
 
 import asyncio
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import final
@@ -10,6 +9,7 @@ from nicegui import Event
 from PIL import Image
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
 from maulstick.storage.files import atomic_write
 from maulstick.studio.state.folder import Folder
@@ -46,12 +46,7 @@ class Gallery:
 
     async def keep_portrait(self) -> str:
         """Store the picture that comes with Maulstick, unless it is there; return its name."""
-        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(portrait(), _PORTRAIT)
-
-
-def portrait() -> Path:
-    """Return the file of the picture that comes with Maulstick."""
-    return Path(str(files("skimage.data").joinpath("astronaut.png")))
+        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(demo_picture(), _PORTRAIT)
 
 
 def keep_picture(brought: Path, folder: Path) -> None:

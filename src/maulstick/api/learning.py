@@ -1,0 +1,90 @@
+"""Reading ink, and learning styles and brushes, from Python."""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+from maulstick.errors import InputError
+from maulstick.jobs.learn import Recorded, learn_style, strokes_of
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.painting.brush import BRUSHES, Brush, write_brush
+from maulstick.painting.raster import Canvas, parse_length, parse_size
+from maulstick.storage.arrays import kind_of
+from maulstick.strokes import ink as records
+from maulstick.strokes.ink import Ink
+from maulstick.style import Style
+from maulstick.style import load_style as load_style_for
+from maulstick.style.cards import STYLES
+
+
+def read_ink(path: str | Path, *, size: str | None = None, longest: str | None = None) -> Ink:
+    """Read ink: an .ink.npz, InkML, SVG, Wacom's UIM and WILL, or the JSON of pointer events.
+
+    size: the sheet that the page fills, as in ``A4``.  longest: the longer side of the drawing, as in ``150mm``, where
+    the file gives no scale.
+    Raises InputError where the file is none of these, or both are given.
+
+        >>> read_ink(drawing).summary()
+        '2 strokes, 40 mm, on 100 x 100 mm; without times and pressure'
+    """
+    if size is not None and longest is not None:
+        raise InputError("size and longest cannot both be kept; give one of them")
+    if kind_of(path) == "ink":
+        return records.read_ink(path)
+    from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
+
+    sheet = None if size is None else parse_size(size)
+    return read_ink_file(path, sheet, None if longest is None else parse_length(longest))[0]
+
+
+def fit_style(
+    ink: Recorded | Sequence[Recorded], name: str = "own", *, kind: str = "exemplar", keep: bool = False
+) -> Style:
+    """Learn a style from the strokes of one hand; twenty of them make a good one.
+
+    ink: `Ink`, `Strokes`, or a path to .ink.npz or .strokes.npz; or several of these.
+    kind: ``exemplar``, the strokes themselves and a density around them, or ``trajvae``, the paper's network.
+    keep: keep it among your own styles, for `plan` by its name.
+    Raises InputError for strokes that are too few or unlike any, and for a name that cannot be used.
+
+        >>> fit_style(ink, "me").name
+        'me'
+    """
+    several = [ink] if isinstance(ink, Recorded) else list(ink)
+    STYLES.check_own_name(name, overwrite=True) if keep else STYLES.check_name(name)
+    style = learn_style(name, strokes_of(several), kind)
+    if keep:
+        from maulstick.style.store import write_style
+
+        write_style(style, "Python", STYLES.own())
+    return style
+
+
+def load_style(name: str, size: str = PlanOptions.size) -> Style:
+    """Return a style by its name or the path of its JSON; ``free`` is sized for a sheet of this `size`.
+
+    Raises InputError where there is no such style, or its files cannot be used.
+
+        >>> load_style("loops").name
+        'loops'
+    """
+    return load_style_for(name, Canvas(*parse_size(size), 1.0))
+
+
+def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> Brush:
+    """Fit a brush to a folder of trials: strokes drawn once each, with photographs before and after.
+
+    keep: keep it among your own brushes, for `plan` by its name.  What the photographs cannot tell is a warning.
+    Raises InputError where the folder holds no trials, or too few of them can be used.
+    """
+    from maulstick.brush_fit.fit import fit_brush as fit  # loads torch
+    from maulstick.brush_fit.trials import Trials
+
+    BRUSHES.check_own_name(name, overwrite=True) if keep else BRUSHES.check_name(name)
+    drawn = Trials.open(Path(trials))
+    found = fit(drawn, drawn.pixels_per_metre, name, source=f"{drawn.medium}, fitted in Python", depth=drawn.depth)
+    for warning in found.warnings:
+        warnings.warn(warning, stacklevel=2)
+    if keep:
+        write_brush(found.brush, BRUSHES.own() / f"{name}.json")
+    return found.brush

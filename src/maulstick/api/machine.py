@@ -1,0 +1,174 @@
+"""Letting a machine paint, from Python."""
+
+import signal
+import threading
+import warnings
+from collections.abc import Callable, Collection, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, final
+
+from PIL import Image as Pillow
+from pydantic import ValidationError
+
+from maulstick.errors import InputError, option, validation_fault
+from maulstick.jobs.paint import session
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.operator import Operator
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.setup import PaintSetup
+from maulstick.jobs.paint.status import status_of
+from maulstick.painting.painting import Painting, write_painting
+from maulstick.robot.execute import PaintProgress
+from maulstick.robot.robot import Robot, StoppedError
+from maulstick.robot.routine import Prompt
+
+
+@dataclass(frozen=True)
+class PaintResult:
+    """What became of a painting.
+
+    strokes, painted: how many it has, and how many are on the sheet.
+    photograph: the sheet as it is now, where the machine is the simulated easel.
+    """
+
+    strokes: int
+    painted: int
+    photograph: Pillow.Image | None
+
+
+def paint(
+    painting: Painting | str | Path,
+    robot: str | Robot = "sim",
+    *,
+    resume: bool = False,
+    restart: bool = False,
+    unfinished: bool | None = None,
+    from_stroke: int | None = None,
+    progress: Callable[[PaintProgress], object] | None = None,
+    ask: Callable[[str], object] | None = None,
+    **options: Any,
+) -> PaintResult:
+    """Let a machine paint a painting, and return once it is done.
+
+    painting: the path of a painting.json, beside which a journal is kept, or for the simulated easel a `Painting`.
+    robot: the spec of a machine, as in ``sim`` or ``grbl:/dev/ttyUSB0``, or a `Robot` of your own.
+    resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
+    restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.
+    progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
+    by default a question on the terminal.
+    options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
+    colours.
+
+    Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
+    fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.
+
+        >>> paint(painting, robot="sim").photograph.mode
+        'RGB'
+    """
+    asked = _options(robot, options)
+    with ExitStack() as stack:
+        if isinstance(painting, Painting):
+            if not asked.simulated:
+                raise InputError(
+                    "a machine keeps a journal beside the painting; save the painting, and give its path"
+                )
+            file = Path(stack.enter_context(TemporaryDirectory())) / "painting.json"
+            write_painting(painting, file)
+        else:
+            file = Path(painting)
+        own = robot if isinstance(robot, Robot) else None
+        request = PaintRequest(file, asked, from_stroke, resume, restart, own)
+        photographs: list[Pillow.Image] = []
+
+        def operator_for(setup: PaintSetup, painted: Collection[int]) -> Operator:
+            return _Callbacks(setup.robot, progress, ask or _ask_on_the_terminal, photographs)
+
+        def is_painted(stroke: int) -> bool:
+            if unfinished is None:
+                told = f"say whether it is on the paper with {option('unfinished')}"
+                raise InputError(f"stroke {stroke} was under the brush when the run ended; {told}")
+            return unfinished
+
+        session.paint(request, is_painted, operator_for)
+        status = status_of(file)
+    assert status is not None  # the run has written a journal
+    return PaintResult(status.strokes, status.painted, photographs[-1] if photographs else None)
+
+
+def _options(robot: str | Robot, options: dict[str, Any]) -> PaintOptions:
+    spec = f"own:{type(robot).__name__}" if isinstance(robot, Robot) else robot
+    try:
+        asked = PaintOptions.model_validate({"robot": spec, **options})
+    except ValidationError as error:
+        raise InputError(validation_fault(error)) from error
+    asked.check()
+    return asked
+
+
+def _ask_on_the_terminal(message: str) -> None:
+    input(f"{message}, and press Enter: ")
+
+
+@final
+class _Callbacks(Operator):
+    """An operator who is told and asked by functions. Ctrl-C stops the machine."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        progress: Callable[[PaintProgress], object] | None,
+        ask: Callable[[str], object],
+        photographs: list[Pillow.Image],
+    ) -> None:
+        super().__init__(robot)
+        self._progress, self._ask, self._photographs = progress, ask, photographs
+
+    def expect(self, estimate: Estimate) -> None:
+        """As in `Operator`; the caller can ask `maulstick paint --dry-run`."""
+
+    @contextmanager
+    def on_duty(self) -> Iterator[None]:
+        """As in `Operator`."""
+        if self.stopped:
+            raise StoppedError
+        if threading.current_thread() is not threading.main_thread():  # only there can signals be heard
+            yield
+            return
+        before = signal.signal(signal.SIGINT, self.interrupt)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def watch(self, progress: PaintProgress) -> None:
+        """As in `Operator`."""
+        if self._progress is not None:
+            self._progress(progress)
+
+    def ask(self, action: Prompt) -> None:
+        """As in `Operator`."""
+        with self.interruptible():
+            self._ask(action.message)
+
+    def note(self, sentence: str) -> None:
+        """As in `Operator`."""
+        warnings.warn(sentence, stacklevel=2)
+
+    def show(self, photograph: Path) -> None:
+        """As in `Operator`."""
+
+    def expect_strokes(self, number: int) -> None:
+        """As in `Operator`."""
+
+    def leave(self, photograph: Path) -> None:
+        """As in `Operator`."""
+        with Pillow.open(photograph) as image:
+            self._photographs.append(image.convert("RGB"))
+
+    def wants_a_look(self) -> bool:
+        """As in `Operator`."""
+        return False

@@ -1,0 +1,101 @@
+"""Planning, rendering and comparing paintings from Python."""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image as Pillow
+
+from maulstick.api.painting import Painting
+from maulstick.errors import InputError
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting import painting as records
+from maulstick.painting.brush import Brush
+from maulstick.painting.metrics import Metrics
+from maulstick.painting.picture import READ_PX, Picture, image_of
+from maulstick.planning.planner import PlanProgress
+from maulstick.rendering.likeness import likeness
+from maulstick.rendering.preview import preview_of_height
+from maulstick.style import Style
+
+Progress = Callable[[PlanProgress], bool | None]
+
+_NAMES = {each.name for each in fields(PlanOptions)}
+
+
+def plan(
+    picture: Picture | None = None,
+    *,
+    style: str | Style | None = None,
+    brush: str | Brush | None = None,
+    options: PlanOptions | None = None,
+    progress: Progress | None = None,
+    **changes: Any,
+) -> Painting:
+    """Plan a painting of a picture, or of the `text` among the options.
+
+    picture: a path, a Pillow image, or an array (H, W, 3) or (H, W), uint8 or float in [0, 1], sRGB.
+    style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return.
+    options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
+    progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
+    (3, H, W)); planning ends early, with the strokes so far, once it returns False.
+
+    Raises InputError for a picture, an option or a file that cannot be used.
+
+        >>> painting = plan(demo_picture, style="hatching", ink="black", brush="fineliner", strokes=5, steps=2, px=16)
+        >>> painting.paints[0].hex
+        '#000000'
+    """
+    for name in changes:
+        if name not in _NAMES:
+            raise InputError.of_choice("option", name, _NAMES)
+    for name, thing in (("style", style), ("brush", brush)):
+        if thing is not None:
+            changes[name] = thing if isinstance(thing, str) else thing.name
+    path = Path(picture) if isinstance(picture, str | Path) else None
+    image = None if picture is None or path is not None else image_of(picture)
+    if picture is None and changes.get("text") is None and (options is None or options.text is None):
+        raise InputError("there is nothing to paint; give a picture, or a text")
+    prepared = prepare(
+        PlanRequest(path, replace(options or PlanOptions(), **changes)),
+        image,
+        brush=brush if isinstance(brush, Brush) else None,
+        style=style if isinstance(style, Style) else None,
+    )
+
+    def watch(step: PlanProgress) -> bool:
+        return progress is None or progress(step) is not False
+
+    return Painting.of(prepared.painting(prepared.plan(watch, None)))
+
+
+def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
+    """Draw a painting, or the painting.json at a path, as a Pillow image (RGB) that is `px` pixels high.
+
+    Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels.
+
+        >>> render(painting, px=64).size
+        (80, 64)
+    """
+    pixels = preview_of_height(_read(painting), px)
+    return Pillow.fromarray(np.round(255 * pixels).astype(np.uint8))
+
+
+def compare(painting: records.Painting | str | Path, picture: Picture) -> Metrics:
+    """Measure how near a painting, or the painting.json at a path, comes to a picture, over the picture's area.
+
+    Returns `Metrics`: mse, psnr in dB, ssim, and the mse after a blur of 4 pixels, of the sheet at 512 pixels.
+    Raises InputError where the painting or the picture cannot be used.
+
+        >>> 0 < compare(painting, demo_picture).psnr < 100
+        True
+    """
+    return likeness(_read(painting), image_of(picture, longest_px=READ_PX))
+
+
+def _read(painting: records.Painting | str | Path) -> records.Painting:
+    return painting if isinstance(painting, records.Painting) else records.read_painting(painting)

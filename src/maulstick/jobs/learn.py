@@ -1,0 +1,71 @@
+"""Learning a style from recorded strokes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from maulstick.errors import InputError
+from maulstick.storage.arrays import kind_of
+from maulstick.strokes.ink import Ink, read_ink
+from maulstick.strokes.strokes import POINTS, Strokes, read_strokes
+
+if TYPE_CHECKING:
+    from maulstick.style.store import Fitted
+
+Recorded = Ink | Strokes | str | Path
+KINDS: Final = ("exemplar", "trajvae")
+"""Kinds of style that are learned from strokes."""
+
+
+def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
+    """Return the strokes of all recordings together.
+
+    Raises InputError for a file that holds neither ink nor strokes, or that is named twice.
+    """
+    files = [Path(each).resolve() for each in recorded if isinstance(each, str | Path)]
+    if len(files) != len(set(files)):
+        raise InputError("a file is named twice, and its strokes would count twice; name each file once")
+    parts = [_strokes_in(each) for each in recorded]
+    if not parts:
+        raise InputError("there are no strokes to learn from; give ink, or the path of a recording")
+    return Strokes(
+        np.concatenate([part.trajectories for part in parts]),
+        np.concatenate([part.times for part in parts]),
+        np.concatenate([part.poses for part in parts]),
+    )
+
+
+def learn_style(name: str, strokes: Strokes, kind: str) -> "Fitted":
+    """Return a style of this kind, learned from the strokes. Raises InputError where they do not make one."""
+    if kind not in KINDS:
+        raise InputError.of_choice("kind", kind, KINDS)
+    from maulstick.style.hand import Hand  # these load torch
+
+    hand = Hand.of(strokes)
+    if kind == "exemplar":
+        from maulstick.style.exemplar import Exemplar
+        from maulstick.style.store import load_hands
+
+        return Exemplar.fit(name, hand, load_hands())
+    from maulstick.style.train import fine_tune, pretrained
+
+    return fine_tune(pretrained(), hand, seed=0, name=name)
+
+
+def _strokes_in(recorded: Recorded) -> Strokes:
+    if isinstance(recorded, Ink):
+        return Strokes.of(recorded)
+    if isinstance(recorded, Strokes):
+        return recorded
+    kind = kind_of(recorded)
+    if kind == "ink":
+        return Strokes.of(read_ink(recorded))
+    if kind == "strokes":
+        strokes = read_strokes(recorded)
+        points = strokes.trajectories.shape[1]
+        if points != POINTS:
+            raise InputError.of_range(f"the number of points of a stroke in {recorded}", points, f"{POINTS}")
+        return strokes
+    raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record")

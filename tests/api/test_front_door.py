@@ -1,0 +1,235 @@
+"""The front door: what ``import maulstick as ms`` gives, how little that loads, and that its documentation is true."""
+
+import doctest
+import importlib
+import pkgutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import maulstick as ms
+from maulstick.errors import InputError
+from maulstick.jobs.plan.request import demo_picture
+from maulstick.painting import painting as records
+from maulstick.painting.metrics import Metrics
+from maulstick.painting.raster import Canvas
+from maulstick.robot.simulated.easel import SimulatedEasel
+from maulstick.robot.simulated.sheets import sheet_for
+
+QUICK = {"strokes": 6, "steps": 3, "px": 24, "paints": 2, "size": "60x60mm"}
+FUNCTIONS = [name for name in ms.__all__ if name != "__version__"]
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'
+
+
+@pytest.fixture(scope="module")
+def painting() -> ms.Painting:
+    return ms.plan(demo_picture(), **QUICK)
+
+
+@pytest.fixture(scope="module")
+def drawing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("drawing") / "drawing.svg"
+    arcs = (f'<path d="M{x} 20 q 5 {bend} 20 30" fill="none"/>' for x in range(5, 70, 5) for bend in (-12, 3))
+    path.write_text(SVG.format("".join(arcs)))
+    return path
+
+
+def loaded_by(code: str) -> set[str]:
+    """Names of packages that are loaded after this code, in an interpreter of its own."""
+    told = "import sys; print(' '.join({name.partition('.')[0] for name in sys.modules}))"
+    ran = subprocess.run([sys.executable, "-c", f"{code}; {told}"], capture_output=True, text=True, check=True)
+    return set(ran.stdout.split())
+
+
+def test_importing_maulstick_loads_nothing_that_is_large() -> None:
+    large = {"torch", "matplotlib", "nicegui", "numpy", "scipy", "skimage", "pydantic", "typer"}
+    assert not large & loaded_by("import maulstick as ms; ms.__version__; dir(ms)")
+
+
+def test_the_options_of_a_plan_and_a_painting_load_no_torch() -> None:
+    assert "torch" not in loaded_by("import maulstick as ms; ms.PlanOptions(strokes=3); ms.Painting; ms.read_painting")
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_name_exists_and_says_what_it_is(name: str) -> None:
+    thing = getattr(ms, name)
+    assert thing.__doc__
+    assert name in dir(ms)
+    assert thing.__module__.startswith("maulstick.")
+
+
+def test_there_is_no_name_that_is_not_promised() -> None:
+    with pytest.raises(AttributeError):
+        _ = ms.nothing  # type: ignore[attr-defined]
+
+
+def modules() -> Iterator[str]:
+    for found in pkgutil.walk_packages(ms.__path__, "maulstick."):
+        if not found.name.endswith("gpu_programs"):  # in Triton's language, which is not everywhere
+            yield found.name
+
+
+def test_no_module_takes_the_place_of_a_function() -> None:
+    for name in modules():
+        importlib.import_module(name)
+    assert not {name.removeprefix("maulstick.") for name in modules()} & set(ms.__all__)
+    assert callable(ms.plan)
+    assert len(ms.plan(demo_picture(), **QUICK).strokes) <= 6
+
+
+def test_every_line_of_the_documentation_runs(painting: ms.Painting, drawing: Path, tmp_path: Path) -> None:
+    given: dict[str, Any] = {
+        "ms": ms,
+        "demo_picture": demo_picture(),
+        "drawing": drawing,
+        "folder": tmp_path,
+        "painting": ms.plan(demo_picture(), strokes=6, steps=3, px=24, paints=2),
+        "ink": ms.read_ink(drawing),
+        **{name: getattr(ms, name) for name in FUNCTIONS},
+    }
+    runner, tried = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS), set()
+    for name in FUNCTIONS:
+        for test in doctest.DocTestFinder().find(getattr(ms, name), name, globs=dict(given)):
+            if test.examples:
+                tried.add(test.name.partition(".")[0])
+                said: list[str] = []
+                assert runner.run(test, out=said.append).failed == 0, "".join(said)
+    assert tried >= {"plan", "render", "compare", "paint", "read_ink", "fit_style", "load_style", "load_brush"}
+    assert tried >= {"read_painting", "Painting", "PlanOptions"}
+
+
+def test_one_line_makes_a_painting_and_more_show_save_and_paint_it(painting: ms.Painting, tmp_path: Path) -> None:
+    painting.save(tmp_path / "cat.json")
+    assert ms.read_painting(tmp_path / "cat.json") == painting
+    ms.render(painting, px=64).save(tmp_path / "cat.png")
+    with Image.open(tmp_path / "cat.png") as image:
+        assert image.size == (64, 64)
+    painting.save(tmp_path / "cat.svg")
+    assert (tmp_path / "cat.svg").read_text() == painting.to_svg()
+    assert painting._repr_png_().startswith(b"\x89PNG")
+    result = ms.paint(painting, robot="sim")
+    assert (result.painted, result.strokes) == (len(painting.strokes),) * 2
+    assert result.photograph is not None
+    assert np.asarray(result.photograph).min() < 200
+
+
+def test_the_painting_is_the_one_that_the_command_would_make(painting: ms.Painting, tmp_path: Path) -> None:
+    from tests.cli.conftest import run
+
+    words = ("--strokes", "6", "--steps", "3", "--px", "24", "--paints", "2", "--size", "60x60mm")
+    assert run("plan", "--demo", *words, "--out", tmp_path / "out").code == 0
+    assert ms.read_painting(tmp_path / "out" / "painting.json") == painting
+
+
+def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
+    with Image.open(demo_picture()) as image:
+        image.load()
+    pixels = np.asarray(image)
+    for picture in (str(demo_picture()), image, pixels, pixels.astype(np.float64) / 255):
+        assert ms.plan(picture, **QUICK).strokes == painting.strokes
+        assert ms.compare(painting, picture).psnr == pytest.approx(ms.compare(painting, demo_picture()).psnr, abs=1e-3)
+    assert isinstance(ms.compare(painting, pixels[..., 0]), Metrics)
+
+
+@pytest.mark.parametrize(
+    ("picture", "said"),
+    [
+        (np.zeros((4, 4, 3), dtype=np.int64), "an array of int64; give uint8, or float in [0, 1]"),
+        (np.full((4, 4, 3), 200.0), "values from 200 to 200; floats must be in [0, 1], so divide them first"),
+        (np.full((4, 4, 3), np.nan), "floats must be in [0, 1]"),
+        (np.full((4, 4, 3), -0.1), "floats must be in [0, 1]"),
+        (np.zeros((3, 4, 4, 3)), "has shape (3, 4, 4, 3); it must be (H, W, 3), or (H, W) for greys"),
+        (np.zeros((4, 4, 4)), "has shape (4, 4, 4)"),
+        (np.zeros((0, 4, 3)), "has shape (0, 4, 3)"),
+        ("none.jpg", "none.jpg; check its name and folder"),
+    ],
+)
+def test_a_picture_of_another_kind_is_refused_and_never_clipped(picture: Any, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ms.plan(picture)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"strokes": 0}, "strokes is 0; it must be from 1 to 100000"),
+        ({"strokes": 2.5}, "strokes is 2.5; it must be from 1 to 100000"),
+        ({"colour": "red"}, "there is no option 'colour'; there are: ask_every, background, brush"),
+        ({"ink": "black", "paints": 3}, "paints and ink are two ways to say what to paint with"),
+        ({"background": "none.jpg", "paper": "grey"}, "background shows the sheet as it is, and paper its colour"),
+        ({"style": "nobody"}, "there is no style 'nobody'"),
+        ({"weights": {"tone": "much"}}, "the weight of tone is 'much'; it must be a number"),
+    ],
+)
+def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ms.plan(demo_picture(), **options)
+    assert said in str(caught.value)
+    assert "--" not in str(caught.value)
+
+
+def test_there_must_be_something_to_paint() -> None:
+    with pytest.raises(InputError, match="give a picture, or a text"):
+        ms.plan()
+
+
+def test_progress_is_told_and_can_end_a_plan() -> None:
+    seen: list[float] = []
+
+    def progress(step: Any) -> bool:
+        seen.append(step.done)
+        return len(seen) < 3
+
+    assert ms.plan(demo_picture(), **{**QUICK, "steps": 1000}, progress=progress).strokes
+    assert len(seen) < 10
+    assert seen == sorted(seen)
+
+
+def test_options_are_defaults_that_single_ones_differ_from() -> None:
+    options = ms.PlanOptions(**QUICK)
+    again = ms.plan(demo_picture(), options=options, seed=5)
+    assert again == ms.plan(demo_picture(), **QUICK, seed=5)
+
+
+def test_a_hand_that_was_learned_plans_without_being_kept(drawing: Path) -> None:
+    style = ms.fit_style(ms.read_ink(drawing), "arcs")
+    painting = ms.plan(demo_picture(), **QUICK, style=style, brush=ms.load_brush("marker"))
+    assert {stroke.style.name for stroke in painting.strokes if stroke.style is not None} == {"arcs"}
+    assert list(painting.brushes) == ["marker"]
+    with pytest.raises(InputError, match="there is no style 'arcs'"):
+        ms.load_style("arcs")
+    ms.fit_style(ms.read_ink(drawing), "arcs", keep=True)
+    assert ms.load_style("arcs").hash == style.hash
+
+
+def test_a_robot_of_ones_own_paints(painting: ms.Painting, tmp_path: Path) -> None:
+    painting.save(tmp_path / "cat.json")
+    brush = next(iter(painting.brushes.values()))
+    robot = SimulatedEasel(sheet_for(brush, Canvas(0.06, 0.06, 2000)))
+    result = ms.paint(tmp_path / "cat.json", robot=robot, ask=lambda message: None)
+    assert result.painted == len(painting.strokes)
+    assert result.photograph is None
+    assert robot.sheet.image().min() < 0.9
+    with pytest.raises(InputError, match="go on with paint\\(\\.\\.\\., resume=True\\), or start on a new sheet"):
+        ms.paint(tmp_path / "cat.json", robot=robot)
+    again = ms.paint(tmp_path / "cat.json", robot=robot, restart=True, ask=lambda message: None)
+    assert again.painted == result.painted
+
+
+def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting) -> None:
+    with pytest.raises(InputError, match="save the painting, and give its path"):
+        ms.paint(painting, robot="grbl:/dev/ttyUSB0")
+    with pytest.raises(InputError, match="there is no machine 'brush'"):
+        ms.paint(painting, robot="simply")
+
+
+def test_a_painting_is_a_record_with_more_to_say(painting: ms.Painting) -> None:
+    assert isinstance(painting, records.Painting)
+    assert records.Painting(**dict(painting)) == records.Painting(**dict(ms.Painting.of(painting)))
