@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Self
 
-STEPS_A_SECOND = 25_000
+STEPS_PER_SECOND = 25_000
 SLOWEST = 1.31
 
 
@@ -154,7 +154,7 @@ class FakeEbb:
         elif name == "SM":
             duration, first, second = map(int, words)
             rates = [abs(steps) * 1000 / max(duration, 1) for steps in (first, second)]
-            if duration < 1 or max(rates) > STEPS_A_SECOND or any(0 < rate < SLOWEST for rate in rates):
+            if duration < 1 or max(rates) > STEPS_PER_SECOND or any(0 < rate < SLOWEST for rate in rates):
                 return "!5 Err: <axis1> step rate out of range."
             self._motions.append(Motion(duration / 1000, (first, second)))
         elif name != "SC":

@@ -1,32 +1,30 @@
-"""Sheets that really take ink, for the simulator: painted by libmypaint, or stamped where that is not installed."""
+"""Sheets of the simulator: painted by libmypaint, or stamped by OpenCV where libmypaint is not installed."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.simulated.mypaint import MyPaintPaper
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 from maulstick.strokes.strokes import path_lengths, resample
 
-Image = NDArray[np.float32]
 Colour = tuple[float, float, float]
 
-_THINNEST = 0.1e-3  # metres
-_FINE = 4  # bits of a pixel that OpenCV knows places to
-_SLOWLY = 6.0  # radii a second: the tips of libmypaint feel a hand's speed, and a machine's do not
-_STEP = 0.25  # of a half-width: from stamp to stamp
+_THINNEST = 0.1e-3  # metres: least half-width that is stamped, so that light strokes are seen
+_FINE = 4  # fractional bits of the places that OpenCV draws at: 1/16 of a pixel
+_SLOWLY = 6.0  # radii per second: slow, since libmypaint's marks depend on speed, and those of a machine's tools do not
+_STEP = 0.25  # half-widths between two stamps, so that their edge is smooth
 
 
 @dataclass(frozen=True)
 class _Tool:
-    """A medium of libmypaint, its radius, the half-width of its widest mark, and the depth of that; metres."""
+    """Medium of libmypaint, its radius, the half-width of its widest mark, and the depth for that mark; metres."""
 
     medium: str
     radius: float
@@ -42,9 +40,9 @@ _TOOLS = {
 
 
 class InkedSheet(ABC):
-    """White paper and a medium.
+    """White sheet that takes the marks of a medium.
 
-    canvas: its size, and the pixels of `image`.  depth: metres below first touch that are the medium's pressure 1.
+    canvas: size of the sheet, and pixels of `image`.  depth: metres below first touch at pressure 1.
     """
 
     canvas: Canvas
@@ -56,15 +54,15 @@ class InkedSheet(ABC):
 
     @abstractmethod
     def image(self) -> Image:
-        """(height_px, width_px, 3) sRGB in [0, 1]: the sheet as it is now."""
+        """Return the sheet as it is now, (height_px, width_px, 3) sRGB in [0, 1]."""
 
 
 @final
 class MyPaintSheet(InkedSheet):
-    """A sheet of libmypaint's. medium, radius: as in `mypaint.MyPaintPaper.draw`."""
+    """Sheet that libmypaint draws on; medium, radius: as in `mypaint.MyPaintPaper.draw`."""
 
     def __init__(self, canvas: Canvas, medium: str, radius: float, depth: float) -> None:
-        """Raises InputError where libmypaint is not installed."""
+        """Make a sheet. Raises InputError where libmypaint is not installed."""
         self.canvas, self.depth, self._medium, self._radius = canvas, depth, medium, radius
         self._paper, self._speed = MyPaintPaper(canvas), max(_SLOWLY * radius, 1e-3)
 
@@ -79,10 +77,10 @@ class MyPaintSheet(InkedSheet):
 
 @final
 class StampedSheet(InkedSheet):
-    """A sheet on which OpenCV stamps discs along a path. half_width: of the mark at pressure 0 and 1, metres."""
+    """Sheet on which OpenCV stamps discs along a path; half_width: of the mark at pressure 0 and 1, metres."""
 
     def __init__(self, canvas: Canvas, half_width: tuple[float, float], depth: float) -> None:
-        """Raises InputError where OpenCV is not installed."""
+        """Make a sheet. Raises InputError where OpenCV is not installed."""
         self.canvas, self.depth, self._half_width = canvas, depth, half_width
         self._cv2 = opencv()
         self._image: Image = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32)
@@ -106,7 +104,7 @@ class StampedSheet(InkedSheet):
 
 
 def sheet_for(brush: Brush, canvas: Canvas) -> InkedSheet:
-    """A sheet for a tool like the one that the brush was fitted to, which is not what the brush says of it."""
+    """Make a sheet whose medium is a tool like the one that the brush was fitted to, not the fitted brush itself."""
     tool = _TOOLS[min(_TOOLS, key=lambda name: (name != brush.name, abs(_TOOLS[name].widest - brush.widest)))]
     depth = max(brush.depth) or tool.depth
     try:
