@@ -96,7 +96,7 @@ def test_where_libmypaint_is_missing_marks_are_stamped_with_another_width_than_t
     def missing(_: Canvas) -> NoReturn:
         raise InputError("libmypaint is not installed")
 
-    monkeypatch.setattr(sheets, "Paper", missing)
+    monkeypatch.setattr(sheets, "MyPaintPaper", missing)
     paper = sheet_for(nominal("round"), CANVAS)
     assert isinstance(paper, StampedSheet)
     paper.draw(ROW, (0, 0, 0))
