@@ -53,7 +53,7 @@ def pen_up(ends: Floats, way: Tour, start: tuple[float, float]) -> float:
 
 
 def _near(points: Floats, reversible: Bools) -> tuple[NDArray[np.int32], Floats]:
-    """Return for each of the points (2 N + 2, 2) the K nearest at which another stroke may begin, and their distances."""
+    """Return for each point (2 N + 2, 2) the K nearest at which another stroke may begin, and their distances."""
     begins = np.column_stack([np.ones_like(reversible), reversible]).ravel().nonzero()[0]
     gaps, rows = cKDTree(points[begins]).query(points, k=range(1, min(_NEIGHBOURS + 2, len(begins)) + 1))
     own = begins[rows] // 2 == np.arange(len(points))[:, None] // 2
