@@ -18,7 +18,7 @@ A4 = np.array([[0, 0], [0.297, 0], [0.297, 0.21], [0, 0.21]])
 
 
 def easel(turn: float, lean: float, about: float, corner: tuple[float, float, float] = (0.4, 0.1, 0.02)) -> Easel:
-    """Turned about z, and tilted by `lean` about a level axis in the direction `about`."""
+    """Return an easel turned about z, and tilted by `lean` about a level axis in the direction `about`."""
     tilted = Rotation.from_rotvec(lean * np.array([np.cos(about), np.sin(about), 0])) * Rotation.from_euler("z", turn)
     right, down = tilted.apply([[1, 0, 0], [0, -1, 0]]).tolist()
     return Easel(corner=corner, right=right, down=down)

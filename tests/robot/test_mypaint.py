@@ -44,7 +44,7 @@ def wave() -> Floats:
 
 
 def distances(trajectory: Floats) -> Floats:
-    """(height_px, width_px) metres from the middle of each pixel to the path."""
+    """Return the distance of the middle of each pixel to the path, (height_px, width_px) metres."""
     middles = (np.indices((SHEET.height_px, SHEET.width_px))[::-1] + 0.5) / SHEET.pixels_per_metre
     points = resample(trajectory, 200)[:, :2]
     return np.min([np.hypot(middles[0] - x, middles[1] - y) for x, y in points], axis=0)

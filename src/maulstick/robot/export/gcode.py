@@ -50,7 +50,7 @@ class Gcode:
         return [self._straight(start, place, self.limits.speed)]
 
     def draw(self, start: Floats, path: Floats, speed: Floats) -> list[str]:
-        """Lower the pen from `start` (3,) to the path (n, 3), and follow it at speeds (n,) at most, metres and seconds."""
+        """Lower the pen from `start` (3,) to the path (n, 3), and follow it; speed: (n,) metres per second at most."""
         self.limits.check_path(path)
         self.limits.check_speed(speed)
         if self.pen is None:

@@ -149,8 +149,8 @@ class MyPaintPaper:
             raise InputError("a point of the trajectory is not a finite number")
         if path[:, 2].min() < 0 or path[:, 2].max() > 1:
             raise InputError.of_range("pressure", f"{path[:, 2].min():g} to {path[:, 2].max():g}", "in [0, 1]")
-        beside = max(self.canvas.width, self.canvas.height)  # libmypaint's memory grows with the distance
-        path[:, :2] = path[:, :2].clip(-beside, 2 * beside)
+        reach = max(self.canvas.width, self.canvas.height)  # libmypaint's memory grows with the distance
+        path[:, :2] = path[:, :2].clip(-reach, 2 * reach)
         moving = resample(path, 1 + math.ceil(float(path_lengths(path[:, :2])) / (speed * _PERIOD)))
         moving[:, :2] *= self.canvas.pixels_per_metre
         staying = np.repeat(moving[-1:], round(_STAY / _PERIOD), axis=0)
