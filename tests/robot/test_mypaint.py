@@ -152,7 +152,7 @@ def test_a_medium_that_does_not_exist_is_refused() -> None:
     [
         (line(0.5), 0.0, 0.05, "the radius is 0.0; it must be above 0 metres"),
         (line(0.5), float("nan"), 0.05, "the radius is nan; it must be above 0 metres"),
-        (line(0.5), 1e-3, 0.0, "the speed is 0.0; it must be at least 0.001 metres a second"),
+        (line(0.5), 1e-3, 0.0, "the speed is 0.0; it must be at least 0.001 metres per second"),
         (line(1.5), 1e-3, 0.05, "pressure is 1.5 to 1.5; it must be in [0, 1]"),
         (line(0.5, end=np.inf), 1e-3, 0.05, "a point of the trajectory is not a finite number"),
         (line(0.5)[:0], 1e-3, 0.05, "a trajectory has shape (0, 3); it must be (n, 3) with n of at least 1"),

@@ -20,11 +20,11 @@ BUFFER: Final = 127
 HOLD: Final = b"!"
 """Command that brakes at once, whatever else is on the line."""
 
-_RESET, _REPORT = b"\x18", b"?"
+_RESET, _REPORT = b"\x18", b"?"  # real-time commands: soft reset, and a status report
 _BETWEEN_REPORTS = 0.2  # seconds; Grbl's interface asks for at most 5 per second
 _BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened misses the first reset
 _QUIET = 0.1  # seconds in which a board that took both resets greets a second time
-_HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")
+_HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")  # states at rest
 _UNABLE = {
     "Door": "its safety door is open; close it, then go on with maulstick paint ... --resume",
     "Check": "it only checks G-code; send $C, then start again",

@@ -106,7 +106,7 @@ class MyPaintPaper:
         if not (math.isfinite(radius) and radius > 0):
             raise InputError.of_range("the radius", radius, "above 0 metres")
         if not (math.isfinite(speed) and speed >= _SLOWEST):
-            raise InputError.of_range("the speed", speed, f"at least {_SLOWEST:g} metres a second")
+            raise InputError.of_range("the speed", speed, f"at least {_SLOWEST:g} metres per second")
         reports = self._reports(trajectory, speed)
         brush = self._brush(medium, radius, colour)
         library, surface = self._library, self._surface

@@ -32,7 +32,7 @@ class _Tool:
     depth: float
 
 
-_TOOLS = {
+_TOOLS = {  # by the brush that was fitted to such a tool
     "fineliner": _Tool("marker_fat", 0.5e-3, 0.2e-3, 8e-3),
     "marker": _Tool("marker", 1.2e-3, 1.8e-3, 2e-3),
     "round": _Tool("acrylic", 3.2e-3, 7.9e-3, 8e-3),
