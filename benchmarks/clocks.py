@@ -13,7 +13,7 @@ from maulstick.robot.routine import Action, Draw, routine, seconds_of
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from tests.support.robot.fake_grbl import FakeGrbl
-from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
+from tests.support.robot.franka_simulator import SECONDS_PER_STEP, FrankaSimulator
 
 SPEED = 0.05  # metres a second
 SERVO = Pen(up=500, down=700, seconds=0.2)
@@ -36,7 +36,7 @@ def on_franka(painting: Painting, strokes: int) -> tuple[float, float]:
         actions, estimated = _actions(painting, strokes, BEFORE_AN_ARM, robot)
         simulator.path()
         _draw(actions, robot)
-        return estimated, SECONDS_A_STEP * len(simulator.path())
+        return estimated, SECONDS_PER_STEP * len(simulator.path())
 
 
 def _actions(painting: Painting, strokes: int, easel: Easel, robot: Robot) -> tuple[list[Action], float]:

@@ -10,7 +10,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not i
 from maulstick.robot.adapters.franka import Franka
 from maulstick.robot.routine import Draw, Motion, seconds_of
 from maulstick.storage.arrays import Floats
-from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator, moving_seconds
+from tests.support.robot.franka_simulator import SECONDS_PER_STEP, FrankaSimulator, moving_seconds
 
 PAPER = 0.35  # metres: height at which the simulated arm draws, in the air
 HOVER = PAPER + 5e-3
@@ -37,7 +37,7 @@ def both_clocks(strokes: Drawn) -> dict[str, float]:
         path = simulator.path()
     return {
         "estimated_s": estimated,
-        "simulated_s": SECONDS_A_STEP * len(path),
+        "simulated_s": SECONDS_PER_STEP * len(path),
         "moving_s": moving_seconds(path),
     }
 

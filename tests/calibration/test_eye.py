@@ -44,7 +44,7 @@ def studio() -> Studio:
 
 @pytest.fixture
 def eye(studio: Studio) -> Eye:
-    """One that has seen the bare sheet, which has been painted since."""
+    """Eye that has seen the bare sheet, which has been painted since."""
     seeing = opened(studio)
     studio.sheet = PAINTED
     return seeing
@@ -55,10 +55,10 @@ def away(image: Image, painted: Image = PAINTED) -> float:
 
 
 def test_a_bare_sheet_is_seen_in_its_own_white(studio: Studio) -> None:
-    sight = opened(studio).look()
-    assert sight.image.shape == (CANVAS.height_px, CANVAS.width_px, 3)
-    assert np.abs(sight.image.mean(axis=(0, 1)) - PAPER).max() < WHITE
-    assert (sight.shift, sight.notes) == (None, ())
+    seen = opened(studio).look()
+    assert seen.image.shape == (CANVAS.height_px, CANVAS.width_px, 3)
+    assert np.abs(seen.image.mean(axis=(0, 1)) - PAPER).max() < WHITE
+    assert (seen.shift, seen.notes) == (None, ())
 
 
 def test_greys_are_true_in_every_photograph(eye: Eye) -> None:
@@ -84,9 +84,9 @@ def test_with_a_chart_other_colours_are_true_too(studio: Studio) -> None:
 
 def test_one_hidden_tag_is_a_note(studio: Studio, eye: Eye) -> None:
     studio.camera.cover(2)
-    sight = eye.look()
-    assert sight.notes == ("tag 2 is hidden; the other three do",)
-    assert away(sight.image) < PICTURE
+    seen = eye.look()
+    assert seen.notes == ("tag 2 is hidden; the other three do",)
+    assert away(seen.image) < PICTURE
 
 
 def test_two_hidden_tags_are_named_and_nothing_goes_on(studio: Studio, eye: Eye) -> None:
@@ -103,12 +103,12 @@ def test_two_hidden_tags_are_named_and_nothing_goes_on(studio: Studio, eye: Eye)
 def test_a_sheet_that_has_moved_is_seen_as_it_lies_and_said(studio: Studio, eye: Eye) -> None:
     studio.camera.move_paper(0.008, -0.003, 0.01)
     for _ in range(2):
-        sight = eye.look()
-        assert sight.shift is not None
-        assert (sight.shift.dx, sight.shift.dy) == pytest.approx((0.008, -0.003), abs=MOVED)
-        assert sight.shift.dtheta == pytest.approx(0.01, abs=TURNED)
-        assert sight.notes == ("the sheet has moved by 10.1 mm; painting goes on where it lies now",)
-        assert away(sight.image) < PICTURE
+        seen = eye.look()
+        assert seen.shift is not None
+        assert (seen.shift.dx, seen.shift.dy) == pytest.approx((0.008, -0.003), abs=MOVED)
+        assert seen.shift.dtheta == pytest.approx(0.01, abs=TURNED)
+        assert seen.notes == ("the sheet has moved by 10.1 mm; painting goes on where it lies now",)
+        assert away(seen.image) < PICTURE
 
 
 def test_the_easel_goes_with_the_sheet(studio: Studio, eye: Eye) -> None:

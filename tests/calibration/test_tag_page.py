@@ -14,7 +14,7 @@ DOT = 25.4e-3 / 600
 
 
 def _found(page: Image.Image) -> dict[int, np.ndarray]:
-    """Metres from the page's upper left corner."""
+    """Return metres from the page's upper left corner."""
     light = np.asarray(page.reduce(4), dtype=np.float32) / 255
     photo = colours_of(light)[..., None].repeat(3, axis=2)
     return {tag: (corners + 0.5) * 4 * DOT for tag, corners in found_tags(photo).items()}

@@ -18,7 +18,7 @@ A4 = np.array([[0, 0], [0.297, 0], [0.297, 0.21], [0, 0.21]])
 
 
 def easel(turn: float, lean: float, about: float, corner: tuple[float, float, float] = (0.4, 0.1, 0.02)) -> Easel:
-    """Turned about z, and tilted by `lean` about a level axis in the direction `about`."""
+    """Return an easel turned about z, and tilted by `lean` about a level axis in the direction `about`."""
     tilted = Rotation.from_rotvec(lean * np.array([np.cos(about), np.sin(about), 0])) * Rotation.from_euler("z", turn)
     right, down = tilted.apply([[1, 0, 0], [0, -1, 0]]).tolist()
     return Easel(corner=corner, right=right, down=down)
@@ -98,7 +98,7 @@ def test_the_deepest_pressure_is_how_far_the_tip_is_below_the_paper(truth: Easel
 @pytest.mark.parametrize("height", [0.001, -0.05])
 def test_a_tip_in_the_air_or_far_below_the_paper_is_no_deepest_pressure(height: float) -> None:
     truth = easel(0, 0, 0)
-    with pytest.raises(InputError, match=r"the deepest pressure is .* mm; it must be above 0 and at most 20 mm"):
+    with pytest.raises(InputError, match=r"the greatest depth is .* mm; it must be above 0 and at most 20 mm"):
         with_deepest(truth, truth.canvas_to_machine(np.array([0.1, 0.1, height])))
 
 

@@ -41,7 +41,7 @@ def test_a_paint_stands_together_in_the_order_that_was_before(paint_of: NDArray[
 
 @st.composite
 def layered(draw: st.DrawFn) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The paints of strokes, and which of them lie over one another."""
+    """Draw the paints of strokes, and pairs of them that overlap."""
     paint_of = draw(paint_of_each.filter(len))
     pairs = [(i, j) for j in range(len(paint_of)) for i in range(j) if paint_of[i] != paint_of[j]]
     chosen = draw(st.lists(st.sampled_from(pairs), unique=True, max_size=60)) if pairs else []

@@ -50,7 +50,7 @@ def _travel(painting: Painting) -> float:
 
 
 def _random(count: int, rng: np.random.Generator, brush: Brush, length: float = 0.03) -> Painting:
-    """All strokes have as many points: a shorter one would end in a dot that its nib does not draw."""
+    """Return random strokes, all of as many points: a shorter one would end in a dot that its nib does not draw."""
     points = int(rng.integers(1, 6))
 
     def stroke() -> tuple[Point, ...]:
@@ -149,7 +149,7 @@ def test_the_first_stroke_is_near_the_pen_and_the_next_run_near_the_last_stroke(
 
 
 def _zigzag(pressure: Callable[[float], float] = lambda x: 0.5) -> tuple[Point, ...]:
-    """From far to near, as seen from home, and a little up."""
+    """Path from far to near, seen from home, and a little up."""
     return tuple(
         (x, round((0.05 if i % 2 else 0.06) + 0.1 * x, 6), pressure(x))
         for i, x in enumerate((0.09, 0.08, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01))

@@ -24,7 +24,7 @@ def _ends(count: int, seed: int) -> Floats:
 
 
 def _travel(ends: Floats, order: tuple[int, ...], turned: tuple[bool, ...]) -> float:
-    """Pen-up metres, stroke by stroke."""
+    """Return the pen-up travel, metres, added stroke by stroke."""
     metres, pen = 0.0, np.array(HOME)
     for stroke, backwards in zip(order, turned, strict=True):
         first, last = ends[stroke][::-1] if backwards else ends[stroke]
@@ -34,7 +34,7 @@ def _travel(ends: Floats, order: tuple[int, ...], turned: tuple[bool, ...]) -> f
 
 
 def _shortest(ends: Floats, reversible: Bools) -> float:
-    """Of all tours there are."""
+    """Return the shortest pen-up travel of all possible tours."""
     return min(
         _travel(ends, order, turned)
         for order in permutations(range(len(ends)))

@@ -12,7 +12,7 @@ from maulstick.robot.camera.camera import CameraError, UsbCamera, WatchedFolder,
 
 
 class FakeVideo:
-    """A driver that holds four frames back; frame n is all of grey n. It is unplugged after `frames`."""
+    """Driver that buffers four frames; frame n is all of grey n. It is unplugged after `frames`."""
 
     frames = 100
 

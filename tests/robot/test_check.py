@@ -115,7 +115,7 @@ def test_a_machine_that_keeps_its_promises_passes_every_check() -> None:
         (Half, "it draws and lifts where it is told", r"returned one \(1, 3\)"),
         (Slanting, "it draws and lifts where it is told", "moved sideways when it was lifted"),
         (Low, "it draws and lifts where it is told", "lifted to 23 mm"),
-        (Unlimited, "it refuses what is outside its limits", "took a place 10 mm outside"),
+        (Unlimited, "it refuses what is outside its limits", "accepted a place 10 mm outside"),
         (Sneaking, "it refuses what is outside its limits", "refused a place .* and moved"),
         (Unstoppable, "it stops at once", "was over before it was stopped"),
         (Late, "it stops at once", r"it took 0\.\d+ s, of which lifting takes 0\.13 at most"),

@@ -27,13 +27,13 @@ QUICK = 0.5  # seconds of patience, where it must end
 
 
 def places_of(motors: list[tuple[int, int]]) -> Floats:
-    """(n, 2) metres of the pen for steps of both motors since home, y up: a reader of its own."""
+    """Return the pen (n, 2), metres, for steps of both motors since home, y up, independently of the package."""
     first, second = np.array(motors, dtype=np.float64).reshape(-1, 2).T
     return np.stack([first + second, second - first], axis=1) / 2 / 80e3
 
 
 def commanded(commands: list[str]) -> Floats:
-    """(n, 2) where each motion ends, from home."""
+    """Return the places (n, 2) where motions end, from home."""
     steps = [tuple(map(int, command.split(",")[2:])) for command in commands if command.startswith("SM")]
     return places_of(np.cumsum(np.array(steps).reshape(-1, 2), axis=0).tolist())
 

@@ -32,7 +32,7 @@ def journal_path(tmp_path: Path) -> Path:
 
 
 def events(path: Path) -> list[str]:
-    """What the journal says: its events with their strokes."""
+    """Return the events of the journal, each with its stroke."""
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] != "revision"]
 
@@ -225,7 +225,7 @@ def moments_of(folder: Path) -> int:
 
 @pytest.fixture(scope="module")
 def moments(tmp_path_factory: pytest.TempPathFactory) -> int:
-    """How many moments painting has: one for the journal's name, four for each of its 13 lines, two for each stroke."""
+    """Count the moments of painting: one for the journal's name, four for each of its 13 lines, two for each stroke."""
     return moments_of(tmp_path_factory.mktemp("whole"))
 
 

@@ -21,7 +21,7 @@ ONE = painting_of([line(0, (0.01, 0.02), (0.03, 0.02), pressure=(0.2, 0.8))])
 
 
 def places_of(text: str) -> Floats:
-    """(n, 3) metres of the machine that lines of G-code go to; z stays where it is left out."""
+    """Return the places (n, 3) that lines of G-code go to, metres; z stays where it is left out."""
     here, places = [np.nan] * 3, []
     for words in (dict(re.findall(r"([GXYZ])(-?[\d.]+)", row)) for row in text.splitlines() if row.startswith("G1")):
         here = [float(words[axis]) if axis in words else at for axis, at in zip("XYZ", here, strict=True)]

@@ -16,7 +16,7 @@ from maulstick.robot.force import FeelsForce
 from maulstick.robot.robot import StoppedError
 from maulstick.storage.arrays import Floats
 from tests.support import tolerances
-from tests.support.robot.franka_simulator import SECONDS_A_STEP, FrankaSimulator
+from tests.support.robot.franka_simulator import SECONDS_PER_STEP, FrankaSimulator
 
 EASEL = Easel(corner=(0.5, 0.05, 0.5), right=(1, 0, 0), down=(0, -1, 0))
 START = np.array([0.53, 0.0, 0.5])
@@ -32,13 +32,13 @@ def simulator() -> Iterator[FrankaSimulator]:
 
 
 def wave(start: Floats) -> Floats:
-    """A curve of 32 points and about 60 mm, which presses 3 mm deep in its middle."""
+    """Curve of 32 points and about 60 mm, 3 mm deeper in its middle."""
     along = np.linspace(0, 1, 32)
     return start + np.stack([0.05 * along, 0.01 * np.sin(6 * along), -3e-3 * np.sin(np.pi * along)], axis=1)
 
 
 def beside(path: Floats, places: Floats) -> Floats:
-    """(k,) metres from each place (k, 3) to the nearest of the path."""
+    """Return the distance (k,) of each place (k, 3) to the nearest point of the path, metres."""
     nearest = np.full(len(places), np.inf)
     for start, step in zip(path[:-1], np.diff(path, axis=0), strict=True):
         share = ((places - start) @ step / (step @ step)).clip(0, 1)
@@ -69,7 +69,7 @@ def test_a_stroke_follows_its_path(simulator: FrankaSimulator) -> None:
 
 
 def on_the_way(simulator: FrankaSimulator, act: Callable[[], None]) -> list[Floats]:
-    """Act, in a thread, when the tip is a third of the way from START to END; where it went until then, step by step.
+    """Act, in a thread, when the tip is a third of the way from START to END; returns its path until then.
 
     By the simulator's clock: it runs as fast as the computer lets it, and not as clocks on the wall.
     """
@@ -95,7 +95,7 @@ def test_stop_from_another_thread_ends_a_stroke_within_a_fifth_of_a_second_and_l
             robot.stroke(np.stack([START, END]), np.full(2, 0.1))
         since = simulator.path()
     moving = np.abs(np.diff(since[:, 1])) > 0.1 * np.abs(np.diff(np.concatenate(went)[:, 1])).max()
-    assert np.flatnonzero(moving)[-1] * SECONDS_A_STEP < AT_ONCE
+    assert np.flatnonzero(moving)[-1] * SECONDS_PER_STEP < AT_ONCE
     assert 0.03 < START[1] - since[-1, 1] < 0.095, "it was stopped in the middle"
     assert since[-1, 2] - START[2] > 5e-3, "it is lifted"
 

@@ -28,7 +28,7 @@ SPEED = np.array([0.05, 0.03, 0.04])
 
 
 def places(lines: list[str], start: Floats) -> Floats:
-    """Where each line that moves goes to, metres: a reader of its own."""
+    """Read where each line that moves goes to, metres, independently of the package."""
     at, reached = start.copy(), []
     for line in lines:
         words = {word[0]: float(word[1:]) for word in re.findall(r"[XYZ]-?\d+\.\d+", line)}
@@ -39,7 +39,7 @@ def places(lines: list[str], start: Floats) -> Floats:
 
 
 def feeds(lines: list[str]) -> list[float]:
-    """Metres a second, of each line that has a feed."""
+    """Return the speed of each line that has a feed, metres per second."""
     return [float(found[1]) / 60e3 for line in lines if (found := re.search(r"F([\d.]+)", line))]
 
 

@@ -17,7 +17,7 @@ LIMITS = Limits(
 
 
 def drawn(text: str) -> list[tuple[int, Floats]]:
-    """Each stroke's pen, and its points in metres: a reader of its own."""
+    """Read each stroke's pen and its points, metres, independently of the package."""
     pen, at, strokes = 0, "", []
     for command, numbers in re.findall(r"([A-Z]{2})([-\d,]*);", text):
         if command == "SP":

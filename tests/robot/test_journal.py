@@ -33,7 +33,7 @@ def painting(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def path(painting: Path) -> Path:
-    """Of a journal in which stroke 10 is painted and 11 was begun."""
+    """Path of a journal in which stroke 10 is painted and 11 was begun."""
     with Journal.open(journal_of(painting)) as journal:
         journal.revise(painting)
         journal.begin(10)

@@ -44,7 +44,7 @@ def wave() -> Floats:
 
 
 def distances(trajectory: Floats) -> Floats:
-    """(height_px, width_px) metres from the middle of each pixel to the path."""
+    """Return the distance of the middle of each pixel to the path, (height_px, width_px) metres."""
     middles = (np.indices((SHEET.height_px, SHEET.width_px))[::-1] + 0.5) / SHEET.pixels_per_metre
     points = resample(trajectory, 200)[:, :2]
     return np.min([np.hypot(middles[0] - x, middles[1] - y) for x, y in points], axis=0)
@@ -152,7 +152,7 @@ def test_a_medium_that_does_not_exist_is_refused() -> None:
     [
         (line(0.5), 0.0, 0.05, "the radius is 0.0; it must be above 0 metres"),
         (line(0.5), float("nan"), 0.05, "the radius is nan; it must be above 0 metres"),
-        (line(0.5), 1e-3, 0.0, "the speed is 0.0; it must be at least 0.001 metres a second"),
+        (line(0.5), 1e-3, 0.0, "the speed is 0.0; it must be at least 0.001 metres per second"),
         (line(1.5), 1e-3, 0.05, "pressure is 1.5 to 1.5; it must be in [0, 1]"),
         (line(0.5, end=np.inf), 1e-3, 0.05, "a point of the trajectory is not a finite number"),
         (line(0.5)[:0], 1e-3, 0.05, "a trajectory has shape (0, 3); it must be (n, 3) with n of at least 1"),

@@ -53,7 +53,7 @@ def draw(robot: Recorder) -> None:
 
 
 def refused(call: Callable[[Recorder], object], place: tuple[float, float, float] = HIGH) -> str:
-    """The sentence of a call that the machine above the path's start refuses, and that reaches nothing."""
+    """Return the error of a call that the machine above the path's start refuses, and that reaches nothing."""
     robot = Recorder()
     with robot:
         robot.move(np.array(place))
@@ -79,7 +79,7 @@ def test_a_move_a_stroke_and_a_lift_to_no_number_are_refused(bad: float) -> None
 
 
 def test_a_stroke_needs_a_speed_for_each_point() -> None:
-    assert refused(lambda robot: robot.stroke(PATH, SLOW[:2])) == "there are 2 speeds for 3 points; give one a point"
+    assert refused(lambda robot: robot.stroke(PATH, SLOW[:2])) == "there are 2 speeds for 3 points; give one per point"
 
 
 @pytest.mark.parametrize("speed", [0, -0.1, 0.3, np.nan])
@@ -139,7 +139,7 @@ def test_whatever_goes_wrong_on_the_way_the_pen_is_lifted_and_nothing_more_is_do
         with pytest.raises(type(error)) as caught:
             draw(robot)
         assert caught.value is error
-        with pytest.raises(StoppedError):  # for nobody knows where the pen is
+        with pytest.raises(StoppedError):  # since the place of the pen is not known
             robot.move(np.array(HIGH))
     assert not robot.down
     assert "recover" in robot.said
@@ -188,7 +188,7 @@ def draw_twice(robot: Recorder) -> None:
 
 
 def test_a_signal_handler_may_stop_it_at_any_line_and_its_pen_is_lifted_in_the_end() -> None:
-    """Signal handlers run between any two lines of Python; a stop there must neither wait for ever nor be missed."""
+    """Check a stop from a signal handler, which runs between any two lines: it neither waits for ever nor is missed."""
 
     def lines_until_stop(at: int) -> int:
         robot, seen = Recorder(), 0

@@ -21,8 +21,8 @@ ROUND = nominal("round")
 HARD = ROUND.model_copy(update={"depth": (0.001, 0.009)})
 
 
-def words(actions: Sequence[Action]) -> list[str]:
-    """What is done, in short: the ids of strokes, visits with their paints, and questions."""
+def in_short(actions: Sequence[Action]) -> list[str]:
+    """Return the actions in short: ids of strokes, visits with their paints, and prompts."""
     names = []
     for action in actions:
         match action:
@@ -99,7 +99,7 @@ def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_f
 
 def test_pressure_that_changes_no_mark_is_no_matter_for_a_machine_that_only_lifts() -> None:
     pens = painting_of([line(1, pressure=(0.2, 0.7))], [nominal("fineliner")])
-    assert words(routine(pens, EASEL, LIFTS)) == ["1"]
+    assert in_short(routine(pens, EASEL, LIFTS)) == ["1"]
     assert np.all(draws(routine(pens, EASEL, LIFTS))[0].motion.path[:, 2] == 0)
 
 
@@ -112,7 +112,7 @@ def test_a_brush_that_needs_more_depth_than_the_easel_allows_is_refused_with_by_
 
 def test_a_brush_that_no_stroke_left_needs_is_not_refused() -> None:
     two = painting_of([line(1), line(2, paint=1)], [nominal("marker"), HARD])
-    assert words(routine(two, EASEL, LIMITS, done={2}))[-1] == "1"
+    assert in_short(routine(two, EASEL, LIMITS, done={2}))[-1] == "1"
     assert "9 mm deep" in refused(two, done={1})
 
 
@@ -120,7 +120,7 @@ def test_a_depth_that_nobody_knows_is_refused_where_pressure_matters() -> None:
     flat = EASEL.model_copy(update={"deepest": 0.0})
     said = refused(painting_of([line(1)], [nominal("marker")]), flat)
     assert said == "neither the brush marker nor the easel says how deep it may be pressed; calibrate the touch again"
-    assert words(routine(painting_of([line(1)], [nominal("fineliner")]), flat, LIMITS)) == ["1"]
+    assert in_short(routine(painting_of([line(1)], [nominal("fineliner")]), flat, LIMITS)) == ["1"]
 
 
 def test_paper_that_is_tilted_too_far_is_refused() -> None:
@@ -158,53 +158,53 @@ def test_a_brush_held_at_a_pressure_is_held_at_its_depth() -> None:
 
 
 def test_pens_are_changed_by_a_person_and_one_pen_is_not_asked_for() -> None:
-    assert words(routine(SIX, EASEL, LIMITS)) == [
+    assert in_short(routine(SIX, EASEL, LIMITS)) == [
         "put in the marker with the paint #cc1a1a", "10", "11", "12",
         "put in the marker with the paint #1a33b2", "13", "14", "15",
     ]  # fmt: skip
-    assert words(routine(painting_of([line(1), line(2)]), EASEL, LIMITS)) == ["1", "2"]
+    assert in_short(routine(painting_of([line(1), line(2)]), EASEL, LIMITS)) == ["1", "2"]
 
 
 def test_a_pen_that_is_in_the_hand_is_not_asked_for_again() -> None:
     left = routine(SIX, EASEL, LIMITS, done={10, 11, 12, 13}, load=PaintLoad(1, 0.02))
-    assert words(left) == ["14", "15"]
+    assert in_short(left) == ["14", "15"]
 
 
 def test_a_brush_is_dipped_first_then_before_it_would_run_dry_and_is_cleaned_before_another_paint() -> None:
-    # 5, 10, 15 mm of red; 20, 25, 30 mm of blue; 40 mm a dip
-    assert words(routine(SIX, EASEL, LIMITS, TRAY)) == [
+    # 5, 10, 15 mm of red; 20, 25, 30 mm of blue; 40 mm per dip
+    assert in_short(routine(SIX, EASEL, LIMITS, TRAY)) == [
         "dip 0", "10", "11", "12", "rinse 1", "wipe 1", "dip 1", "13", "dip 1", "14", "dip 1", "15",
     ]  # fmt: skip
     thirsty = TRAY.model_copy(update={"reach": 0.004})
-    assert words(routine(painting_of(SIX.strokes[:2]), EASEL, LIMITS, thirsty)) == ["dip 0", "10", "dip 0", "11"]
+    assert in_short(routine(painting_of(SIX.strokes[:2]), EASEL, LIMITS, thirsty)) == ["dip 0", "10", "dip 0", "11"]
 
 
 def test_what_the_hand_has_painted_counts() -> None:
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.01))) == [
+    assert in_short(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.01))) == [
         "14",
         "dip 1",
         "15",
     ]
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.02)))[0] == "dip 1"
+    assert in_short(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11, 12, 13}, load=PaintLoad(1, 0.02)))[0] == "dip 1"
 
 
 def test_a_brush_that_somebody_left_halfway_is_cleaned_before_it_is_dipped() -> None:
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11})) == words(
+    assert in_short(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11})) == in_short(
         routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}, load=PaintLoad(1))
     )
-    assert words(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}))[:3] == ["rinse 0", "wipe 0", "dip 0"]
+    assert in_short(routine(SIX, EASEL, LIMITS, TRAY, done={10, 11}))[:3] == ["rinse 0", "wipe 0", "dip 0"]
 
 
 def test_with_a_tray_a_person_changes_the_brush_where_paints_need_different_ones() -> None:
     two = painting_of(SIX.strokes, [nominal("marker"), ROUND])
-    assert words(routine(two, EASEL, LIMITS, TRAY)) == [
+    assert in_short(routine(two, EASEL, LIMITS, TRAY)) == [
         "put in the marker, clean", "dip 0", "10", "11", "12",
         "put in the round, clean", "dip 1", "13", "dip 1", "14", "dip 1", "15",
     ]  # fmt: skip
 
 
 def test_strokes_that_are_done_are_left_out() -> None:
-    assert words(routine(SIX, EASEL, LIMITS, done=[10, 12, 14, 99])) == [
+    assert in_short(routine(SIX, EASEL, LIMITS, done=[10, 12, 14, 99])) == [
         "put in the marker with the paint #cc1a1a", "11", "put in the marker with the paint #1a33b2", "13", "15",
     ]  # fmt: skip
     assert routine(SIX, EASEL, LIMITS, done=range(10, 16)) == []

@@ -39,7 +39,7 @@ both = pytest.mark.parametrize("sheet", [modelled, mypaint])
 
 
 def height_of_mark(image: Image, x: float) -> float:
-    """Metres of a column that are darker than half."""
+    """Return the metres of a column that are darker than half."""
     column = image[:, round(x * CANVAS.pixels_per_metre)].min(axis=1)
     return float((column < 0.5).sum() / CANVAS.pixels_per_metre)
 

@@ -30,7 +30,7 @@ STOPPING = 0.2  # seconds: what is asked for
 
 
 class Notes(InkedSheet):
-    """A sheet that takes notes."""
+    """Sheet that records the strokes drawn on it."""
 
     def __init__(self) -> None:
         self.canvas, self.depth = Canvas(0.06, 0.04, 1000), 0.004
@@ -56,7 +56,7 @@ def stroke(robot: SimulatedEasel, path: Floats = PATH, speed: float = 0.1) -> No
 
 
 def paint(robot: SimulatedEasel, folder: Path, tray: Any = None, painting: Any = SIX) -> None:
-    """As maulstick paint does."""
+    """Paint as maulstick paint does."""
     easel = robot.easel(0.06, 0.04)
     with Journal.open(folder / f"{len(list(folder.iterdir()))}.log.jsonl") as journal, robot:
         actions = routine(painting, easel, robot.limits, tray)
@@ -187,7 +187,7 @@ def is_lifted(robot: SimulatedEasel) -> bool:
 
 
 def stops_in_time(robot: SimulatedEasel, sheet: Notes, call_stop: Callable[[Callable[[], None]], None]) -> None:
-    """A stroke of 4 s is stopped after a while; its ink says how far it came after that."""
+    """Stop a stroke of 4 s after a while; its ink tells how far it went on."""
     came: list[float] = []
     long = np.array([[0.0, -0.01, 0.0], [0.4, -0.01, 0.0]])
 
@@ -239,7 +239,7 @@ def test_after_a_stop_it_goes_on_when_it_is_entered_again(sheet: Notes) -> None:
 
 
 def test_a_stop_at_any_line_of_a_stroke_neither_hangs_nor_is_missed(sheet: Notes) -> None:
-    """Signal handlers run between any two lines of Python, those of waiting included."""
+    """Check a stop from a signal handler, which runs between any two lines of Python, those of waiting included."""
 
     def lines_until_stop(at: int) -> int:
         robot, seen, stopped = SimulatedEasel(sheet, pace=40), 0, False

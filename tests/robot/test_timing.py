@@ -17,7 +17,7 @@ speeds = st.floats(1e-3, 0.5)
 
 @st.composite
 def motions(draw: st.DrawFn) -> tuple[Floats, Floats, Limits]:
-    """Up to six points of a coarse grid, so that some are repeated and some lines go back; speeds; limits."""
+    """Draw up to six points of a coarse grid, so that some are repeated and some lines go back; speeds; limits."""
     points = draw(st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=1, max_size=6))
     changes = {
         "speed": draw(speeds),
@@ -30,13 +30,13 @@ def motions(draw: st.DrawFn) -> tuple[Floats, Floats, Limits]:
 
 
 def highest_speed(start: Floats, end: Floats, speed: float, limits: Limits) -> float:
-    """Along a segment, by each of its limits in turn."""
+    """Return the highest speed along a segment, by each of its limits in turn."""
     rise = abs(end[2] - start[2]) / np.linalg.norm(end - start)
     return float(min(speed, limits.speed, limits.climb / rise if rise > 0 else np.inf))
 
 
 def corner_speed(before: Floats, after: Floats, limits: Limits) -> float:
-    """Grbl's junction deviation, from the angle between two steps."""
+    """Return the speed of Grbl's junction deviation, from the angle between two steps."""
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
     half = (np.pi - np.arccos(np.clip(cosine, -1, 1))) / 2
     if np.sin(half) > 1 - 1e-9:
@@ -45,7 +45,7 @@ def corner_speed(before: Floats, after: Floats, limits: Limits) -> float:
 
 
 def seconds_in_small_steps(points: Floats, speed: Floats, limits: Limits, parts: int = 400) -> float:
-    """The fastest motion, from its highest speed at each of many places by what braking and speeding up allow."""
+    """Return the fastest motion, from the highest speed at each of many places that acceleration allows."""
     moves = np.flatnonzero(np.abs(np.diff(points, axis=0)).max(axis=1) > 0)
     if len(moves) == 0:
         return 0.0

@@ -1,4 +1,4 @@
-"""The UR's adapter against a stand-in for ur-rtde: what is sent, and what becomes of its stops. No arm was asked."""
+"""The UR's adapter against a fake of ur-rtde: what is sent, and how stops are handled. No real arm is involved."""
 
 import sys
 import threading
@@ -18,7 +18,7 @@ START = np.array([0.4, -0.1, 0.2])
 
 
 class FakeUR:
-    """Both interfaces of one arm, which goes at once wherever it is told until something stops it."""
+    """Both interfaces of one arm, which moves at once to each set-point until something stops it."""
 
     def __init__(self) -> None:
         self.pose = [*START, *TURNED]

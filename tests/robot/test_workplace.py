@@ -17,7 +17,7 @@ IDS = list(range(10, 16))
 
 @pytest.fixture
 def place(tmp_path: Path) -> Workplace:
-    """With a journal that says that stroke 11 is painted; its machine is not entered yet."""
+    """Workplace with a journal that says that stroke 11 is painted; its machine is not entered yet."""
     write_painting(SIX, tmp_path / "painting.json")
     with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
         journal.revise(tmp_path / "painting.json", painted=[11])

@@ -1,4 +1,4 @@
-"""The xArm's adapter against a stand-in for its SDK: what is sent, and what becomes of codes. No arm was asked."""
+"""The xArm's adapter against a fake of its SDK: what is sent, and how codes are handled. No real arm is involved."""
 
 import sys
 import threading
@@ -17,7 +17,7 @@ START = np.array([0.3, 0.0, 0.1])
 
 
 class FakeXArmAPI:
-    """Goes at once wherever it is told, and returns the codes that a test gives it."""
+    """Arm that moves at once to each set-point, and returns the codes that a test gives it."""
 
     device_type = 6
     start = (300.0, 0.0, 100.0)

@@ -73,9 +73,7 @@ def paint(
     with ExitStack() as stack:
         if isinstance(painting, Painting):
             if not asked.simulated:
-                raise InputError(
-                    "a machine keeps a journal beside the painting; save the painting, and give its path"
-                )
+                raise InputError("a machine keeps a journal beside the painting; save the painting, and give its path")
             file = Path(stack.enter_context(TemporaryDirectory())) / "painting.json"
             write_painting(painting, file)
         else:

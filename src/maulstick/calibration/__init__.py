@@ -1,1 +1,1 @@
-"""What must be known before a machine paints: where the sheet and the camera are, and what colours it sees."""
+"""Calibration before a machine paints: the places of sheet and camera, and the camera's colours."""

@@ -1,4 +1,4 @@
-"""Where the camera sees the sheet: from tags or clicked corners to a photograph as a flat canvas image."""
+"""The camera's view of the sheet, from tags or clicked corners: photographs become flat images of the canvas."""
 
 from math import ceil
 from pathlib import Path
@@ -17,16 +17,18 @@ from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.records import read_record, write_record
 
 SCHEMA_VERSION: Final = 1
-_FEWEST = 3  # tags
-_USUAL = (0.02, 0.02, 0.3, 0.1)
-"""How far off the middle a lens is, and how much it bends, one sigma."""
+"""Version of the file of a view."""
 
-_DOUBT_PX = 0.1  # of a tag's corner, beside what is usual of lenses
-_LEAST = 0.1  # of that squared: four tags may fit better by luck
-_LOOSE = 0.08  # of a tag's side
-_GRID = 15  # places across the sheet
-_FINEST = 8  # samples across a pixel of the canvas
-_NEWTON = 8  # steps, from a distortion of a few per cent to rounding
+_FEWEST = 3  # tags, so that one may be hidden
+_USUAL = (0.02, 0.02, 0.3, 0.1)
+"""Usual offset of a lens from the middle, and usual distortion, one sigma: what the fit assumes before it sees tags."""
+
+_DOUBT_PX = 0.1  # pixels: error of a tag's corner, one sigma, which weighs corners against the usual lens
+_LEAST = 0.1  # least share of its variance that is believed: four tags may fit better by luck
+_LOOSE = 0.08  # sides of a tag that a corner may miss its place by; more means that cards or sizes are wrong
+_GRID = 15  # places across the sheet at which the standard error is computed
+_FINEST = 8  # samples across a pixel of the canvas at most, which bounds the memory
+_NEWTON = 8  # steps, enough from a distortion of a few per cent to rounding
 _NAMES = ("upper left", "upper right", "lower right", "lower left")
 _Side = Annotated[int, Field(gt=0)]
 _Row = tuple[float, float, float]
@@ -34,13 +36,14 @@ _Small = Annotated[float, Field(gt=-1, lt=1)]
 
 
 class CameraView(BaseModel):
-    """How the sheet lies in a photograph.
+    """View of the sheet in a photograph.
 
     size: width and height of the photograph, pixels.
-    homography: from metres on the sheet to a photograph by a perfect lens, where the middle is (0, 0) and a corner is
-    at distance 1.  centre: of the lens, there.  bend: it takes what belongs at a distance r to r (1 + b0 r² + b1 r⁴).
-    tags: those it was found by, none for clicked corners.
-    error: the standard error of a place on the sheet, metres, root mean square and worst; unknown for clicked corners.
+    homography: from metres on the sheet to the photograph of a perfect lens, in units in which its middle is (0, 0) and
+    its corners are at distance 1.  centre: of the lens, in the same units.  bend: radial distortion, which takes a
+    distance r from the centre to r (1 + b0 r² + b1 r⁴).
+    tags: the tags that it was found by, none for clicked corners.
+    error: standard error of a place on the sheet, metres, root mean square and worst; None for clicked corners.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -55,16 +58,16 @@ class CameraView(BaseModel):
 
     @property
     def hidden(self) -> tuple[int, ...]:
-        """The tags that were not seen, where there are tags."""
+        """Tags that were not seen, none where the view is of clicked corners."""
         return tuple(tag for tag in TAGS if tag not in self.tags) if self.tags else ()
 
     def to_photo(self, points: Floats) -> Floats:
-        """Pixels (..., 2) of points (..., 2) on the sheet, metres; a pixel's centre is a whole number."""
+        """Return the pixels (..., 2) of points (..., 2) on the sheet, metres; pixel centres are whole numbers."""
         numbers = np.array([*np.ravel(self.homography), *self.centre, *self.bend])
         return _to_photo(numbers, points) * _scale(self.size) + _middle(self.size)
 
     def to_canvas(self, pixels: Floats) -> Floats:
-        """Metres (..., 2) on the sheet of pixels (..., 2) of the photograph."""
+        """Return the places (..., 2) on the sheet, metres, of pixels (..., 2) of the photograph."""
         bent = (pixels - _middle(self.size)) / _scale(self.size) - self.centre
         distance = np.linalg.norm(bent, axis=-1, keepdims=True)
         straight, (b0, b1) = distance, self.bend
@@ -75,9 +78,9 @@ class CameraView(BaseModel):
         return _mapped(np.linalg.inv(np.array(self.homography)), ideal)
 
     def rectify(self, photo: Image, canvas: Canvas, margin: float = 0.0) -> Image:
-        """The sheet in the photograph (H, W, 3), flat, with the canvas' pixels: (height_px, width_px, 3).
+        """Rectify the photograph (H, W, 3): returns the sheet, flat, in the canvas' pixels, (height_px, width_px, 3).
 
-        margin: metres around the sheet that are kept too; then there are `margin_px` pixels more on each side.
+        margin: metres around the sheet that are kept too, which adds `margin_px` pixels on each side.
         What the camera does not see repeats the photograph's edge.  Raises InputError for a photograph of another size.
         """
         if photo.shape[:2] != self.size[::-1]:
@@ -98,7 +101,7 @@ class CameraView(BaseModel):
         return np.asarray(flat).clip(0, 1)
 
     def _samples(self, canvas: Canvas) -> int:
-        """How many samples across a pixel of the canvas leave out no pixel of the photograph."""
+        """Return the number of samples across a pixel of the canvas that leaves out no pixel of the photograph."""
         corners = np.array([[0, 0], [canvas.width, 0], [canvas.width, canvas.height], [0, canvas.height]])
         step = 1 / canvas.pixels_per_metre
         steps = [self.to_photo(corners + np.array(d) * step) - self.to_photo(corners) for d in ((1, 0), (0, 1))]
@@ -106,18 +109,17 @@ class CameraView(BaseModel):
 
 
 def margin_px(canvas: Canvas, margin: float) -> int:
-    """Whole pixels of a margin in metres around the canvas."""
+    """Return a margin around the canvas, metres, in whole pixels. Raises InputError where it is below 0."""
     if not margin >= 0:
         raise InputError.of_range("the margin around the sheet", f"{margin:g} m", "at least 0")
     return round(margin * canvas.pixels_per_metre)
 
 
 def locate(photo: Image, frame: TagFrame) -> CameraView:
-    """The view in a photograph (H, W, 3), sRGB in [0, 1], of a sheet with its tags.
+    """Find the view in a photograph (H, W, 3), sRGB in [0, 1], of a sheet with its tags.
 
-    Three tags do (`CameraView.hidden` says which is missing).
-    Raises InputError, which names them, where fewer are seen, and
-    where they lie otherwise than the frame says.
+    Three tags are enough (`CameraView.hidden` says which one is missing).
+    Raises InputError where fewer are seen, and where they do not lie as the frame says.
     """
     found = found_tags(photo)
     if len(found) < _FEWEST:
@@ -141,10 +143,10 @@ def locate(photo: Image, frame: TagFrame) -> CameraView:
 
 
 def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int, int]) -> CameraView:
-    """The view by a straight lens in which the sheet's corners were clicked.
+    """Return the view, by a lens without distortion, in which the sheet's corners were clicked.
 
     corners: (4, 2) pixels, upper left, upper right, lower right, lower left.  sheet: width and height, metres.
-    size: of the photograph, pixels.  Raises InputError where they are no such corners.
+    size: of the photograph, pixels.  Raises InputError where they are not such corners.
     """
     corners = np.asarray(corners, dtype=np.float64)
     if corners.shape != (4, 2) or not np.isfinite(corners).all():
@@ -160,20 +162,21 @@ def view_of_corners(corners: Floats, sheet: tuple[float, float], size: tuple[int
 
 
 def write_view(view: CameraView, path: str | Path) -> None:
-    """Write the JSON of a view; raises OutputError where that fails, and what was at `path` is then still there."""
+    """Write a view as JSON. Raises OutputError where that fails; what was at `path` is then still there."""
     write_record(view, path)
 
 
 def read_view(path: str | Path) -> CameraView:
-    """The view in a file; raises InputError where there is none, or it is not one."""
+    """Read the view in the file at `path`. Raises InputError where there is none."""
     return read_record(CameraView, path, "camera's view")
 
 
 def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floats, Floats]:
-    """The numbers (13,) of a view that take points (N, 2) to pixels (N, 2), and the covariance (12, 12) of all but one.
+    """Fit the numbers (13,) of a view that take points (N, 2) to pixels (N, 2); returns them and a covariance (12, 12).
 
-    A homography of its own rather than a pose and a focal length: those two cannot be told apart from straight above.
-    The lens' four numbers are near those of usual lenses wherever the points do not tell.
+    The covariance leaves out the homography's last number, which is 1. The fit is of a homography rather than of a pose
+    and a focal length, which cannot be told apart from straight above. The lens' four numbers stay near those of usual
+    lenses where the points do not determine them.
     """
     seen = (pixels - _middle(size)) / _scale(size)
     start, _ = opencv().findHomography(points, seen)
@@ -188,14 +191,14 @@ def _fitted(points: Floats, pixels: Floats, size: tuple[int, int]) -> tuple[Floa
     flat = np.append((start / start[2, 2]).ravel()[:8] / units[:8], np.zeros(4))
     found = least_squares(misses, flat, method="lm")
     apart = misses(found.x)[: 2 * len(points)]
-    together = 4 * np.sum(apart**2) / (apart.size - 8)  # the corners of a tag are wrong together
+    together = 4 * np.sum(apart**2) / (apart.size - 8)  # the four corners of a tag are wrong together
     slopes = np.asarray(found.jac)
     inverse = np.linalg.inv(slopes.T @ slopes) * max(together, _LEAST)
     return _with_last(found.x * units), inverse * np.outer(units, units)
 
 
 def _standard_error(view: CameraView, numbers: Floats, covariance: Floats, frame: TagFrame) -> tuple[float, float]:
-    """Of places all over the sheet, metres: root mean square and worst."""
+    """Return the standard error of places all over the sheet, metres: root mean square and worst."""
     x, y = np.linspace(0, frame.width, _GRID), np.linspace(0, frame.height, _GRID)
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     pixels = view.to_photo(places)
@@ -210,7 +213,7 @@ def _standard_error(view: CameraView, numbers: Floats, covariance: Floats, frame
 
 
 def _with_last(free: Floats) -> Floats:
-    """The numbers of a view with the homography's last, which is 1."""
+    """Return the numbers (13,) of a view from the free ones (12,), with the homography's last, which is 1."""
     return np.insert(free, 8, 1.0)
 
 
@@ -221,6 +224,7 @@ def _view(size: tuple[int, int], numbers: Floats) -> CameraView:
 
 
 def _to_photo(numbers: Floats, points: Floats) -> Floats:
+    """Return points (..., 2), metres, in the photograph, in units in which its corners are at distance 1."""
     off = _mapped(numbers[:9].reshape(3, 3), points) - numbers[9:11]
     squared = (off**2).sum(axis=-1, keepdims=True)
     return np.asarray(numbers[9:11] + off * (1 + numbers[11] * squared + numbers[12] * squared**2))

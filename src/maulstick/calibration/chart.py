@@ -1,4 +1,4 @@
-"""True colours from a chart of 24 patches, or true greys from a grey card, laid on the sheet."""
+"""Colour correction from a chart of 24 patches, or from a grey card, laid on the sheet."""
 
 from dataclasses import dataclass
 
@@ -16,21 +16,21 @@ from maulstick.storage.arrays import Floats, Image
 _CHART = "735244c29682627a9d576c438580b167bdaad67e2c505ba6c15a635e3c6c9dbc40e0a32e383d96469449af363ce7c71fbb56950885a1"
 _GREYS = "f3f3f2c8c8c8a0a0a07a7a79555555343434"
 CHART = np.frombuffer(bytes.fromhex(_CHART + _GREYS), dtype=np.uint8).reshape(24, 3) / 255.0
-"""(24, 3) sRGB in [0, 1], row by row."""
+"""Colours (24, 3) of the chart, sRGB in [0, 1], row by row."""
 
 GREY_CARD = 0.4614
-"""sRGB of a card that reflects 18 % of the light."""
+"""Grey of a card that reflects 18 % of the light, sRGB in [0, 1]."""
 
-_ACROSS, _DOWN = 6, 4
-_INNER = 0.4  # of the distance between patches, which is looked at
-_MISREAD = 12.0  # of CIEDE2000, mean: these are not the chart's patches
-_FEWEST = 4  # pixels in a patch
-_DARKEST = 1e-3  # light
+_ACROSS, _DOWN = 6, 4  # patches of the chart
+_INNER = 0.4  # side of the part of a patch that is read, in distances between patches: it avoids the borders
+_MISREAD = 12.0  # mean CIEDE2000 after correction above which these are not the chart's patches
+_FEWEST = 4  # pixels in the part of a patch that is read
+_DARKEST = 1e-3  # least light, so that no division is by zero
 
 
 @dataclass(frozen=True)
 class ColourErrors:
-    """Mean and worst CIEDE2000 over the chart, as photographed and as corrected."""
+    """Errors of colour over the chart: mean and worst CIEDE2000, as photographed and as corrected."""
 
     before: tuple[float, float]
     after: tuple[float, float]
@@ -43,12 +43,12 @@ class ColourErrors:
 def with_chart(
     colours: Colours, flat: Image, whites: Whites, canvas: Canvas, corners: Floats
 ) -> tuple[Colours, ColourErrors]:
-    """The colours with the matrix that makes the chart's patches right, and how right.
+    """Return the colours with the matrix that corrects the chart's patches, and the errors that remain.
 
-    flat: a flat photograph of the canvas (H, W, 3) with the chart on it.  whites: of the same photograph.
-    corners: (4, 2) metres: the middles of the patches dark skin, bluish green, black and white.  (OpenCV's detector
-    finds a chart one time and not the next in the same picture.)
-    Raises InputError where the patches there are not what they should be.
+    flat: flat photograph of the canvas (H, W, 3) with the chart on it.  whites: of the same photograph.
+    corners: (4, 2) metres: the middles of the patches dark skin, bluish green, black and white. They are asked for, as
+    OpenCV's detector finds a chart one time and not the next in the same picture.
+    Raises InputError where the patches there are not those of the chart.
     """
     patches = _patches_between(np.asarray(corners, dtype=np.float64) * canvas.pixels_per_metre - 0.5)
     light = _medians(colours.evened(flat, whites), patches)
@@ -69,9 +69,9 @@ def with_grey_card(
     area: tuple[float, float, float, float],
     grey: float = GREY_CARD,
 ) -> Colours:
-    """The colours with a matrix that makes a card grey and as bright as it is.
+    """Return the colours with a matrix that makes a grey card as grey and as bright as it really is.
 
-    flat: a flat photograph of the canvas (H, W, 3) with the card on it.  whites: of the same photograph.
+    flat: flat photograph of the canvas (H, W, 3) with the card on it.  whites: of the same photograph.
     area: x, y, width and height of a part of the card, metres.  grey: its sRGB in [0, 1].
     Raises InputError where the area is not on the sheet.
     """
@@ -85,7 +85,7 @@ def with_grey_card(
 
 
 def _patches_between(corners: Floats) -> Floats:
-    """(24, 4, 2) pixels: the inner part of each patch, between the corners' middles (4, 2)."""
+    """Return the corners (24, 4, 2) of the inner part of each patch, from the middles (4, 2) of the corner ones."""
     if corners.shape != (4, 2) or not np.isfinite(corners).all():
         raise InputError("the chart's corners must be four points: dark skin, bluish green, black and white")
     grid = np.array([[0, 0], [_ACROSS - 1, 0], [_ACROSS - 1, _DOWN - 1], [0, _DOWN - 1]], dtype=np.float32)
@@ -97,7 +97,7 @@ def _patches_between(corners: Floats) -> Floats:
 
 
 def _medians(light: Image, patches: Floats) -> Floats:
-    """(24, 3): over each patch (4, 2)."""
+    """Return the median light (24, 3) over each of the patches (24, 4, 2), pixels."""
     cv2 = opencv()
     medians = []
     for patch in patches:
@@ -110,7 +110,7 @@ def _medians(light: Image, patches: Floats) -> Floats:
 
 
 def _error(light: Floats) -> tuple[float, float]:
-    """Mean and worst CIEDE2000 between the light of patches (24, 3) and the chart."""
+    """Return the mean and worst CIEDE2000 between the light of patches (24, 3) and the chart."""
     seen = colours_of(light.astype(np.float32)).astype(np.float64)
     apart = deltaE_ciede2000(rgb2lab(seen[None]), rgb2lab(CHART[None]))
     return float(apart.mean()), float(apart.max())

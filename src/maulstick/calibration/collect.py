@@ -1,4 +1,4 @@
-"""From strokes drawn apart to trials (paper: Traj2Stroke Model): where to draw them, and what to cut out."""
+"""Collection of trials for a brush (paper: Traj2Stroke Model): strokes drawn apart, and photographs cut out."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,21 +14,21 @@ from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write
 
-_SHEET, _DIGITS = "sheet-", 4
-_SMALLEST = 0.25
-_SIZES = np.geomspace(1.0, _SMALLEST, 12)
+_SHEET, _DIGITS = "sheet-", 4  # names of the photographs: sheet-0012.png
+_SMALLEST = 0.25  # least scale of strokes; smaller ones would say little about the brush
+_SIZES = np.geomspace(1.0, _SMALLEST, 12)  # scales that are tried, until all strokes fit
 
 
 def spread_apart(paths: Floats, sheet: tuple[float, float], room: float) -> Floats:
-    """Paths (N, n, 3), moved so that each keeps a distance to all others and to the edges of the sheet.
+    """Move paths (N, n, 3), metres and pressure, so that each keeps a distance to all others and to the sheet's edges.
 
-    sheet: width and height, metres.  room: metres that each needs on every side.
-    Where they do not fit, all of them are made smaller alike, by at most four times.
-    Raises InputError where that is not enough, saying how many would fit.
+    sheet: width and height, metres.  room: metres that each path needs on every side.
+    Where they do not fit, all are scaled down alike, to a quarter at least.
+    Raises InputError where that is not enough, with the number that would fit.
     """
     for size in _SIZES:
         scaled = paths * (size, size, 1.0)
-        corners = _libraries(np.ptp(scaled[..., :2], axis=1) + 2 * room, sheet)
+        corners = _in_rows(np.ptp(scaled[..., :2], axis=1) + 2 * room, sheet)
         if len(corners) == len(paths):
             low = scaled[..., :2].min(axis=1)
             scaled[..., :2] += (corners + room - low)[:, None]
@@ -39,8 +39,8 @@ def spread_apart(paths: Floats, sheet: tuple[float, float], room: float) -> Floa
     )
 
 
-def _libraries(sizes: Floats, sheet: tuple[float, float]) -> Floats:
-    """Upper left corners (k, 2) of boxes (N, 2) in rows, the highest first; fewer than N where no more fit."""
+def _in_rows(sizes: Floats, sheet: tuple[float, float]) -> Floats:
+    """Return the upper left corners (k, 2) of boxes (N, 2) in rows, the highest first; k < N where no more fit."""
     corners = np.zeros((len(sizes), 2))
     x = y = high = 0.0
     for placed, box in enumerate(np.argsort(-sizes[:, 1], kind="stable")):
@@ -56,10 +56,10 @@ def _libraries(sizes: Floats, sheet: tuple[float, float]) -> Floats:
 def collect(
     painting: Painting, workplace: Workplace, look: Callable[[], Image], folder: Path, *, each: bool
 ) -> dict[int, Image]:
-    """Draw the strokes of a painting that are left; photographs of the sheet by the number of strokes on it.
+    """Draw the strokes of a painting that are left; returns photographs by the number of strokes on the sheet.
 
-    look: takes a photograph of the flat sheet, (h, w, 3).  each: look after each stroke, not only before and after all.
-    Photographs are kept in the folder, and none is taken twice. Raises as `execute` and `look` do.
+    look: takes a photograph of the flat sheet, (h, w, 3).  each: take one after each stroke, not only before the first
+    and after the last. Photographs are kept in the folder, and none is taken twice. Raises as `execute` and `look` do.
     """
     kept = folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
     photographs = {int(path.stem.removeprefix(_SHEET)): read_picture(path) for path in kept}
@@ -85,10 +85,10 @@ def trials_of(
     depth: tuple[float, float],
     room: float,
 ) -> Trials:
-    """The strokes of a painting, drawn apart in its order, as trials in a new folder.
+    """Write the strokes of a painting, drawn apart in its order, as trials into a new folder.
 
-    photographs: of the flat sheet (h, w, 3), by the number of strokes that were on it, 0 and all of them at least.
-    depth: metres below first touch at pressure 0 and at pressure 1.  room: metres around each stroke that are its own.
+    photographs: of the flat sheet (h, w, 3), by the number of strokes on it; at least with none and with all of them.
+    depth: metres below first touch at pressure 0 and at pressure 1.  room: metres around each stroke that are cut out.
     Raises InputError where a photograph is missing, OutputError where the folder cannot be written.
     """
     strokes = painting.strokes

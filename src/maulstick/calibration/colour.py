@@ -1,4 +1,4 @@
-"""The colours of a photograph: an even light, one exposure for all photographs, and true colours from a chart."""
+"""Colours of photographs: an even light, one exposure for all photographs, and true colours from a chart."""
 
 from collections.abc import Mapping
 from math import ceil
@@ -17,28 +17,30 @@ from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.records import read_record, write_record
 
 Whites = Mapping[int, Floats]
-"""The light (3,) off the white around each tag that is seen."""
+"""Light (3,) off the white around each tag that is seen."""
 
 SCHEMA_VERSION: Final = 1
-_DEGREE = 3
-_TERMS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]
+"""Version of the file of colours."""
+
+_DEGREE = 3  # of the polynomial of a lamp's light over the sheet
+_TERMS = [(i, j) for i in range(_DEGREE + 1) for j in range(_DEGREE + 1 - i)]  # powers of x and y
 _SAMPLES = 200  # across a sheet, to fit its light
-_RIM = 0.02  # of the sheet, where the bed may shine through
-_OUTLIER = 4.0  # times the usual deviation
-_UNEVEN = 0.04  # of the light that is left: there is something on the sheet
-_WHITEST, _CLIPPED = 0.995, 0.01
-_DARKEST = 1e-3  # light
-_RING = 16  # samples along each side of a tag
+_RIM = 0.02  # share of the sheet along its edges that is left out, as the bed may be seen there
+_OUTLIER = 4.0  # median deviations beyond which a place does not count for the lamp
+_UNEVEN = 0.04  # standard deviation of the light, as a share, beyond which there is something on the sheet
+_WHITEST, _CLIPPED = 0.995, 0.01  # sRGB from which a pixel is overexposed, and the share that may be
+_DARKEST = 1e-3  # least light, so that no division or logarithm is of zero
+_RING = 16  # samples along each side of a tag's white rim
 _Row = tuple[float, float, float]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _UNCHANGED: Final = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Colours(BaseModel):
-    """How the lamp and the camera change colours, and what they were.
+    """Correction of the colours that a lamp and a camera change.
 
-    lamp: of a cubic in x and y, -1 to 1 across the sheet: the logarithm of the light off bare paper in each channel.
-    whites: the light around the tags at that moment.  paper: the sheet's colour, sRGB.
+    lamp: coefficients of a cubic in x and y, -1 to 1 across the sheet: the logarithm of the light off bare paper, in
+    each channel.  whites: light around the tags at that moment.  paper: colour of the sheet, sRGB in [0, 1].
     matrix: (3, 3), from light under an even lamp to true light.
     """
 
@@ -51,18 +53,19 @@ class Colours(BaseModel):
     matrix: tuple[_Row, _Row, _Row] = _UNCHANGED
 
     def with_matrix(self, matrix: Floats) -> Self:
-        """The same with another matrix (3, 3)."""
+        """Return the colours with another matrix (3, 3)."""
         return self.model_copy(update={"matrix": tuple(tuple(row) for row in matrix.tolist())})
 
     def correct(self, flat: Image, whites: Whites) -> Image:
-        """A flat photograph of the whole sheet (H, W, 3), sRGB in [0, 1], in true colours.
+        """Return a flat photograph of the whole sheet (H, W, 3), sRGB in [0, 1], in true colours.
 
-        whites: of the same photograph.  Those that are known of both tell what the exposure did; none, that it stayed.
+        whites: of the same photograph. The exposure is corrected by the tags seen in both; without any, it counts as
+        unchanged.
         """
         return colours_of(self.evened(flat, whites) @ np.array(self.matrix, dtype=np.float32).T)
 
     def evened(self, flat: Image, whites: Whites) -> Image:
-        """The light of such a photograph under an even lamp and one exposure, before the matrix."""
+        """Return the light (H, W, 3) of such a photograph under an even lamp and one exposure, before the matrix."""
         height, width = flat.shape[:2]
         lamp = _powers(np.linspace(-1, 1, width), np.linspace(-1, 1, height)) @ np.array(self.lamp)
         gains = [
@@ -74,7 +77,7 @@ class Colours(BaseModel):
 
 
 def whites_of(photo: Image, view: CameraView, frame: TagFrame) -> dict[int, Floats]:
-    """The light off the white around each tag that `view` was found by, in the photograph (H, W, 3)."""
+    """Return the light (3,) off the white around each tag that `view` was found by, in the photograph (H, W, 3)."""
     found = {}
     shares = np.linspace(0, 1, _RING)[:, None]
     for tag in view.tags:
@@ -87,7 +90,7 @@ def whites_of(photo: Image, view: CameraView, frame: TagFrame) -> dict[int, Floa
 
 
 def lamp_of(flat: Image, whites: Whites, paper: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Colours:
-    """The colours from a flat photograph of the bare sheet (H, W, 3), whose colour `paper` is said to be.
+    """Fit the colours to a flat photograph (H, W, 3) of the bare sheet, whose own colour is `paper`.
 
     whites: of the same photograph, none where there are no tags.
     Raises InputError where the photograph is overexposed, or there is something on the sheet.
@@ -115,15 +118,15 @@ def lamp_of(flat: Image, whites: Whites, paper: tuple[float, float, float] = (1.
 
 
 def write_colours(colours: Colours, path: str | Path) -> None:
-    """Write the JSON of colours; raises OutputError where that fails, and what was at `path` is then still there."""
+    """Write colours as JSON. Raises OutputError where that fails; what was at `path` is then still there."""
     write_record(colours, path)
 
 
 def read_colours(path: str | Path) -> Colours:
-    """The colours in a file; raises InputError where there are none."""
+    """Read the colours in the file at `path`. Raises InputError where there are none."""
     return read_record(Colours, path, "camera's colours")
 
 
 def _powers(x: Floats, y: Floats) -> Floats:
-    """(y, x, terms)."""
+    """Return the powers (len(y), len(x), terms) of the lamp's polynomial at places x, y in [-1, 1]."""
     return np.stack([y[:, None] ** j * x**i for i, j in _TERMS], axis=-1)

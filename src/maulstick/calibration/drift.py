@@ -1,4 +1,4 @@
-"""Whether the sheet has moved between two photographs: by its edges, else by what is painted on it."""
+"""Drift of the sheet between two photographs, seen by its edges, or else by what is painted on it."""
 
 from dataclasses import dataclass
 
@@ -15,27 +15,27 @@ from maulstick.storage.arrays import Bools, Floats, Image
 MARGIN = 15e-3
 """Metres around the sheet that a photograph should keep, so that its edges are seen wherever it went."""
 
-_STATIONS = 120  # along an edge
-_ENDS = 0.12  # of an edge, where a card may lie
-_SMOOTH = 0.5e-3  # metres across an edge
-_LEAST_MARGIN = 3e-3  # metres
-_NEAR = 0.6e-3  # metres from a straight edge that a station of it may lie
-_TRUE = 0.05e-3  # metres from it that one is usually
-_AGREED = 0.5  # of the stations
-_CLEAR = 0.06  # sRGB across an edge
-_MARKED = 0.01  # standard deviation of what is painted
-_ALIKE = 0.6  # correlation of the paintings in two photographs
-_COARSE_PX, _FINE_PX = 250, 700  # of the longer side
-_STEPS, _SETTLED, _BLUR_PX = 100, 1e-5, 5
-_OUTSTANDING = 0.5  # of the clearest step across an edge
+_STATIONS = 120  # along an edge, at each of which it is searched for
+_ENDS = 0.12  # share of an edge at either end that is left out, as a card may lie there
+_SMOOTH = 0.5e-3  # metres across an edge by which its profile is smoothed
+_LEAST_MARGIN = 3e-3  # metres; in a narrower margin no edge is searched for
+_NEAR = 0.6e-3  # metres from a straight edge within which a station counts as on it
+_TRUE = 0.05e-3  # metres from it that a station usually lies, the scale of the robust fit
+_AGREED = 0.5  # share of the stations that must lie on one straight edge
+_CLEAR = 0.06  # sRGB: the least step that counts as an edge
+_MARKED = 0.01  # sRGB, standard deviation: with less painted on it, nothing on the sheet can be followed
+_ALIKE = 0.6  # least correlation of what is painted in two photographs
+_COARSE_PX, _FINE_PX = 250, 700  # longer side of the photographs that are aligned, first and then
+_STEPS, _SETTLED, _BLUR_PX = 100, 1e-5, 5  # of findTransformECC: steps at most, the gain that ends it, and a blur
+_OUTSTANDING = 0.5  # share of the clearest step at a station that another step needs to be taken for the edge
 
 
 @dataclass(frozen=True)
 class Shift:
-    """How the sheet moved on what it lies on: it turned about its middle by dtheta, then went by dx, dy.
+    """Shift of the sheet on what it lies on: a turn about its middle by dtheta, then a move by dx, dy.
 
     dx, dy: metres.  dtheta: radians, from x to y.
-    confidence: in [0, 1]: the share of the edges that agrees, or the correlation of what is painted.
+    confidence: in [0, 1], the share of the edges that agrees, or the correlation of what is painted.
     """
 
     dx: float
@@ -44,14 +44,14 @@ class Shift:
     confidence: float
 
     def furthest(self, canvas: Canvas) -> float:
-        """How far the corner of the sheet that moved most went, metres."""
+        """Return how far the corner of the sheet that moved most went, metres."""
         half = np.array([canvas.width, canvas.height]) / 2
         corners = half * [[-1, -1], [1, -1], [1, 1], [-1, 1]]
         return float(np.linalg.norm(corners @ _turn(self.dtheta).T + (self.dx, self.dy) - corners, axis=1).max())
 
 
 def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
-    """How the sheet moved between two flat photographs, or None where nothing can be seen that tells.
+    """Return how the sheet moved between two flat photographs, or None where that cannot be seen.
 
     before, after: (H, W, 3) sRGB in [0, 1], as `CameraView.rectify` makes them with the canvas and the margin.
     """
@@ -65,9 +65,9 @@ def shift_between(before: Image, after: Image, canvas: Canvas, margin: float = M
 
 
 def sheet_place(wide: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | None:
-    """How far the sheet lies from its place in a flat photograph with a margin, by its edges; None where none are seen.
+    """Return how far the sheet lies from its place in a flat photograph (H, W, 3) with a margin, by its edges.
 
-    Three edges do.
+    Three edges are enough; returns None where fewer are seen.
     """
     if margin < _LEAST_MARGIN:
         return None
@@ -88,7 +88,10 @@ def sheet_place(wide: Image, canvas: Canvas, margin: float = MARGIN) -> Shift | 
 
 @dataclass(frozen=True)
 class _Edge:
-    """points: (N, 2) on it, metres.  normal: (2,) outwards, of the sheet in its place.  agreed: share of stations."""
+    """Edge of the sheet that was seen.
+
+    points: (N, 2) on it, metres.  normal: (2,) outwards, of the sheet in its place.  agreed: share of stations on it.
+    """
 
     points: Floats
     normal: Floats
@@ -96,7 +99,7 @@ class _Edge:
 
 
 def _edge(wide: Image, canvas: Canvas, margin: float, side: int) -> _Edge | None:
-    """The edge of the sheet on side 0 (right), 1 (bottom), 2 (left) or 3 (top); None where it is not seen."""
+    """Return the edge of the sheet on side 0 (right), 1 (bottom), 2 (left) or 3 (top); None where it is not seen."""
     normal = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])[side]
     along = np.abs(normal[::-1])
     half = np.array([canvas.width, canvas.height]) / 2
@@ -126,7 +129,7 @@ def _edge(wide: Image, canvas: Canvas, margin: float, side: int) -> _Edge | None
 
 
 def _on_a_line(x: Floats, y: Floats) -> Bools:
-    """Which of the points (N,) are near the straight line that most are near; it is flatter than 1 in 4."""
+    """Return which points (N,) are near the straight line that most points are near; it is flatter than 1 in 4."""
     first, second = np.triu_indices(len(x), len(x) // 4)
     slopes = (y[second] - y[first]) / (x[second] - x[first])
     first, slopes = first[np.abs(slopes) < 0.25], slopes[np.abs(slopes) < 0.25]
@@ -137,7 +140,7 @@ def _on_a_line(x: Floats, y: Floats) -> Bools:
 
 
 def _shift_of_marks(before: Image, after: Image, canvas: Canvas) -> Shift | None:
-    """By what is painted on the sheet in both photographs (H, W, 3)."""
+    """Return the shift by what is painted on the sheet in both photographs (H, W, 3), or None where it is not seen."""
     cv2 = opencv()
     warp, alike, pixels = np.eye(2, 3, dtype=np.float32), 0.0, 0.0
     for longest in (_COARSE_PX, _FINE_PX):
@@ -155,7 +158,7 @@ def _shift_of_marks(before: Image, after: Image, canvas: Canvas) -> Shift | None
         steps = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _SETTLED)
         try:
             alike, warp = cv2.findTransformECC(here, there, warp, cv2.MOTION_EUCLIDEAN, steps, None, _BLUR_PX)
-        except cv2.error:  # nothing in common
+        except cv2.error:  # the photographs have nothing in common
             return None
     if alike < _ALIKE:
         return None
@@ -167,11 +170,12 @@ def _shift_of_marks(before: Image, after: Image, canvas: Canvas) -> Shift | None
 
 
 def _painted(image: Image) -> Image:
-    """(H, W): what differs from what is seen around it, the paper in the lamp's light."""
+    """Return the difference (H, W) of a photograph from its blurred self: what is painted, without the lamp's light."""
     cv2 = opencv()
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     return np.asarray(grey - cv2.GaussianBlur(grey, (0, 0), max(image.shape) / 8))
 
 
 def _turn(angle: float) -> Floats:
+    """Return the rotation (2, 2) by an angle in radians, from x to y."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

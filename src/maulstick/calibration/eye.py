@@ -1,4 +1,4 @@
-"""A camera over a sheet: flat images of the canvas in true colours, wherever camera and sheet have gone meanwhile."""
+"""A camera over a sheet: flat images of the canvas in true colours, even after camera or sheet have moved."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,16 +18,18 @@ from maulstick.robot.easel import Easel
 from maulstick.storage.arrays import Floats, Image, read_arrays, write_arrays
 
 KIND: Final = "eye"
-_STILL = 0.5e-3  # metres: what a photograph may be wrong by
-_FAR = 0.05  # metres: no nudge any more
+"""Kind of the file of an eye."""
+
+_STILL = 0.5e-3  # metres: a smaller shift may be an error of the photograph, and counts as none
+_FAR = 0.05  # metres: a larger shift is no accident that painting could follow
 
 
 @dataclass(frozen=True)
 class Observation:
-    """What was seen.
+    """Observation of the sheet in one photograph.
 
-    image: (canvas.height_px, canvas.width_px, 3) sRGB in [0, 1], the sheet.  shift: how far it lies from where it was
-    at first, or None while it is still there.  notes: for people.
+    image: (canvas.height_px, canvas.width_px, 3) sRGB in [0, 1], the sheet.  shift: of the sheet since the first
+    photograph, or None while it has not moved.  notes: sentences for people.
     """
 
     image: Image
@@ -35,7 +37,7 @@ class Observation:
     notes: tuple[str, ...]
 
     def easel(self, first: Easel, canvas: Canvas) -> Easel:
-        """Where the sheet lies now, if it lay so at first."""
+        """Return the easel of the sheet where it lies now, given the easel at first."""
         if self.shift is None:
             return first
         corner = _over(self.shift, canvas)[:2, 2]
@@ -44,11 +46,11 @@ class Observation:
 
 @final
 class Eye:
-    """Looks at a sheet through a camera.
+    """Camera that looks at a sheet, and knows its tags, its colours and its first photograph.
 
-    canvas: of the images.  tags: beside the sheet.  view: of a camera that does not move, in their stead.
-    colours: of the light.  start: the first photograph, flat and with a margin, which later ones are compared with;
-    where edges cannot be seen, the one before, as if it had lain there.
+    canvas: of the images.  tags: frame of tags beside the sheet.  view: of a camera that does not move, instead of
+    tags.  colours: correction of light and camera.  start: the first photograph, flat and with a margin, with which
+    later ones are compared; where edges cannot be seen, they are compared with the one before.
     """
 
     def __init__(
@@ -68,9 +70,9 @@ class Eye:
         chart: Colours | None = None,
         view: CameraView | None = None,
     ) -> Self:
-        """An eye that has looked at the bare sheet, whose colour is `paper`; chart: what is known of this camera.
+        """Return an eye that has looked at the bare sheet, whose colour is `paper`; chart: colours of this camera.
 
-        Raises InputError where tags or light do not let it see, MachineError where the camera fails.
+        Raises InputError where tags or light do not allow that, MachineError where the camera fails.
         """
         photo = camera.photograph()
         seen = view or locate(photo, tags)
@@ -81,9 +83,9 @@ class Eye:
         return cls(camera, canvas, tags, colours, wide, view)
 
     def look(self) -> Observation:
-        """Take a photograph.
+        """Take a photograph, and return what it shows.
 
-        Raises MachineError where the camera fails, tags are hidden, or the sheet is no longer where it can be.
+        Raises MachineError where the camera fails, tags are hidden, or the sheet has gone too far.
         """
         photo = self.camera.photograph()
         try:
@@ -109,7 +111,7 @@ class Eye:
         return Observation(self._colours.correct(flat, whites_of(photo, view, self.tags)), shift, tuple(notes))
 
     def write(self, path: Path) -> None:
-        """Write what was seen at first, for `opened_again`. Raises OutputError where that fails."""
+        """Write the first photograph and the colours, for `opened_again`. Raises OutputError where that fails."""
         start = (255 * self._start).round().astype(np.uint8)
         write_arrays(path, KIND, {"colours": np.array(self._colours.model_dump_json()), "start": start})
 
@@ -117,7 +119,7 @@ class Eye:
     def opened_again(
         cls, camera: Camera, canvas: Canvas, tags: TagFrame, path: Path, view: CameraView | None = None
     ) -> Self:
-        """The eye that was written to `path`. Raises InputError where there is none."""
+        """Read the eye that was written to `path`. Raises InputError where there is none."""
         arrays = read_arrays(path, KIND, ("colours", "start"))
         around = 2 * margin_px(canvas, MARGIN)
         if arrays["start"].shape != (canvas.height_px + around, canvas.width_px + around, 3):
@@ -130,13 +132,13 @@ class Eye:
 
 
 def _sheet(wide: Image, canvas: Canvas) -> Image:
-    """The sheet alone in a flat photograph with a margin."""
+    """Return the sheet alone from a flat photograph with a margin."""
     around = margin_px(canvas, MARGIN)
     return wide[around : around + canvas.height_px, around : around + canvas.width_px]
 
 
 def _over(shift: Shift, canvas: Canvas) -> Floats:
-    """(3, 3) from places on the sheet to where they were when it had not moved, homogeneous."""
+    """Return the map (3, 3), homogeneous, from places on the moved sheet to the canvas frame of the sheet at first."""
     middle = np.array([canvas.width, canvas.height]) / 2
     cos, sin = np.cos(shift.dtheta), np.sin(shift.dtheta)
     there = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
@@ -145,5 +147,6 @@ def _over(shift: Shift, canvas: Canvas) -> Floats:
 
 
 def _moved(view: CameraView, shift: Shift, canvas: Canvas) -> CameraView:
+    """Return the view of a sheet that has moved by `shift`."""
     homography = np.array(view.homography) @ _over(shift, canvas)
     return CameraView.model_validate({**view.model_dump(), "homography": homography.tolist()})

@@ -1,4 +1,4 @@
-"""The tags as a page to print, at their true size."""
+"""A page with the tags, to print at their true size."""
 
 import io
 from pathlib import Path
@@ -9,11 +9,11 @@ from maulstick.errors import InputError
 from maulstick.robot.camera.tag_frame import TAGS, TagFrame
 from maulstick.storage.files import atomic_write
 
-_DPI = 600
+_DPI = 600  # dots per inch, as most printers have
 _PIXELS_PER_METRE = _DPI / 25.4e-3
 _WHITE_EDGE = 8e-3  # metres that printers leave white
 _LINE = 4e-3  # metres from one line of text to the next
-_CUT = 160  # grey
+_CUT = 160  # grey of the lines to cut along
 _PLACES = ("upper left", "upper right", "lower right", "lower left")
 _FORMATS = {".png": "PNG", ".pdf": "PDF"}
 _BETWEEN = 6e-3  # metres between cards
@@ -33,9 +33,9 @@ def write_tag_page(path: str | Path, frame: TagFrame, paper: tuple[float, float]
 
 
 def tag_page(frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> Image.Image:
-    """The tags on one sheet of paper (width, height), metres, in 600 dots an inch.
+    """Draw the tags on one sheet of paper (width, height), metres, at 600 dots per inch.
 
-    In their places with the outline of the sheet between them, where that fits; otherwise four cards to cut out.
+    They are in their places around the outline of the sheet, where that fits; otherwise on four cards to cut out.
     Raises InputError where not even those fit.
     """
     page = Image.new("L", (_dots(paper[0]), _dots(paper[1])), 255)
@@ -62,13 +62,13 @@ def tag_page(frame: TagFrame, paper: tuple[float, float] = (0.210, 0.297)) -> Im
     for tag, corner in zip(TAGS, corners, strict=True):
         _draw_card(page, frame, tag, corner)
     font = ImageFont.load_default(_dots(0.7 * _LINE))
-    for line, words in enumerate(text):
-        draw.text((_dots(_WHITE_EDGE), _dots(_WHITE_EDGE + line * _LINE)), words, fill=0, font=font)
+    for line, sentence in enumerate(text):
+        draw.text((_dots(_WHITE_EDGE), _dots(_WHITE_EDGE + line * _LINE)), sentence, fill=0, font=font)
     return page
 
 
 def _draw_card(page: Image.Image, frame: TagFrame, tag: int, corner: tuple[float, float]) -> None:
-    """Its picture and its outline, with a dot at the sheet's corner and words in the gap."""
+    """Draw a card: its tag and outline, a dot at the sheet's corner, and its number and place in the gap."""
     picture = Image.fromarray(frame.card_picture(tag, _PIXELS_PER_METRE))
     at = (_dots(corner[0]), _dots(corner[1]))
     page.paste(picture, at)

@@ -1,4 +1,4 @@
-"""The tags beside the sheet, found in a photograph."""
+"""Detection of the tags beside the sheet in a photograph."""
 
 import numpy as np
 
@@ -7,32 +7,32 @@ from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import MODULES, TAGS
 from maulstick.storage.arrays import Floats, Image
 
-_ALONG, _ACROSS = 48, 33  # samples along a side but its ends, and across it, into the tag and out to its white
-_ENDS = 0.1
-_FLAT = 6  # samples at either end that are black or white
+_ALONG, _ACROSS = 48, 33  # samples along a side, and across it from the tag's black to its white
+_ENDS = 0.1  # share of a side at either end that is left out, as the other sides are near
+_FLAT = 6  # samples at either end across a side that are all black or all white
 
 
 def found_tags(photo: Image) -> dict[int, Floats]:
-    """The corners (4, 2) of each of tags 0 to 3 that is seen once, in the order of `TagFrame.corners`.
+    """Find the corners (4, 2) of each of the tags 0 to 3 that is seen exactly once, in the order of `TagFrame.corners`.
 
-    photo: (H, W, 3) sRGB in [0, 1].  The corners are in pixels, whose centres are whole numbers.
+    photo: (H, W, 3) sRGB in [0, 1].  The corners are in pixels; pixel centres are whole numbers.
     """
     cv2 = opencv()
     light = cv2.cvtColor(light_of(photo), cv2.COLOR_RGB2GRAY)
-    loss_options = cv2.aruco.DetectorParameters()
-    loss_options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
+    options = cv2.aruco.DetectorParameters()
+    options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
     family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
     grey = cv2.cvtColor(np.round(photo * 255).astype(np.uint8), cv2.COLOR_RGB2GRAY)
-    corners, names, _ = cv2.aruco.ArucoDetector(family, loss_options).detectMarkers(grey)
+    corners, names, _ = cv2.aruco.ArucoDetector(family, options).detectMarkers(grey)
     seen = [] if names is None else [int(name) for name in np.ravel(names)]
     at_pixel_edges = {tag: corners[seen.index(tag)][0].astype(np.float64) for tag in TAGS if seen.count(tag) == 1}
     return {tag: _refined(light, corners - 0.5) for tag, corners in at_pixel_edges.items()}
 
 
 def _refined(light: Image, corners: Floats) -> Floats:
-    """Corners (4, 2) from straight sides that pass where the light (H, W) is half way between black and white.
+    """Refine corners (4, 2), by straight sides where the light (H, W) is half way between black and white.
 
-    In light and not in sRGB: a pixel that is half white looks nearly white there, and tags would seem smaller.
+    That is done in linear light: in sRGB a pixel that is half white is nearly white, and tags would seem smaller.
     """
     lines = [_side(light, start, end) for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
     crossing = zip(lines[-1:] + lines[:-1], lines, strict=True)
@@ -40,7 +40,7 @@ def _refined(light: Image, corners: Floats) -> Floats:
 
 
 def _side(light: Image, start: Floats, end: Floats) -> tuple[Floats, float]:
-    """The normal (2,) of a tag's side, and the side's distance along it, pixels."""
+    """Return the normal (2,) of a tag's side, and the side's distance from the origin along it, pixels."""
     length = np.linalg.norm(end - start)
     outward = np.array([end[1] - start[1], start[0] - end[0]]) / length
     reach = length / MODULES / 2
@@ -57,7 +57,7 @@ def _side(light: Image, start: Floats, end: Floats) -> tuple[Floats, float]:
 
 
 def sampled(image: Image, points: Floats) -> Image:
-    """The image (H, W) or (H, W, C) at points (..., N, 2) between its pixels, which are (x, y) in pixels."""
+    """Sample the image (H, W) or (H, W, C) at points (..., N, 2), x and y in pixels, linearly between pixels."""
     cv2 = opencv()
     flat = np.ascontiguousarray(points.reshape(-1, points.shape[-2], 2), dtype=np.float32)
     values = cv2.remap(image, flat, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)

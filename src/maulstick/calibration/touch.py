@@ -1,6 +1,6 @@
-"""Where the paper lies before an arm: a plane through points that its tip has touched.
+"""Calibration of an arm's easel: a plane through points of the paper that its tip has touched.
 
-The tip is taken to each point by hand, with `Jog`, or goes down by itself until it feels the paper, with
+The tip is moved to each point by hand, with `Jog`, or lowered by the machine until it feels the paper, with
 `probe_by_force`.
 """
 
@@ -19,19 +19,19 @@ from maulstick.robot.limits import Limits, Point
 from maulstick.storage.arrays import Floats
 
 MOST_ERROR: Final = 1e-3
-"""Metres, root mean square, that touched points may lie beside their places on a plane."""
+"""Largest root mean square distance of touched points from their places on the plane, metres."""
 
-_LEAST_SPREAD = 0.01  # metres, root mean square, on both sides of a line
-_DEEPEST = 0.02  # metres: a deeper pressure is a slip of the hand
-_PROBE = 2e-4  # metres a step
-_READINGS, _PERIOD = 10, 2e-3  # of a force, whose median it is, and seconds from one to the next
+_LEAST_SPREAD = 0.01  # metres, root mean square, that points must spread on both sides of a line, to define a plane
+_DEEPEST = 0.02  # metres below the paper: more is taken for a slip of the hand
+_PROBE = 2e-4  # metres per step of probing
+_READINGS, _PERIOD = 10, 2e-3  # readings of which a force is the median, and seconds between two
 
 
 def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, travel: float = 5e-3) -> Easel:
-    """The easel on which the sheet's places (k, 2) lie nearest to the machine's places (k, 3) that touched them.
+    """Fit the easel on which places (k, 2) of the sheet lie nearest to the machine's places (k, 3) that touched them.
 
-    All in metres, k at least 3; deepest and travel as of `Easel`. The rigid fit is the least-squares one (Schönemann
-    1966, for two of the three axes); its root mean square error is the easel's `error`.
+    All are in metres, k is at least 3; deepest and travel are as in `Easel`. The rigid fit is the least-squares one
+    (Schönemann 1966, for two of the three axes); its root mean square error is the easel's `error`.
     Raises InputError for fewer points, points near a line, ones that do not fit by more than MOST_ERROR, and a paper
     that faces away from the machine.
     """
@@ -73,21 +73,21 @@ def easel_from_touches(touched: Floats, places: Floats, deepest: float = 0.0, tr
 
 
 def with_deepest(easel: Easel, place: Floats) -> Easel:
-    """The easel, pressed at most as deep as the tip now is, at a place (3,) of the machine, metres.
+    """Return the easel whose greatest depth is that of the tip now, at a place (3,) of the machine, metres.
 
     Raises InputError where that is not below the paper, or deeper than 20 mm.
     """
     depth = -float(easel.machine_to_canvas(place)[2])
     if not 0 < depth <= _DEEPEST:
         allowed = f"above 0 and at most {1e3 * _DEEPEST:g} mm"
-        raise InputError.of_range("the deepest pressure", f"{1e3 * depth:.3g} mm", allowed)
+        raise InputError.of_range("the greatest depth", f"{1e3 * depth:.3g} mm", allowed)
     return easel.model_copy(update={"deepest": depth})
 
 
 def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: float = 1.0) -> Floats:
-    """Where (3,) straight below a place `above` (3,) the tip touches something; metres. It ends `above` again.
+    """Lower the tip from `above` (3,) until it touches something; returns that place (3,), metres, with the tip lifted.
 
-    lowest: height below which it does not go.  threshold: newtons more or less than in the air.
+    lowest: z below which it does not go.  threshold: change of force, newtons, that counts as touch.
     Raises InputError where `lowest` is outside the machine's limits, and MachineError where nothing is there.
     """
     above = np.asarray(above, dtype=np.float64)
@@ -107,6 +107,7 @@ def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: f
 
 
 def _force(robot: FeelsForce) -> float:
+    """Return the median of several readings of the force, newtons."""
     readings = []
     for _ in range(_READINGS):
         readings.append(robot.force())
@@ -116,9 +117,9 @@ def _force(robot: FeelsForce) -> float:
 
 @dataclass(frozen=True)
 class Jog:
-    """A tip that is moved by keys: where it should be, (x, y, z) metres, and how far the next key takes it.
+    """Tip that is moved by keys.
 
-    taken: whether the operator has taken this place.
+    place: where it should be, (x, y, z) metres.  step: metres per key.  taken: whether the operator takes this place.
     """
 
     place: Point
@@ -127,7 +128,7 @@ class Jog:
     taken: bool = False
 
     def pressed(self, key: str) -> "Jog":
-        """After a key of KEYS, never outside the limits; any other changes nothing."""
+        """Return the jog after a key of KEYS, within the limits; other keys change nothing."""
         return KEYS[key][1](self) if key in KEYS else self
 
     def _moved(self, axis: int, sign: int) -> "Jog":
@@ -157,4 +158,4 @@ KEYS: Final[dict[str, tuple[str, Callable[[Jog], Jog]]]] = {
     "3": ("steps of 0.1 mm", _steps(1e-4)),
     "enter": ("take this place", lambda jog: replace(jog, taken=True)),
 }
-"""What each key does, in words and in deed, by the names that prompt_toolkit's bindings take."""
+"""Keys by their names in prompt_toolkit: a label for people, and what the key does."""

@@ -1,1 +1,1 @@
-"""The order of strokes: few changes of paint, little travel, and every overlap as it was planned."""
+"""The order of strokes: few changes of paint, little travel, and every overlap as planned."""

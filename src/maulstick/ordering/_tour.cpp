@@ -1,8 +1,8 @@
 // A short way through strokes that are each drawn once: from stroke to nearest stroke, then local search (2-opt, Or-opt
-// and exchanges of neighbouring runs) from many small disturbances, each kept only if it led to a shorter way.
+// and exchanges of neighbouring runs) after many small disturbances, each kept only if it led to a shorter way.
 //
 // An element of the way is a stroke as it is drawn: it enters at the point 2 * stroke + turned and leaves at its other
-// point, which is that number ^ 1. Two elements are no strokes: the pen's first place, and an end that is near to all.
+// point, which is that number ^ 1. Two elements are no strokes: the pen's first place, and an end at distance 0 of all.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -24,7 +24,7 @@ constexpr int64_t longest_insert = 3;        // strokes that Or-opt moves togeth
 constexpr int64_t longest_kick = 10;         // strokes in each of the two runs that a disturbance exchanges
 constexpr int64_t farthest_repair = 3000;    // strokes that a move after a disturbance touches; more would take longer
 
-struct Move {                                // positions; what they are is said where they are carried out
+struct Move {                                // positions in the way, with the meanings that `perform` gives them
   enum Kind { none, reverse, exchange, insert } kind = none;
   int64_t i = 0, j = 0, k = 0;
   double gain = least_gain;
@@ -45,8 +45,8 @@ class Way {
     search();
     if (strokes_ < 2) return;
     reach_ = farthest_repair;
-    std::mt19937_64 chance(0);               // any seed will do: it only says where to try
-    auto below = [&](int64_t limit) { return int64_t(chance() % uint64_t(limit)); };
+    std::mt19937_64 rng(0);                  // any seed will do: it only says where to try
+    auto below = [&](int64_t limit) { return int64_t(rng() % uint64_t(limit)); };
     for (int64_t n = 0; n < disturbances; ++n) {
       const int64_t first = 1 + below(std::min(longest_kick, strokes_ - 1));
       const int64_t second = 1 + below(std::min(longest_kick, strokes_ - first));
@@ -113,7 +113,7 @@ class Way {
     waiting_.push_back(stroke);
   }
 
-  // Improves until nothing near the strokes that wait can be; returns metres gained.
+  // Improve the way until no move near the waiting strokes gains anything; returns metres gained.
   double search() {
     double gained = 0;
     while (!waiting_.empty()) {
@@ -135,7 +135,7 @@ class Way {
     return best;
   }
 
-  // Moves that join where the stroke at k leaves to a point nearby.
+  // Find moves that join the point where the stroke at k leaves to a point nearby.
   void after(int64_t k, Move& best) const {
     const int32_t a = leave(k);
     const double removed = gap_after(k);
@@ -154,7 +154,7 @@ class Way {
     }
   }
 
-  // Moves that join where the stroke at k enters to a point nearby.
+  // Find moves that join the point where the stroke at k enters to a point nearby.
   void before(int64_t k, Move& best) const {
     const int32_t a = enter(k);
     const double removed = gap_after(k - 1);
@@ -174,18 +174,18 @@ class Way {
     if (gain > best.gain && j - i < reach_ && may_reverse(i, j)) best = {Move::reverse, i, j, 0, gain};
   }
 
-  // The strokes from p to q turned around, between those at g and g + 1.
+  // Insert the strokes from p to q, reversed, between those at g and g + 1.
   void insertion(int64_t p, int64_t q, int64_t g, Move& best) const {
     const double gain = gap_after(p - 1) + gap_after(q) + gap_after(g) - gap(leave(g), leave(q)) -
                         gap(enter(p), enter(g + 1)) - gap(leave(p - 1), enter(q + 1));
     if (gain > best.gain && std::abs(g - p) < reach_ && may_reverse(p, q)) best = {Move::insert, p, q, g, gain};
   }
 
-  // Exchanges of two neighbouring runs that lead from the stroke at k to the one at m, and gain so much by that.
+  // Exchange two neighbouring runs so that the stroke at m follows the one at k, which alone gains `gained`.
   void exchanges(int64_t k, int64_t m, double gained, Move& best) const {
     const int32_t x = leave(m - 1);
     gained += gap_after(m - 1);
-    const auto lead_to = [&](int64_t j, double added) {   // from where the stroke at m was led to
+    const auto lead_to = [&](int64_t j, double added) {   // by joining the stroke that led to m to the one at j
       Move move{Move::exchange};
       if (m > k + 1 && j > m) move.i = k + 1, move.j = m, move.k = j - 1;
       else if (m > k + 1 && j <= k) move.i = j, move.j = k + 1, move.k = m - 1;
@@ -203,7 +203,7 @@ class Way {
     }
   }
 
-  // Of the runs from i to j - 1 and from j to k.
+  // Gain of exchanging the runs from i to j - 1 and from j to k.
   double exchange_gain(int64_t i, int64_t j, int64_t k) const {
     return gap_after(i - 1) + gap_after(j - 1) + gap_after(k) - gap(leave(i - 1), enter(j)) - gap(leave(k), enter(i)) -
            gap(leave(j - 1), enter(k + 1));
@@ -271,11 +271,11 @@ class Way {
   std::vector<int32_t> was_;                 // what an exchange overwrites
   std::vector<uint8_t> waits_;
   std::vector<int32_t> waiting_;             // strokes near which something changed
-  std::vector<Move> takes_back_;             // each move since the last disturbance, were it the last
+  std::vector<Move> takes_back_;             // moves that undo all since the last disturbance, the last first
 };
 
-// points: (2 N + 2, 2) where strokes start and end, then the pen's first place twice. near: (2 N + 2, K) points where
-// another stroke may begin, the nearest first; gaps: how near. out: (N,) elements in the order of the way.
+// points: (2 N + 2, 2) ends of strokes, then the pen's first place twice. near: (2 N + 2, K) points where
+// another stroke may begin, the nearest first; gaps: their distances. out: (N,) elements in the order of the way.
 void shortest(Array<const double, 2> points, Array<const uint8_t, 1> reversible, Array<const int32_t, 2> near,
               Array<const double, 2> gaps, int64_t disturbances, Array<int32_t, 1> out) {
   nb::gil_scoped_release release;

@@ -1,26 +1,25 @@
-"""The order of strokes: what is painted first, and so lies below."""
+"""Layers of strokes: the order in which paints are used, as strokes that are painted first lie below."""
 
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.colour.palette import lightness
-from maulstick.storage.arrays import Bools, Ints
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 
-def light_to_dark(colours: NDArray[np.float64]) -> Ints:
-    """Indices (N,) that sort strokes of colours (N, 3) from light to dark."""
+def light_to_dark(colours: Floats) -> Ints:
+    """Return indices (N,) that sort strokes of colours (N, 3), sRGB in [0, 1], from light to dark."""
     return np.argsort(-lightness(colours), kind="stable")
 
 
 def by_paint(paint_of: Ints, before: Ints) -> Ints:
-    """Indices (N,) that paint all strokes of a paint, (N,), in one go, keeping the order `before`, (N,), within it."""
+    """Return indices (N,) that group strokes by their paint (N,), in the order `before` (N,) within each paint."""
     return before[np.argsort(paint_of[before], kind="stable")]
 
 
 def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
-    """Strokes in runs of one paint each: as few runs as can be found, and never more than there were.
+    """Return strokes as runs of one paint each: as few runs as can be found, and never more than before.
 
     paint_of: (N,) the paint of each stroke, in painting order.  overlaps: (E, 2) strokes of different paints of which
     the first lies below the second, and stays there. Within a run any order will do.
@@ -29,8 +28,8 @@ def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
     before = iter(paint_of[np.flatnonzero(np.diff(paint_of, prepend=-1))].tolist())
 
     def neediest(free: Bools, waiting: Bools) -> int:
-        # A paint that can be finished is: it must be taken up once more anyway. Else one stroke counts as much as two
-        # above which the paint must change once less often.
+        # A paint that can be finished comes first: it must be taken up once more anyway. Otherwise a stroke counts
+        # twice as much for each further change of paint that must follow it.
         needed = np.bincount(paint_of, free * np.exp2(changes - changes[free].max()))
         finishes = (needed > 0) & (np.bincount(paint_of, waiting, len(needed)) == 0)
         return int(np.argmax(np.where(finishes, np.inf, needed)))
@@ -42,7 +41,7 @@ def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
 
 
 def _scheduled(paint_of: Ints, overlaps: Ints, choose: Callable[[Bools, Bools], int]) -> list[Ints]:
-    """Each run takes all strokes of the chosen paint that are free: none that must lie below them is still to come."""
+    """Return runs; each takes all strokes of the chosen paint that are free: all that must lie below are painted."""
     below, above = overlaps.T
     beneath = np.bincount(above, minlength=len(paint_of))
     done = np.zeros(len(paint_of), dtype=np.bool_)
@@ -57,7 +56,7 @@ def _scheduled(paint_of: Ints, overlaps: Ints, choose: Callable[[Bools, Bools], 
 
 
 def _changes_after(count: int, overlaps: Ints) -> Ints:
-    """(N,) how often at least the paint must change after each stroke, for what lies above it."""
+    """Return the least number (N,) of changes of paint after each stroke, for the strokes that lie above it."""
     below, above = overlaps[np.argsort(overlaps[:, 0], kind="stable")].T
     starts = np.searchsorted(below, np.arange(count + 1))
     changes = np.zeros(count, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The order in which a machine paints: few changes of paint, then little travel, every overlap as it was planned."""
+"""The sequence in which a machine paints: few changes of paint, then little travel, every overlap as planned."""
 
 from collections.abc import Iterator
 
@@ -11,16 +11,16 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.storage.arrays import Bools, Floats, Ints
 
-_PRECISE = 1e-6  # metres: what the file of a painting keeps
-_SMOOTHED = 0.05  # of a mark's half-width: its centre line may be simplified by that, and then counts as wider by it
+_PRECISE = 1e-6  # metres: marks that differ by less are the same; a painting's file keeps no more
+_SMOOTHED = 0.05  # half-widths: tolerance of a mark's simplified centre line; the mark counts as wider by it
 
 
 def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
-    """The painting with its strokes in a quick order for a machine whose pen is at `start`, metres; it looks the same.
+    """Return the painting with its strokes in a quick order for a pen at `start`, metres; it looks the same.
 
-    Strokes keep their ids, and overlapping strokes of different paints their order; those of one paint may be painted
-    in any: one colour over itself is the same colour. The paint never changes more often than before. A stroke may be
-    turned around where its pressure is even, it has no speeds of its own, and its mark is then the same.
+    Strokes keep their ids, and overlapping strokes of different paints keep their order. Strokes of one paint may come
+    in any order, as a colour over itself is the same colour. The paint never changes more often than before. A stroke
+    may be reversed where its pressure is even, it has no speeds of its own, and its mark stays the same.
     """
     trajectories = painting.trajectories()
     paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
@@ -41,7 +41,7 @@ def _turned(stroke: Stroke) -> Stroke:
 
 
 def _reversible(painting: Painting, trajectories: Floats) -> Bools:
-    """(N,) whether each of the commanded trajectories (N, n, 3) leaves the same mark when it is drawn backwards."""
+    """Return whether each (N,) of the commanded trajectories (N, n, 3) leaves the same mark when drawn backwards."""
     even = np.ptp(trajectories[..., 2], axis=1) == 0
     hasty = np.array([stroke.speed is not None for stroke in painting.strokes], dtype=np.bool_)
     paths = trajectories[..., :2]
@@ -51,7 +51,7 @@ def _reversible(painting: Painting, trajectories: Floats) -> Bools:
 
 
 def _marks(painting: Painting, paths: Floats) -> Floats:
-    """Centre lines of the marks that commanded paths (N, n, 2) leave, metres."""
+    """Return the centre lines (N, n, 2) of the marks that commanded paths (N, n, 2) leave, metres."""
     marks = np.empty_like(paths)
     for brush, rows in _brushes(painting):
         marks[rows] = brush.mark(paths[rows])
@@ -59,7 +59,7 @@ def _marks(painting: Painting, paths: Floats) -> Floats:
 
 
 def _widest(painting: Painting, pressure: Floats) -> Floats:
-    """(N,) half-widths of marks with pressure (N, n) where and in whichever direction they are widest, metres."""
+    """Return the half-widths (N,) of marks with pressure (N, n) at their widest place and direction, metres."""
     widest = np.empty(len(pressure))
     for brush, rows in _brushes(painting):
         widest[rows] = brush.half_width(pressure[rows].max(axis=1)) * (1 + np.hypot(*brush.nib))
@@ -67,14 +67,14 @@ def _widest(painting: Painting, pressure: Floats) -> Floats:
 
 
 def _brushes(painting: Painting) -> Iterator[tuple[Brush, Ints]]:
-    """Each brush, and which strokes it draws."""
+    """Yield each brush and the indices of the strokes that it draws."""
     names = np.array([painting.paints[stroke.paint].brush for stroke in painting.strokes], dtype=np.str_)
     for name, brush in painting.brushes.items():
         yield brush, np.flatnonzero(names == name)
 
 
 def _overlaps(painting: Painting, trajectories: Floats, paint_of: Ints) -> Ints:
-    """(E, 2) strokes of different paints whose marks may overlap, the earlier one first."""
+    """Return pairs (E, 2) of strokes of different paints whose marks may overlap, the earlier one first."""
     pairs = np.zeros((0, 2), dtype=np.int64)
     if len(paints := np.unique(paint_of)) < 2:
         return pairs

@@ -1,4 +1,4 @@
-"""A tour: strokes in an order, some of them turned around, with little travel of the lifted pen between them."""
+"""A tour: strokes in an order, some of them reversed, with little travel of the lifted pen between them."""
 
 from dataclasses import dataclass
 
@@ -8,27 +8,29 @@ from scipy.spatial import cKDTree
 
 from maulstick.errors import InputError
 from maulstick.ordering import _tour
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
-_NEIGHBOURS = 8
-_DISTURBANCES = 2  # of the search, a stroke: more gain little, and take longer than vpype's nearest strokes do
-_LEAST = 50  # disturbances: a handful of strokes is then drawn in their best order
+_NEIGHBOURS = 8  # points near each end that the search tries to join it to
+_DISTURBANCES = 2  # of the search per stroke: more gain little, and take longer than vpype's nearest strokes do
+_LEAST = 50  # disturbances, so that a handful of strokes gets its best order
 
 
 @dataclass(frozen=True)
 class Tour:
-    """order: (N,) indices of strokes, the first to be drawn first.  turned: (N,) of each of them, drawn backwards."""
+    """Tour through strokes.
 
-    order: NDArray[np.int64]
+    order: (N,) indices of strokes in the order of drawing.  turned: (N,) whether each of those is drawn backwards.
+    """
+
+    order: Ints
     turned: Bools
 
 
 def tour(ends: Floats, reversible: Bools, start: tuple[float, float]) -> Tour:
-    """A tour with short pen-up travel, the same for the same strokes.
+    """Return a tour with short pen-up travel, always the same for the same strokes.
 
-    ends: (N, 2, 2) where each stroke starts and ends, metres.  reversible: (N,) whether it may be drawn backwards.
-    start: where the pen is at first, metres.
-
+    ends: (N, 2, 2) first and last point of each stroke, metres.  reversible: (N,) whether it may be drawn backwards.
+    start: place of the pen before the first stroke, metres.
     Raises InputError for ends that are not finite.
     """
     count = len(ends)
@@ -43,7 +45,7 @@ def tour(ends: Floats, reversible: Bools, start: tuple[float, float]) -> Tour:
 
 
 def pen_up(ends: Floats, way: Tour, start: tuple[float, float]) -> float:
-    """Metres from `start` to the first stroke of the tour, and from each to the next; ends: (N, 2, 2), metres."""
+    """Return the pen-up travel of a tour, metres: from `start` to its first stroke, and from each to the next."""
     drawn = ends[way.order]
     drawn = np.where(way.turned[:, None, None], drawn[:, ::-1], drawn)
     left = np.concatenate([[start], drawn[:, 1]])[:-1]
@@ -51,7 +53,7 @@ def pen_up(ends: Floats, way: Tour, start: tuple[float, float]) -> float:
 
 
 def _near(points: Floats, reversible: Bools) -> tuple[NDArray[np.int32], Floats]:
-    """To each of the points (2 N + 2, 2) those (2 N + 2, K) at which another stroke may begin, and their distances."""
+    """Return for each point (2 N + 2, 2) the K nearest at which another stroke may begin, and their distances."""
     begins = np.column_stack([np.ones_like(reversible), reversible]).ravel().nonzero()[0]
     gaps, rows = cKDTree(points[begins]).query(points, k=range(1, min(_NEIGHBOURS + 2, len(begins)) + 1))
     own = begins[rows] // 2 == np.arange(len(points))[:, None] // 2

@@ -1,1 +1,1 @@
-"""Machines that draw: one abstract robot, and an adapter a machine."""
+"""Machines that draw: one abstract robot, and one adapter per machine."""

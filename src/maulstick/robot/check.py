@@ -1,4 +1,4 @@
-"""Does a machine keep what `Robot` promises? For whoever writes an adapter, or has a machine that is new to us."""
+"""Check that a machine keeps what `Robot` promises: for authors of adapters, and for untested machines."""
 
 import threading
 import time
@@ -16,20 +16,20 @@ from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
-_SHEET = 0.1  # metres: its sides
-_HALF = 0.01  # metres: of the square's side
-_RESOLUTION = 1e-4  # metres, that steps or decimals may round
-_BEYOND = 0.01  # metres outside the workspace
-_SLOW = 0.01  # metres a second: a stroke that lasts long enough to be stopped
-_BEGUN = 0.2  # seconds into that stroke
-_AT_ONCE = 0.2  # seconds to stand still; only when it is lifted, too, is that seen
-_CLEAR = np.array([[0, 0, 0], [0, 0, 0.02]])  # metres: as high as it may be lifted then
-_UP = 1e-3  # metres above the stroke, at least, for a pen that is lifted
+_SHEET = 0.1  # metres: sides of the sheet that is assumed where no easel is given
+_HALF = 0.01  # metres: half the side of the square that is driven
+_RESOLUTION = 1e-4  # metres: the most that rounding to steps or decimals may displace a place
+_BEYOND = 0.01  # metres outside the workspace: places that must be refused
+_SLOW = 0.01  # metres per second: the stroke lasts 2 s, long enough to be stopped on the way
+_BEFORE_STOP = 0.2  # seconds from the start of that stroke to the stop
+_AT_ONCE = 0.2  # seconds that the machine may take to stand still; the time for lifting is added
+_CLEAR = np.array([[0, 0, 0], [0, 0, 0.02]])  # metres: the longest way up that lifting after a stop is allowed
+_UP = 1e-3  # metres above the stroke: the least height at which a pen counts as lifted
 
 
 @dataclass(frozen=True)
 class Check:
-    """One promise, whether it was kept, and a sentence about what was seen."""
+    """Result of one check: the promise, whether it was kept, and a sentence about what was seen."""
 
     name: str
     passed: bool
@@ -39,12 +39,12 @@ class Check:
 def check_robot(
     robot: Robot, easel: Easel | None = None, middle: tuple[float, float] = (_SHEET / 2, _SHEET / 2)
 ) -> tuple[Check, ...]:
-    """Move a machine, not yet entered, 10 mm about a place x, y of the sheet, metres, and say what it did.
+    """Move a machine, not yet entered, 10 mm to each side of a place (x, y) of the sheet, metres; report what it did.
 
     Its strokes end halfway between the paper and the height of travel: arms draw in the air, and a machine that only
     lifts its pen draws a short line, three times.
-    easel: where the sheet lies; left out, where one of 100 x 100 mm usually does, which an arm cannot know.
-    Raises InputError where that does not fit its limits; whatever fails afterwards is a finding.
+    easel: where the sheet lies; left out, `Robot.easel` of a sheet of 100 x 100 mm, which an arm does not have.
+    Raises InputError where that does not fit the machine's limits; whatever fails afterwards is in the result.
     """
     trial = _Trial(robot, easel or robot.easel(_SHEET, _SHEET), middle)
     entered = _checked("it can be entered", trial.enters)
@@ -62,7 +62,7 @@ def check_robot(
     try:
         return entered, *(_checked(name, promise) for name, promise in promises)
     finally:
-        with suppress(Exception):  # it was left once before, and then said what it has to say
+        with suppress(Exception):  # it was left once before, and that check has its own result
             trial.leaves()
 
 
@@ -75,12 +75,15 @@ def _checked(name: str, promise: Callable[[], str]) -> Check:
         return Check(name, True, promise())
     except _BrokenPromiseError as broken:
         return Check(name, False, str(broken))
-    except Exception as error:  # an adapter may raise anything, and that is what is to be found out
+    except Exception as error:  # an adapter may raise anything, and this is what the check finds out
         return Check(name, False, f"raised {type(error).__name__}: {error}")
 
 
 class _Trial:
-    """A machine under test; the promises build on each other, in the order of `check_robot`."""
+    """Checks of one machine; they build on each other, in the order of `check_robot`.
+
+    Each method returns what was seen, and raises _BrokenPromiseError where the promise was not kept.
+    """
 
     def __init__(self, robot: Robot, easel: Easel, middle: tuple[float, float]) -> None:
         self._robot = robot
@@ -133,7 +136,7 @@ class _Trial:
             except InputError:
                 pass
             else:
-                raise _BrokenPromiseError(f"it took a {what} without a word")
+                raise _BrokenPromiseError(f"it accepted a {what}")
             _demand(_distance(robot.place, place) == 0, f"it refused a {what}, and moved")
         return f"{len(attempts)} times, and stood still"
 
@@ -145,7 +148,7 @@ class _Trial:
             self._robot.stop()
 
         self._robot.move(self._square[0])
-        other = threading.Timer(_BEGUN, stop)
+        other = threading.Timer(_BEFORE_STOP, stop)
         other.start()
         try:
             self._robot.stroke(self._path, np.full(2, _SLOW))
@@ -189,7 +192,7 @@ class _Trial:
 
 
 def _outside(place: Floats, limits: Limits) -> list[Floats]:
-    """Places (3,) beside this one, each a little beyond one face of the workspace."""
+    """Return places (3,), each like the given one but a little beyond one face of the workspace."""
     beyond = np.stack([np.array(limits.lower) - _BEYOND, np.array(limits.upper) + _BEYOND])
     return [np.where(np.arange(3) == axis, face, place) for face in beyond for axis in range(3)]
 

@@ -1,4 +1,4 @@
-"""How a sheet lies before a machine: the only conversion between the canvas frame and the machine's (design §3)."""
+"""Position of the sheet before a machine: the only conversion between the canvas frame and the machine's frame."""
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -10,15 +10,15 @@ from maulstick.robot.limits import Limits, Point
 from maulstick.storage.arrays import Floats
 from maulstick.storage.records import read_record, write_record
 
-_SQUARE = 1e-6
+_SQUARE = 1e-6  # tolerance of unit length and right angle; more than the rounding of a file's decimals
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Pen(BaseModel):
-    """How a plotter lifts its pen: by a servo that is sent to `up` and `down` (the machine's own numbers).
+    """Servo that lifts a plotter's pen; `up` and `down` are positions in the machine's own units.
 
-    seconds: how long either takes.
+    seconds: time that lifting or lowering takes.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -29,13 +29,13 @@ class Pen(BaseModel):
 
 
 class Easel(BaseModel):
-    """A sheet before a machine, whose frame is right-handed with z up. Metres.
+    """Position of a sheet before a machine, in the machine's frame (right-handed, z up), metres.
 
     corner: (x, y, z) of the sheet's upper left corner, where the tip just touches the paper.
     right, down: unit vectors along the sheet's upper and left edge.
-    deepest: how far below first touch the tip may go.  travel: how far above the paper it goes from stroke to stroke.
-    limits: narrower ones than the machine's, for this place.  pen: of a plotter with a servo.
-    error: how far from their plane the points lay that this was measured by.
+    deepest: depth below first touch that the tip may reach.  travel: height above the paper between strokes.
+    limits: limits narrower than the machine's, for this place.  pen: servo of a plotter that has one.
+    error: root mean square distance of the touched points from the fitted sheet, 0 where none were touched.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -63,24 +63,24 @@ class Easel(BaseModel):
 
     @property
     def up(self) -> Floats:
-        """(3,) unit vector out of the paper."""
+        """Unit vector (3,) out of the paper."""
         return np.cross(self.down, self.right)
 
     @property
     def tilt(self) -> float:
-        """Of the paper against the machine's x and y axes, radians."""
+        """Angle between the paper and the machine's xy plane, radians."""
         return float(np.arccos(np.clip(self.up[2], -1, 1)))
 
     def canvas_to_machine(self, path: Floats) -> Floats:
-        """Places (..., 3) of the machine for (..., 3): x and y on the sheet, and height above the paper, metres."""
+        """Return machine places (..., 3) for x, y on the sheet and height above the paper (..., 3), all in metres."""
         return np.asarray(self.corner + np.asarray(path) @ np.array([self.right, self.down, self.up]))
 
     def machine_to_canvas(self, path: Floats) -> Floats:
-        """The inverse of `canvas_to_machine`."""
+        """Return the inverse of `canvas_to_machine`: x, y on the sheet and height above the paper (..., 3), metres."""
         return np.asarray((np.asarray(path) - self.corner) @ np.array([self.right, self.down, self.up]).T)
 
     def shifted(self, dx: float, dy: float, turn: float = 0.0) -> "Easel":
-        """After the paper was moved by (dx, dy), metres, and turned about its corner, radians, in its own plane."""
+        """Return the easel of a sheet moved in its plane by (dx, dy), metres, and turned about its corner, radians."""
         right, down = np.array(self.right), np.array(self.down)
         corner = self.corner + dx * right + dy * down
         turned = np.cos(turn) * right + np.sin(turn) * down, np.cos(turn) * down - np.sin(turn) * right
@@ -89,7 +89,7 @@ class Easel(BaseModel):
 
 
 def read_easel(path: str | Path) -> Easel:
-    """The easel in the file at `path`. Raises InputError where there is none."""
+    """Read the easel in the file at `path`. Raises InputError where there is none."""
     return read_record(Easel, path, "easel")
 
 

@@ -1,4 +1,4 @@
-"""Painting: a routine on a machine, each stroke written down before and after it."""
+"""Execution of a routine on a machine; the journal has each stroke before and after it is painted."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -12,15 +12,16 @@ from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
 
-_GLANCE = 0.05  # seconds
+_GLANCE = 0.05  # seconds between two looks at a pause: shorter than a person notices
 
 
 @dataclass(frozen=True)
 class PaintProgress:
-    """Before an action, and once at the end: where painting is.
+    """Progress of painting, before each action and once at the end.
 
-    action: what comes now, or None at the end.  drawn, metres: of stroke, so far and in all.
-    left: seconds of the machine, without what people have to do.  next_paint: the paint after this one, if any.
+    action: the action that comes now, or None at the end.  drawn, metres: metres of stroke so far, and in all.
+    left: seconds that the machine still needs, without the time for prompts.  next_paint: the paint after this one, if
+    any.
     """
 
     action: Action | None
@@ -32,17 +33,20 @@ class PaintProgress:
 
 @final
 class Pause:
-    """Lets another thread, or a signal handler, hold a machine between two strokes. held: whether it is to wait."""
+    """Switch by which another thread or a signal handler holds a machine between two actions.
+
+    held: whether the machine is to wait.
+    """
 
     def __init__(self) -> None:
         self.held = False
 
     def toggle(self) -> None:
-        """Hold, or go on."""
+        """Hold the machine, or let it go on."""
         self.held = not self.held
 
     def wait(self) -> None:
-        """Return once painting may go on."""
+        """Wait until painting may go on."""
         while self.held:
             time.sleep(_GLANCE)
 
@@ -57,11 +61,11 @@ def execute(
     load: PaintLoad = NOTHING,
     enough: Callable[[int], bool] = lambda painted: False,
 ) -> PaintLoad:
-    """Do what a `routine` for this machine says; returns what the machine holds in the end.
+    """Carry out the actions of a `routine` for this machine; returns the paint that the machine holds at the end.
 
-    enough: asked after each stroke, with the number painted since the call; once it says so, it returns, and the others
-    are counted as still to come.
-    ask: shows a person what has to be done, and returns when it is.  watch: is told before each action, and at the end.
+    ask: shows a prompt to the operator, and returns when it is done.  watch: called before each action, and at the end.
+    pause: holds the machine before an action.  load: the paint that the machine holds at the beginning.
+    enough: called after each stroke with the number painted since the call; where it returns True, painting ends there.
     A stroke is in the journal as begun before the tip is lowered for it, and as painted once it is lifted again.
     Raises whatever stopped it: MachineError, OutputError of the journal, KeyboardInterrupt; the pen is then lifted
     once the machine's context is left.
@@ -94,14 +98,14 @@ def execute(
 
 
 def _clear_all(actions: Sequence[Action], robot: Robot) -> None:
-    """Lift the tip straight up to the height of the highest way, since nobody knows what it stands in."""
+    """Lift the tip straight up to the highest height of travel, since it may stand in a well."""
     heights = [max(a.motion.above, a.motion.after) for a in actions if not isinstance(a, Prompt)]
     if heights and max(heights) > robot.place[2]:
         robot.lift(max(heights))
 
 
 def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: None) -> None:
-    """Go above its start; then `begin`; then down, along, and up again."""
+    """Move above the start, call `begin`, lower the tip, follow the path and lift again."""
     robot.move(motion.start)
     begin()
     robot.stroke(motion.path, motion.speed)
@@ -109,5 +113,6 @@ def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: N
 
 
 def _next_paint(actions: Sequence[Action], index: int) -> int | None:
+    """Return the paint that follows the one in use at `index`, or None where it is the last."""
     now = actions[index].paint
     return next((action.paint for action in actions[index:] if action.paint != now), None)

@@ -1,4 +1,4 @@
-"""Machines that feel how hard they press."""
+"""Machines that measure the force at their tip."""
 
 from abc import abstractmethod
 
@@ -6,8 +6,8 @@ from maulstick.robot.robot import Robot
 
 
 class FeelsForce(Robot):
-    """A machine that can find the paper by touching it."""
+    """Machine with a force sensor, which can find the paper by touching it."""
 
     @abstractmethod
     def force(self) -> float:
-        """Newtons along z at the tip; only differences mean anything, as zero and sign are the machine's own."""
+        """Return the force along z at the tip, newtons; zero and sign are the machine's own: use differences."""

@@ -1,7 +1,7 @@
-"""The journal of a painting: what a machine began and what it finished, a line at a time, each on the disk before more.
+"""The journal of a painting: the strokes that a machine began and finished, one JSON line each.
 
-It lies beside its painting. A line that a power cut tore is dropped when it is opened again: what it said had not
-happened yet, or is asked about.
+It lies beside its painting. Each line is on the disk before anything else happens. A last line that a power cut left
+incomplete is dropped when the journal is opened again: its stroke had not been begun, or counts as unfinished.
 """
 
 import errno
@@ -19,7 +19,9 @@ from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.storage.files import file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
-_LARGEST = 2**28  # bytes: millions of strokes
+"""Version of the journal's lines."""
+
+_LARGEST = 2**28  # bytes that are read at most: more than millions of strokes need
 _Sum = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 _Id = Annotated[int, Field(ge=0)]
 
@@ -35,9 +37,9 @@ class _Line(BaseModel):
 
 
 class Revision(_Line):
-    """From here on the painting is this file, beside the journal; the first line of a journal is one.
+    """Line that names the painting from here on, a file beside the journal; a journal begins with one.
 
-    painted: ids of its strokes that count as painted before the machine began.
+    painted: ids of its strokes that count as painted already.
     """
 
     event: Literal["revision"] = "revision"
@@ -48,28 +50,28 @@ class Revision(_Line):
 
 
 class Begin(_Line):
-    """The machine is about to paint this stroke."""
+    """Line before a stroke: the machine is about to paint it."""
 
     event: Literal["begin"] = "begin"
     stroke: _Id
 
 
 class End(_Line):
-    """After a stroke."""
+    """Line after a stroke: it is painted."""
 
     event: Literal["end"] = "end"
     stroke: _Id
 
 
 class Again(_Line):
-    """A stroke was begun, and is to be painted as if it had not been."""
+    """Line that says that a stroke was begun, and is to be painted again from its start."""
 
     event: Literal["again"] = "again"
     stroke: _Id
 
 
 class OptionsLine(_Line):
-    """The options that the machine is asked to paint with from here on, so that --resume need not repeat them."""
+    """Line with the options that the machine paints with from here on, so that they need not be given again."""
 
     event: Literal["options"] = "options"
     options: dict[str, JsonValue]
@@ -80,13 +82,13 @@ _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
 def journal_of(painting: Path) -> Path:
-    """Where the journal of a painting lies."""
+    """Return the path of the journal of a painting."""
     return painting.with_name(f"{painting.stem}.log.jsonl")
 
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """While it lasts no other process opens the journal at `path`, whatever is in it.
+    """Lock the journal at `path`, whatever is in it, against other processes while the context lasts.
 
     Raises InputError where another has it, OutputError where nothing can be written there.
     """
@@ -96,11 +98,11 @@ def locked(path: Path) -> Iterator[None]:
 
 
 class Journal:
-    """A journal, open to be read and continued; one process at a time has it (`Journal.open`).
+    """Journal that can be read and continued; only one process at a time has it open (`Journal.open`).
 
-    painted: ids of the strokes that are finished.  unfinished: the stroke that was begun and not finished, if any.
-    options: those that the machine was last asked to paint with, {} where none were written.
-    revision: the painting as it is painted now.  revisions: how many there were, that one included.
+    painted: ids of the strokes that are finished.  unfinished: id of the stroke that was begun, not finished.
+    options: the options that were last written, {} where none were.
+    revision: the latest revision of the painting.  revisions: number of revisions, that one included.
     """
 
     def __init__(self, path: Path) -> None:
@@ -115,7 +117,7 @@ class Journal:
     @classmethod
     @contextmanager
     def open(cls, path: Path) -> Iterator[Self]:
-        """The journal at `path`, which is begun if there is none.
+        """Open the journal at `path`, and begin one where there is none.
 
         Raises InputError where another process has it, or it is not a journal; OutputError where it cannot be written.
         """
@@ -129,36 +131,36 @@ class Journal:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """The journal at `path` as it is now, whoever continues it. Raises InputError where it is none."""
+        """Read the journal at `path`, even if a process has it open. Raises InputError where it is none."""
         journal = cls(path)
         journal._take_whole_lines(read_whole(path, "journal", _LARGEST))
         return journal
 
     def revise(self, file: Path, painted: Iterable[int] = ()) -> None:
-        """From now on the painting is that file, beside the journal, and the strokes with these ids are painted."""
+        """Write that the painting is from now on this file beside the journal, and that these ids are painted."""
         content = read_whole(file, "painting", _LARGEST)
         digest = hashlib.sha256(content).hexdigest()
         self._append(Revision(file=file.name, sha256=digest, painted=tuple(painted)))
 
     def write_options(self, options: dict[str, JsonValue]) -> None:
-        """Write down the options that the machine paints with from now on, unless they are the last ones written."""
+        """Write the options that the machine paints with from now on, unless they are the last ones written."""
         if options != self.options:
             self._append(OptionsLine(options=options))
 
     def begin(self, stroke: int) -> None:
-        """Before a stroke."""
+        """Write that a stroke is about to be painted."""
         self._append(Begin(stroke=stroke))
 
     def end(self, stroke: int) -> None:
-        """After it; also for a stroke that a person says was painted."""
+        """Write that a stroke is painted, by the machine, or because the operator says so."""
         self._append(End(stroke=stroke))
 
     def again(self, stroke: int) -> None:
-        """A person says that the unfinished stroke has to be painted."""
+        """Write that the unfinished stroke has to be painted again, as the operator decided."""
         self._append(Again(stroke=stroke))
 
     def painting(self) -> Path:
-        """The file of the latest revision. Raises InputError where it is not the file that it was."""
+        """Return the file of the latest revision. Raises InputError where its content has changed since."""
         assert self.revision is not None
         path = self.path.with_name(self.revision.file)
         content = read_whole(file_to_read(path, "painting"), "painting", _LARGEST)
@@ -179,7 +181,7 @@ class Journal:
             raise OutputError(f"cannot write {self.path}: {error.strerror}; mend that before painting") from error
 
     def _take_whole_lines(self, content: bytes) -> int:
-        """How many bytes they are."""
+        """Read all complete lines of the content, and return their length in bytes."""
         whole = content[: content.rfind(b"\n") + 1]
         for number, line in enumerate(whole.splitlines(), start=1):
             self._take(line, number)
@@ -188,7 +190,9 @@ class Journal:
     def _take(self, line: bytes, number: int) -> None:
         fault = f"line {number} of {self.path} is not one of a journal"
         try:
-            entry = _LINE.validate_python(json.loads(line))  # pydantic's own reader knows no names of any bytes
+            entry = _LINE.validate_python(
+                json.loads(line)
+            )  # pydantic's own reader refuses file names that are not UTF-8
         except (ValueError, RecursionError) as error:
             raise InputError(fault, Remedy.MEND_OR_RESTART) from error
         if self.revision is None and not isinstance(entry, Revision):

@@ -1,4 +1,4 @@
-"""What a machine may be asked for, and the checks that nothing gets past."""
+"""Limits of a machine, and the checks that every motion has to pass."""
 
 from typing import Annotated, Final, Self
 
@@ -8,25 +8,25 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 
-_SHARE = 1e-12
+_SHARE = 1e-12  # least component of a direction, so that no division is by zero
 
 SLACK: Final = 1e-9
-"""Metres, or metres a second: what rounding may add."""
+"""Metres, or metres per second, beyond a limit that count as rounding."""
 
 _Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Point = tuple[float, float, float]
 
 
 class Limits(BaseModel):
-    """What a machine can do, in its own frame: right-handed, z up. Metres and seconds.
+    """Limits of a machine in its own frame (right-handed, z up), metres and seconds.
 
-    lower, upper: corners (x, y, z) of its workspace.
-    speed: of the tip at most.  climb: of its height at most.  acceleration: of either at most.
-    axes: what x, y and z accelerate at most, where each has a limit of its own rather than the tip, as Grbl's do.
-    deviation: how far from a corner its tip may pass to keep moving (GRBL's junction deviation); 0 stops at corners.
+    lower, upper: corners (x, y, z) of the workspace.
+    speed: highest speed of the tip.  climb: highest speed of its height.  acceleration: highest acceleration of either.
+    axes: highest accelerations of x, y and z, where each axis has a limit of its own, as Grbl's do.
+    deviation: distance from a corner at which the tip may pass without stopping (Grbl's junction deviation); 0 stops.
     varies_pressure: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
-    lifting: how long it takes to lift or to lower, where that is not a matter of height.
-    tilt: of the paper against its x and y axes at most, radians.
+    lifting: seconds for lifting or lowering, beside what the height takes.
+    tilt: largest angle between the paper and the machine's xy plane, radians.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -65,7 +65,7 @@ class Limits(BaseModel):
                 raise InputError.of_range(f"the machine's {name}", f"{1e3 * came:.6g} mm", allowed)
 
     def check_speed(self, speed: Floats) -> None:
-        """Raise InputError where a speed (n,) is not above 0 and at most the machine's."""
+        """Raise InputError where a speed (n,), metres per second, is not above 0 and at most the machine's."""
         speed = np.asarray(speed, dtype=np.float64)
         wrong = speed[~((speed > 0) & (speed <= self.speed + SLACK))]  # so that NaN is wrong as well
         if len(wrong):
@@ -73,13 +73,13 @@ class Limits(BaseModel):
             raise InputError.of_range("the speed", f"{1e3 * wrong[0]:g} mm/s", allowed)
 
     def acceleration_along(self, units: Floats) -> Floats:
-        """At most (n,) along directions (n, 3), metres a second squared."""
+        """Return the highest acceleration (n,) along unit vectors (n, 3), metres per second squared."""
         if self.axes is None:
             return np.full(len(units), self.acceleration)
         return np.asarray((self.axes / np.maximum(np.abs(units), _SHARE)).min(axis=1))
 
     def narrowed(self, other: "Limits") -> "Limits":
-        """The stricter of both in everything. Raises InputError where they have no place in common."""
+        """Return the stricter of both limits in everything. Raises InputError where the workspaces do not overlap."""
         lower, upper = np.maximum(self.lower, other.lower), np.minimum(self.upper, other.upper)
         if not np.all(lower < upper):
             raise InputError(
@@ -101,4 +101,5 @@ class Limits(BaseModel):
 
     @property
     def _gains(self) -> Point:
+        """Highest accelerations of x, y and z, metres per second squared."""
         return self.axes or (self.acceleration,) * 3

@@ -9,6 +9,7 @@ from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot
 
 SPECS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
+"""Specs of all machines, as examples for people; sim is the simulated easel, which `machine` does not make."""
 
 
 def machine(spec: str, easel: Easel | None) -> Robot:

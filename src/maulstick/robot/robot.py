@@ -1,4 +1,4 @@
-"""The abstract machine: it moves, draws a stroke, lifts and stops; whatever it is told passes its limits first."""
+"""The abstract machine: it moves, draws strokes, lifts and stops; every motion is checked against its limits first."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -14,27 +14,27 @@ from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
-_SAME_PLACE = 1e-4  # metres, to a pen
+_SAME_PLACE = 1e-4  # metres: a stroke may begin so far beside the pen; covers rounding to steps or decimals
 
 
 class StoppedError(MachineError):
-    """The machine was stopped."""
+    """Error that says that the machine was stopped."""
 
     def __init__(self) -> None:
         super().__init__("the machine was stopped")
 
 
 class Robot(ABC):
-    """A machine that draws: entered as a context before anything moves, and left with its pen lifted.
+    """Machine that draws: a context, entered before anything moves, and left with the pen lifted.
 
-    Lengths are metres in the machine's own frame, right-handed, z up. What its calls return is where it was really
-    sent, which steps or decimals may have rounded. No command outside its `limits` is ever sent: a call that would
-    need one raises InputError, and nothing moves. All calls raise MachineError where the machine fails; StoppedError
-    after that, until it is entered again, and after `stop`, which any thread or signal handler may call; all else is
-    called from one thread.
+    Lengths are metres in the machine's own frame, right-handed, z up. Calls return the places that were really
+    commanded, which steps or decimals may have rounded. No command outside the `limits` is ever sent: a call that would
+    need one raises InputError, and nothing moves. All calls raise MachineError where the machine fails. After that,
+    and after `stop`, they raise StoppedError until the machine is entered again. `stop` may be called from any thread
+    or signal handler, all else from one thread.
 
-    An adapter implements what is abstract here. Its methods return once the machine is there; whatever takes longer
-    than 0.1 s looks at `_stopping` that often, and raises StoppedError.
+    An adapter implements the abstract methods. They return once the machine has arrived; one that takes longer than
+    0.1 s looks at `_stopping` that often, and raises StoppedError.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -65,7 +65,7 @@ class Robot(ABC):
 
     @final
     def ask_limits(self) -> None:
-        """See that `limits` are the machine's own even before it is entered; nothing moves."""
+        """Ask the machine for its `limits` before it is entered; nothing moves."""
         try:
             self._connect()
         finally:
@@ -74,18 +74,18 @@ class Robot(ABC):
     @property
     @final
     def lifted(self) -> bool:
-        """Whether its pen is lifted, as far as it knows; not where it failed, and could not be reached afterwards."""
+        """Whether the pen is known to be lifted; False where the machine failed and could not be reached again."""
         return not self._down
 
     @property
     @final
     def place(self) -> Floats:
-        """(3,) where the tip was last sent."""
+        """Place (3,) where the tip was last sent, metres."""
         return self._check_connected().copy()
 
     @final
     def move(self, place: Floats) -> Floats:
-        """Go straight to a place (3,) with the pen lifted; returns the place commanded, (3,)."""
+        """Move straight to a place (3,), metres, with the pen lifted; returns the place commanded, (3,)."""
         goal = np.asarray(place, dtype=np.float64)
         self.limits.check_path(goal[None])
         self._check_connected()
@@ -95,16 +95,16 @@ class Robot(ABC):
 
     @final
     def stroke(self, path: Floats, speed: Floats) -> Floats:
-        """Lower the tip to the first point of the path (n, 3), and follow it; the pen stays down.
+        """Lower the tip to the first point of the path (n, 3), metres, and follow it; the pen stays down.
 
-        speed: (n,) metres a second at most at each point; the machine's acceleration may make it slower.
-        The tip must be above the first point. A machine that does not pressure takes any height as "down".
+        speed: (n,) metres per second at most at each point; the machine's acceleration may make it slower.
+        The tip must be above the first point. A machine that cannot vary the pressure takes any height as "down".
         Returns the path commanded, (n, 3).
         """
         path, speed = np.asarray(path, dtype=np.float64), np.asarray(speed, dtype=np.float64)
         self.limits.check_path(path)
         if speed.shape != path.shape[:1]:
-            raise InputError(f"there are {speed.size} speeds for {len(path)} points; give one a point")
+            raise InputError(f"there are {speed.size} speeds for {len(path)} points; give one per point")
         self.limits.check_speed(speed)
         if self._down:
             raise InputError("the pen is down already; lift it before the next stroke")
@@ -116,7 +116,7 @@ class Robot(ABC):
 
     @final
     def lift(self, height: float) -> Floats:
-        """Raise the tip straight up to a height; returns the place commanded, (3,)."""
+        """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
         goal = np.array([*self.place[:2], height], dtype=np.float64)
         self.limits.check_path(goal[None])
         place = self._do(lambda: self._lift(goal))
@@ -125,24 +125,24 @@ class Robot(ABC):
 
     @final
     def stop(self) -> None:
-        """Stand still at once, and lift the pen. Whatever is running raises StoppedError, and all that follows."""
+        """Stop at once, and lift the pen. The call that is running raises StoppedError, and so does every later one."""
         self._stopping.set()
         self._halt()
 
     @abstractmethod
     def easel(self, width: float, height: float) -> Easel:
-        """Where a sheet of this size, metres, usually lies before the machine.
+        """Return the easel of a sheet of this size, metres, in its usual place before the machine.
 
-        Raises InputError where there is no such place, and it must be calibrated.
+        Raises InputError where there is no usual place, so that it must be calibrated.
         """
 
     @abstractmethod
     def _connect(self) -> None:
-        """Connect without moving, and see that `limits` are the machine's own."""
+        """Connect without moving, and take over the machine's own `limits`."""
 
     @abstractmethod
     def _open(self) -> Floats:
-        """Once it is connected, lift the pen without moving it sideways; where the tip is, (3,)."""
+        """Lift the pen without moving it sideways, once connected; returns the place of the tip, (3,)."""
 
     @abstractmethod
     def _close(self) -> None:
@@ -150,23 +150,23 @@ class Robot(ABC):
 
     @abstractmethod
     def _move(self, place: Floats) -> Floats:
-        """As `move`."""
+        """Move straight to a place (3,) that was checked; returns the place commanded, (3,)."""
 
     @abstractmethod
     def _stroke(self, path: Floats, speed: Floats) -> Floats:
-        """As `stroke`."""
+        """Draw a path (n, 3) that was checked; returns the path commanded, (n, 3)."""
 
     @abstractmethod
     def _lift(self, place: Floats) -> Floats:
-        """Raise the tip to this place (3,), straight above where it is."""
+        """Lift the tip to this place (3,), straight above where it is; returns the place commanded, (3,)."""
 
     @abstractmethod
     def _halt(self) -> None:
-        """Tell the machine to stand still, from any thread and in no time, where it needs telling before `_recover`."""
+        """Tell the machine to stop, from any thread and without waiting, where `_recover` would come too late."""
 
     @abstractmethod
     def _recover(self) -> None:
-        """After a stop or a fault, from the thread of the calls: stand still, and lift the pen as far as that goes."""
+        """Stop and lift the pen as far as possible, after a stop or a fault; called from the thread of the calls."""
 
     def _check_connected(self) -> Floats:
         if self._place is None:
@@ -181,7 +181,7 @@ class Robot(ABC):
                 raise StoppedError
             place = act()
         except BaseException:
-            self._out_of_use = True  # until it is entered again: nobody knows where its tip is now
+            self._out_of_use = True  # until it is entered again, since the place of the tip is not known
             self._down = True
             self._save()
             raise
@@ -191,6 +191,6 @@ class Robot(ABC):
     def _save(self) -> None:
         """Lift the pen if it is not known to be lifted."""
         if self._down:
-            with suppress(MachineError):  # whatever was wrong before says more
+            with suppress(MachineError):  # the fault before it says more
                 self._recover()
                 self._down = False

@@ -1,4 +1,4 @@
-"""What a machine does to paint a painting: strokes, and the care of paints between them, in its own frame."""
+"""The routine of a painting: strokes, visits to the tray and prompts, in the machine's frame."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -15,16 +15,16 @@ from maulstick.robot.timing import Profile
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
-_SAME = 1e-7  # metres
-_STEADY = 0.02  # of pressure: what a machine that only lifts may leave out
+_SAME = 1e-7  # metres, or pressure: points that differ by less in everything count as one
+_STEADY = 0.02  # range of pressure within a stroke that a machine that only lifts its pen may ignore
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Down to the first point of a path, along it, and up again.
+    """Motion of the tip: down to the first point of a path, along it, and up again.
 
-    path: (n, 3) metres of the machine.  speed: (n,) metres a second at most.
-    above: height at which the tip comes to its start.  after: height to which it is lifted at its end.
+    path: (n, 3) metres in the machine's frame.  speed: (n,) metres per second at most.
+    above: z at which the tip arrives over the start.  after: z to which it is lifted at the end.
     """
 
     path: Floats
@@ -34,18 +34,18 @@ class Motion:
 
     @property
     def start(self) -> Floats:
-        """(3,) where it begins, lifted."""
+        """Place (3,) above the first point, with the tip lifted, metres."""
         return np.array([*self.path[0, :2], self.above])
 
     @property
     def length(self) -> float:
-        """Metres that are drawn."""
+        """Length of the path, metres."""
         return float(np.sqrt((np.diff(self.path, axis=0) ** 2).sum(axis=1)).sum())
 
 
 @dataclass(frozen=True)
 class Draw:
-    """A stroke of the painting, by its id."""
+    """Action that paints the stroke with this id."""
 
     stroke: int
     paint: int
@@ -57,7 +57,7 @@ Visit = Literal["rinse", "wipe", "dip"]
 
 @dataclass(frozen=True)
 class TrayVisit:
-    """A visit to the tray."""
+    """Action that rinses, wipes or dips the brush for a paint."""
 
     what: Visit
     paint: int
@@ -66,7 +66,7 @@ class TrayVisit:
 
 @dataclass(frozen=True)
 class Prompt:
-    """Something that a person has to do before the next action."""
+    """Action that the operator has to carry out before the next one."""
 
     message: str
     paint: int
@@ -77,13 +77,14 @@ Action = Draw | TrayVisit | Prompt
 
 @dataclass(frozen=True)
 class PaintLoad:
-    """What the machine holds: a paint, or none yet, and the metres painted since it was taken up."""
+    """Paint in the machine's tool, None where it has none yet, and the metres painted since it was taken up."""
 
     paint: int | None = None
     painted: float = 0.0
 
 
 NOTHING: Final = PaintLoad()
+"""Load of a machine that has taken up no paint yet."""
 
 
 def routine(
@@ -96,12 +97,12 @@ def routine(
     done: Collection[int] = (),
     load: PaintLoad = NOTHING,
 ) -> list[Action]:
-    """All that is still to be done, in order, when the strokes with the ids in `done` are painted.
+    """Return the actions that are still to be done, in order, when the strokes with the ids in `done` are painted.
 
-    speed: at which strokes without a speed of their own are drawn, and others at most; metres a second. Left out, it
-    is the machine's.
-    Raises InputError, naming what and by how much, where the painting, its brushes or the tray do not fit `limits` or
-    `easel`; so whatever is returned may be sent.
+    speed: metres per second, the speed of strokes that have none of their own, and a bound for the others; left out,
+    the machine's highest.  load: the paint that the machine holds at the beginning.
+    Raises InputError, which names what does not fit and by how much, where the painting, its brushes or the tray do not
+    fit `limits` or `easel`. So all actions that are returned may be sent.
     """
     _check_easel(easel, limits)
     if speed is not None and not speed > 0:  # NaN is neither
@@ -129,7 +130,7 @@ def routine(
 
 
 def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floats:
-    """Seconds (k,) that each action takes a machine of these limits whose tip is at `place` (3,), without people."""
+    """Return the seconds (k,) that each action takes from a tip at `place` (3,), metres; prompts count as 0."""
     seconds = np.zeros(len(actions))
     for index, action in enumerate(actions):
         if isinstance(action, Prompt):
@@ -147,11 +148,12 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
 
 
 def drawn_metres(actions: Sequence[Action]) -> float:
-    """Metres of stroke among the actions."""
+    """Return the metres of stroke among the actions."""
     return sum(action.motion.length for action in actions if isinstance(action, Draw))
 
 
 def _straight(start: Floats, end: Floats, limits: Limits) -> float:
+    """Return the seconds from one place (3,) straight to another, at rest at both."""
     path = np.stack([start, end])
     if not limits.varies_pressure:
         path[:, 2] = 0.0  # its height is not a distance
@@ -159,17 +161,19 @@ def _straight(start: Floats, end: Floats, limits: Limits) -> float:
 
 
 def _lowering(height: float, limits: Limits) -> float:
+    """Return the seconds for lowering or lifting the tip by a height, metres."""
     if not limits.varies_pressure:
         return limits.lifting
     return limits.lifting + _straight(np.zeros(3), np.array([0.0, 0.0, height]), limits)
 
 
 def _runs_dry(load: PaintLoad, motion: Motion, tray: Tray | None) -> bool:
-    """Whether the paint in hand is less than a stroke needs, unless no dip could hold more."""
+    """Return whether the paint left on the brush is less than a stroke needs; never for a brush that is just dipped."""
     return tray is not None and load.painted > 0 and load.painted + motion.length > tray.reach
 
 
 def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: float | None) -> Motion:
+    """Return the motion of a stroke. Raises InputError where the machine cannot vary its pressure, or is too slow."""
     points = np.array(stroke.trajectory, dtype=np.float64)
     kept = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > _SAME])
     points = points[kept]
@@ -198,7 +202,7 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
 
 
 def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
-    """Metres below first touch: those that the brush was fitted with, or where it does not know, the easel's."""
+    """Return metres below first touch (n,) for pressures (n,), by the depths of the brush, else by the easel's."""
     if not brush.pressure_matters:
         return np.full(pressure.shape, brush.depth[1] if any(brush.depth) else easel.deepest / 2)
     touch, deepest = brush.depth if any(brush.depth) else (0.0, easel.deepest)
@@ -206,6 +210,7 @@ def _depth(pressure: Floats, brush: Brush, easel: Easel) -> Floats:
 
 
 def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
+    """Raise InputError where the depth of a brush is not known, or more than the easel allows."""
     if limits.varies_pressure and brush.pressure_matters and not any(brush.depth) and not easel.deepest:
         raise InputError(
             f"neither the brush {brush.name} nor the easel says how deep it may be pressed; calibrate the touch again"
@@ -219,6 +224,7 @@ def _check_depth(brush: Brush, easel: Easel, limits: Limits) -> None:
 
 
 def _check_easel(easel: Easel, limits: Limits) -> None:
+    """Raise InputError where the paper is tilted more than the machine allows."""
     if easel.tilt > limits.tilt:
         came, most = (np.degrees(angle) for angle in (easel.tilt, limits.tilt))
         raise InputError(f"the paper is tilted by {came:.2g} degrees; it must be at most {most:.2g}: lay it flatter")
@@ -246,7 +252,7 @@ def _check_room(actions: Sequence[Action], limits: Limits) -> None:
 def _taking_up(
     paint: int, load: PaintLoad, painting: Painting, tray: Tray | None, used: bool, easel: Easel, limits: Limits
 ) -> list[Prompt | TrayVisit]:
-    """What has to be done before a paint is in hand; used: whether what nobody knows in it may be dirty."""
+    """Return what has to be done before a paint can be used; used: whether a tool of unknown load may be dirty."""
     wanted = painting.paints[paint]
     if tray is None:
         ask = Prompt(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
@@ -263,7 +269,7 @@ def _taking_up(
 
 
 def _lifted(action: Action, easel: Easel, tray: Tray) -> Action:
-    """The same, and then up to the height at which the tray is passed over."""
+    """Return the action with its lift at the end raised to the height at which the tip passes over the tray."""
     if isinstance(action, Prompt):
         return action
     after = _height(easel, action.motion.path[-1], tray.clearance)
@@ -271,11 +277,12 @@ def _lifted(action: Action, easel: Easel, tray: Tray) -> Action:
 
 
 def _visit(well: Well, tray: Tray, easel: Easel, limits: Limits) -> Motion:
+    """Return the motion of the tip in a well, from and to the height of the tray's clearance."""
     path = easel.canvas_to_machine(well.path())
     speed = np.full(len(path), min(tray.speed, limits.speed))
     return Motion(path, speed, *(_height(easel, path[end], tray.clearance) for end in (0, -1)))
 
 
 def _height(easel: Easel, place: Floats, above: float) -> float:
-    """The machine's z, straight above a place (3,) of the machine's, that is so far above the paper, metres."""
+    """Return the machine's z, straight above its place (3,), at which the tip is so far `above` the paper; metres."""
     return float(place[2] + (above - easel.machine_to_canvas(place)[2]) / easel.up[2])

@@ -1,8 +1,9 @@
-"""How long a machine takes: straight segments under an acceleration limit, with look-ahead over corners.
+"""Timing of a machine's motion: straight segments under an acceleration limit, with look-ahead over corners.
 
 Speed changes at the machine's acceleration; at a corner it is at most what lets a circle that passes within `deviation`
 of it be driven at that acceleration (Grbl's junction deviation); where two segments meet, speed is such that braking
-in time is possible. The same profile times a plan, and drives machines that want to be told where to be when.
+in time is possible. The same profile estimates the time of a plan, and drives machines that are sent set-points.
+docs/equations.md has the equation.
 """
 
 from dataclasses import dataclass
@@ -12,16 +13,16 @@ import numpy as np
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
 
-_STRAIGHT = 1e-12
+_STRAIGHT = 1e-12  # metres, or metres per second: less counts as no motion, so that no division is by zero
 
 
 @dataclass(frozen=True)
 class Profile:
-    """A path in time: what a tip does that starts and ends at rest.
+    """Profile of speed along a path, of a tip that starts and ends at rest.
 
-    points: (n, 3) metres.  along: (n,) arc length to each.  speeds: (n,) at each point.
-    cruise, acceleration: (n - 1,) the highest speed within each segment, and how it is reached.
-    times: (n,) seconds at each point.
+    points: (n, 3) metres.  along: (n,) arc length at each, metres.  speeds: (n,) at each, metres per second.
+    cruise: (n - 1,) highest speed within each segment, metres per second.  times: (n,) seconds at each point.
+    acceleration: (n - 1,) by which that speed is reached and left, metres per second squared.
     """
 
     points: Floats
@@ -33,7 +34,7 @@ class Profile:
 
     @classmethod
     def of(cls, points: Floats, speed: Floats, limits: Limits) -> "Profile":
-        """The fastest motion along points (n, 3) with at most these speeds (n,) at the points and between them."""
+        """Return the fastest profile along points (n, 3), metres, with at most these speeds (n,), metres per second."""
         steps = np.diff(points, axis=0)
         lengths = np.sqrt((steps**2).sum(axis=1))
         allowed = np.minimum(speed[:-1], speed[1:]).clip(max=limits.speed)
@@ -59,15 +60,15 @@ class Profile:
 
     @property
     def seconds(self) -> float:
-        """How long it takes."""
+        """Duration of the motion, seconds."""
         return float(self.times[-1])
 
     def at(self, when: Floats) -> Floats:
-        """Where the tip is, (k, 3), at times (k,) seconds; it stays at the end."""
+        """Return where the tip is, (k, 3) metres, at times (k,), seconds; after the end it stays there."""
         return self._places(self.distance(when))
 
     def distance(self, when: Floats) -> Floats:
-        """How far along the path the tip is, (k,) metres, at times (k,)."""
+        """Return how far along the path the tip is, (k,) metres, at times (k,), seconds."""
         if len(self.points) == 1:
             return np.zeros(len(when))
         segment = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, len(self.points) - 2)
@@ -89,7 +90,7 @@ class Profile:
 
 
 def _corner_speeds(steps: Floats, lengths: Floats, limits: Limits) -> Floats:
-    """(n - 2,) the highest speed at each inner point."""
+    """Return the highest speed (n - 2,) at each inner point, metres per second: Grbl's junction deviation."""
     moves = lengths > _STRAIGHT
     before = np.maximum.accumulate(np.where(moves, np.arange(len(steps)), 0))  # a repeated point hides no corner
     units = (steps / np.maximum(lengths, _STRAIGHT)[:, None])[before]

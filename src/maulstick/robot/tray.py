@@ -1,4 +1,4 @@
-"""The tray: wells of paint, water and a cloth beside the sheet, and how often a brush needs them (its file)."""
+"""The tray and its file: wells of paint, water and a cloth beside the sheet, and how far a dip of paint reaches."""
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -12,7 +12,7 @@ from maulstick.painting.painting import Painting
 from maulstick.storage.arrays import Floats
 from maulstick.storage.records import read_record
 
-_TURN = 12  # points of a turn in a well
+_TURN = 12  # points per turn in a well: a circle to within 4 % of its radius
 
 _Metres = Annotated[float, Field(allow_inf_nan=False)]
 _Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -23,9 +23,9 @@ class _Part(BaseModel):
 
 
 class Well(_Part):
-    """A place where the tip turns: paint, water, or a cloth. Metres in the canvas frame, which goes on past the sheet.
+    """Place where the tip turns: paint, water, or a cloth. Metres in the canvas frame, which goes on past the sheet.
 
-    height: of the tip in it, above the paper (below it where negative).  radius: of the turn.  turns: how many.
+    height: height of the tip in it above the paper, negative below.  radius: of a turn.  turns: number of turns.
     """
 
     x: _Metres
@@ -35,7 +35,7 @@ class Well(_Part):
     turns: Annotated[int, Field(ge=1, le=20)] = 1
 
     def path(self) -> Floats:
-        """(n, 3) x, y and height: in at the middle, round, and out at the middle."""
+        """Return the path (n, 3) of x, y and height, metres: in at the middle, round, and out at the middle."""
         angle = 2 * np.pi * np.arange(self.turns * _TURN + 1) / _TURN
         ring = np.stack([self.x + self.radius * np.cos(angle), self.y + self.radius * np.sin(angle)], axis=1)
         places = np.concatenate([[[self.x, self.y]], ring, [[self.x, self.y]]])
@@ -43,11 +43,11 @@ class Well(_Part):
 
 
 class Tray(_Part):
-    """What stands beside the sheet.
+    """Tray beside the sheet.
 
-    reach: metres that one dip paints.  clearance: height above the paper at which the tip passes over it all.
-    paints: the wells, each by its paint's colour (``#rrggbb``) or name.
-    water, cloth: where a brush is rinsed and wiped before it takes another paint.
+    reach: metres that one dip paints.  clearance: height above the paper at which the tip passes over all wells.
+    speed: metres per second in the wells.  paints: the wells, by the colour (``#rrggbb``) or the name of their paint.
+    water, cloth: places where a brush is rinsed and wiped before it takes another paint.
     """
 
     schema_version: Literal[1]
@@ -68,7 +68,7 @@ class Tray(_Part):
         return self
 
     def wells_of(self, painting: Painting) -> list[Well]:
-        """The well of each paint of a painting. Raises InputError where one has none."""
+        """Return the wells of a painting's paints, in their order. Raises InputError where a paint has none."""
         found = [self.paints.get(paint.hex) or self.paints.get(paint.name or "") for paint in painting.paints]
         missing = [paint.label for paint, well in zip(painting.paints, found, strict=True) if well is None]
         if missing:
@@ -78,5 +78,5 @@ class Tray(_Part):
 
 
 def read_tray(path: str | Path) -> Tray:
-    """The tray in the file at `path`. Raises InputError where there is none."""
+    """Read the tray in the file at `path`. Raises InputError where there is none."""
     return read_record(Tray, path, "tray")

@@ -1,4 +1,4 @@
-"""Where a painting is made: the machine, the sheet before it, the journal and the person beside it."""
+"""The workplace: the machine, the sheet before it, the journal of the painting and the operator."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -16,29 +16,29 @@ from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 
-def _unseen(progress: PaintProgress) -> None:
-    """Nobody watches."""
+def _ignore(progress: PaintProgress) -> None:
+    """Do nothing with the progress."""
 
 
 @dataclass(frozen=True)
 class Workplace:
-    """All that painting needs beside the painting.
+    """Machine, sheet and operator, with which a painting can be painted.
 
-    ask, watch, pause: of the person, as in `execute`.  tray: for a brush that is dipped.
-    speed: at most, as in `routine`.
+    ask, watch, pause: as in `execute`.  tray: None for tools that are not dipped.
+    speed: highest speed, metres per second, as in `routine`.
     """
 
     robot: Robot
     easel: Easel
     journal: Journal
     ask: Callable[[Prompt], None]
-    watch: Callable[[PaintProgress], None] = _unseen
+    watch: Callable[[PaintProgress], None] = _ignore
     pause: Pause = field(default_factory=Pause)
     tray: Tray | None = None
     speed: float | None = None
 
     def left_of(self, painting: Painting, load: PaintLoad = NOTHING) -> list[Action]:
-        """What is still to be done of a painting, checked; raises InputError as `routine` does."""
+        """Return the actions of a painting that are still to be done; raises InputError as `routine` does."""
         return routine(
             painting,
             self.easel,
@@ -50,7 +50,7 @@ class Workplace:
         )
 
     def in_order(self, painting: Painting) -> Painting:
-        """The painting, and what is left of it in a quick order from where the tip is."""
+        """Return the painting with the strokes that are left in a quick order from where the tip is."""
         painted = tuple(stroke for stroke in painting.strokes if stroke.id in self.journal.painted)
         left = tuple(stroke for stroke in painting.strokes if stroke.id not in self.journal.painted)
         x, y, _ = self.easel.machine_to_canvas(self.robot.place).tolist()
@@ -60,11 +60,11 @@ class Workplace:
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
     ) -> PaintLoad:
-        """Do it, until that is `enough`; returns what the machine then holds, and raises as `execute` does."""
+        """Carry out the actions until `enough`; returns the load at the end, and raises as `execute` does."""
         return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough)
 
     def moved_to(self, easel: Easel) -> "Workplace":
-        """The same with the sheet there; the tray stays where it stands."""
+        """Return the workplace with its sheet on another easel; the tray stays where it stands."""
         if self.tray is None:
             return replace(self, easel=easel)
         paints = {name: _seen_from(easel, well, self.easel) for name, well in self.tray.paints.items()}
@@ -73,7 +73,7 @@ class Workplace:
         return replace(self, easel=easel, tray=tray)
 
     def step_aside(self, home: Floats) -> None:
-        """Move the lifted tip over `home`, (3,), so that a camera sees the sheet."""
+        """Move the lifted tip over `home` (3,), metres in the machine's frame, so that a camera sees the sheet."""
         lower, upper = self.robot.limits.lower, self.robot.limits.upper
         over = self.easel.travel if self.tray is None else self.tray.clearance
         surface = self.easel.machine_to_canvas(self.robot.place) * (1, 1, 0) + (0, 0, over)
@@ -84,6 +84,7 @@ class Workplace:
 
 
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:
+    """Return a well that stays where it stands, in the canvas frame of another easel than `before`."""
     place = before.canvas_to_machine(np.array([well.x, well.y, well.height]))
     x, y, height = easel.machine_to_canvas(place).tolist()
     return well.model_copy(update={"x": x, "y": y, "height": height})

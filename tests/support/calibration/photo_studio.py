@@ -17,7 +17,7 @@ PAPER = 0.96
 
 
 class Studio:
-    """sheet: what the camera sees, which may be exchanged."""
+    """Studio of a sheet and a camera; sheet: the image that the camera sees, which may be replaced."""
 
     def __init__(self, sheet: Image, seed: int = 1, optics: Optics = Optics(size=(800, 600))) -> None:  # noqa: B008
         self.sheet = sheet
@@ -34,7 +34,7 @@ def bare() -> Image:
 
 
 def squares(colours: NDArray[np.float64], across: int, left: int, top: int, side: int, step: int) -> Image:
-    """Colours (N, 3) as squares, so many in a row; pixels."""
+    """Draw colours (N, 3) as squares, so many per row; sizes in pixels."""
     sheet = bare()
     for number, colour in enumerate(colours):
         y, x = top + number // across * step, left + number % across * step
@@ -43,7 +43,7 @@ def squares(colours: NDArray[np.float64], across: int, left: int, top: int, side
 
 
 def seen_squares(flat: Image, count: int, across: int, left: int, top: int, side: int, step: int) -> Image:
-    """(count, 3): the middle of each."""
+    """Return the colours (count, 3) in the middle of each square."""
     inner = side // 4
     rows, columns = np.divmod(np.arange(count), across)
     corners = zip(top + rows * step + inner, left + columns * step + inner, strict=True)
@@ -59,7 +59,7 @@ CHART_CORNERS = np.array([(135, 115), (435, 115), (435, 295), (135, 295)]) / CAN
 
 
 def dots() -> tuple[Image, NDArray[np.float64]]:
-    """Dots of 3 mm on a grid, and their middles (N, 2), metres."""
+    """Draw dots of 3 mm on a grid; returns the picture and their middles (N, 2), metres."""
     x, y = np.meshgrid(np.linspace(0.012, 0.285, 9), np.linspace(0.012, 0.198, 7))
     middles = np.stack([x.ravel(), y.ravel()], axis=1)
     down, across = np.mgrid[: CANVAS.height_px, : CANVAS.width_px] + 0.5
@@ -71,7 +71,7 @@ def dots() -> tuple[Image, NDArray[np.float64]]:
 
 
 def seen_dots(flat: Image, middles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where they are in a flat image of the canvas, (N, 2), metres."""
+    """Find the dots in a flat image of the canvas, (N, 2), metres."""
     grey = flat.mean(axis=2).astype(np.float64)
     reach, found = 9, []
     for x, y in (middles * CANVAS.pixels_per_metre).round().astype(int):
@@ -83,7 +83,7 @@ def seen_dots(flat: Image, middles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def strokes(seed: int, count: int) -> Image:
-    """Bold straight strokes anywhere."""
+    """Draw bold straight strokes at random places."""
     rng = np.random.default_rng(seed)
     down, across = np.mgrid[: CANVAS.height_px, : CANVAS.width_px]
     sheet = bare()

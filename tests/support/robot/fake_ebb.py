@@ -1,4 +1,4 @@
-"""An EiBotBoard on a pseudo-terminal, its time `pace` times the wall's: one motion runs and one is queued."""
+"""A fake EiBotBoard on a pseudo-terminal, `pace` times as fast as real time: one motion runs and one is queued."""
 
 import os
 import pty
@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Self
 
-STEPS_A_SECOND = 25_000
+STEPS_PER_SECOND = 25_000
 SLOWEST = 1.31
 
 
 @dataclass
 class Motion:
-    """So many seconds, in which the motors make so many steps, or the pen goes up or down at once."""
+    """Motion of so many seconds and steps of the motors, or of the pen, which goes up or down at once."""
 
     seconds: float
     steps: tuple[int, int] = (0, 0)
@@ -26,7 +26,9 @@ class Motion:
 
 @dataclass
 class FakeEbb:
-    """Answers as firmware 2.x does, until a fault: faults[n] happens instead of the answer to the n-th SM from 0.
+    """Board that answers as firmware 2.x does, until a fault.
+
+    faults[n] happens instead of the answer to the n-th SM, counted from 0.
 
     A fault is an answer that starts with !, or `silent`, `closed`, `noise`.  delay: seconds of the wall that every
     answer is late.
@@ -112,7 +114,7 @@ class FakeEbb:
             self._master = -1
 
     def _obey(self, command: str) -> bool:
-        """Whether the command could be dealt with now."""
+        """Deal with the command; returns whether that was possible now."""
         name, *words = command.split(",")
         if name in ("SM", "SP") and len(self._motions) >= 2:
             return False
@@ -138,7 +140,7 @@ class FakeEbb:
         return True
 
     def _act(self, name: str, words: list[str]) -> str | None:
-        """Why the command is refused, or None."""
+        """Return why the command is refused, or None."""
         if name == "EM":
             self.steps = self._base = (0, 0)
         elif name == "QS":
@@ -154,7 +156,7 @@ class FakeEbb:
         elif name == "SM":
             duration, first, second = map(int, words)
             rates = [abs(steps) * 1000 / max(duration, 1) for steps in (first, second)]
-            if duration < 1 or max(rates) > STEPS_A_SECOND or any(0 < rate < SLOWEST for rate in rates):
+            if duration < 1 or max(rates) > STEPS_PER_SECOND or any(0 < rate < SLOWEST for rate in rates):
                 return "!5 Err: <axis1> step rate out of range."
             self._motions.append(Motion(duration / 1000, (first, second)))
         elif name != "SC":

@@ -1,4 +1,4 @@
-"""A Grbl 1.1 on a pseudo-terminal, of no code of the robot's.
+"""A fake Grbl 1.1 on a pseudo-terminal, independent of the package.
 
 Its time runs `pace` times as fast as the wall's. As no wire is that fast, its time stands still while it could take
 another line and none has come yet, unless the machine that sends is known to wait.
@@ -30,7 +30,9 @@ SETTINGS: dict[int, float] = {
 
 @dataclass
 class FakeGrbl:
-    """Answers as Grbl does, until a fault: faults[n] happens instead of the answer to the n-th line of G-code from 0.
+    """Machine that answers as Grbl does, until a fault.
+
+    faults[n] happens instead of the answer to the n-th line of G-code, counted from 0.
 
     A fault is an answer like error:20 or ALARM:1, or `silent`, `closed`, `noise`, `lost` (an ok), `door`.
     delay: seconds of the wall that every answer is late.  lost_reports: the first so many come with noise.
@@ -75,12 +77,12 @@ class FakeGrbl:
 
     @property
     def place(self) -> Vector:
-        """Where the tip is, millimetres from the machine's origin."""
+        """Place of the tip, millimetres from the machine's origin."""
         return self._motion.place
 
     @property
     def fastest(self) -> float:
-        """The highest speed it had, millimetres a second."""
+        """Highest speed so far, millimetres per second."""
         return self._motion.fastest
 
     @property
@@ -189,7 +191,7 @@ class FakeGrbl:
             self._pending = None
 
     def _done(self, line: str) -> bool:
-        """Whether the line could be dealt with now."""
+        """Deal with the line; returns whether that was possible now."""
         if line.startswith("$"):
             self._system(line)
             return True

@@ -19,14 +19,14 @@ import numpy as np
 
 from maulstick.storage.arrays import Floats
 
-SECONDS_A_STEP = 1e-3
+SECONDS_PER_STEP = 1e-3
 _UNANSWERED = 0.5  # seconds, after which a driver is gone
 _LONGEST = 300  # seconds of its life, so that no driver waits for it for ever
-_STILL = 1e-6  # metres a step
+_STILL = 1e-6  # metres per step, less of which is standing still
 
 
 class FrankaSimulator:
-    """Runs while its context lasts, at `address`."""
+    """Simulator at `address`, which runs while its context lasts."""
 
     def __enter__(self) -> Self:
         command = [sys.executable, "-W", "ignore", __file__]
@@ -39,14 +39,14 @@ class FrankaSimulator:
         self._process.communicate()
 
     def path(self) -> Floats:
-        """(steps, 3) metres, where the tip was at each step since this was asked last."""
+        """Return the places (steps, 3) of the tip, metres, at each step since the last call."""
         assert self._process.stdin is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()
         return np.array(json.loads(self._said()), dtype=np.float64).reshape(-1, 3)
 
     def vanish(self) -> None:
-        """As when its cable is cut."""
+        """Kill the simulator, as if its cable were cut."""
         self._process.kill()
 
     def _said(self) -> str:
@@ -55,9 +55,9 @@ class FrankaSimulator:
 
 
 def moving_seconds(path: Floats) -> float:
-    """How long the tip was moving, by the simulator's clock."""
+    """Return the seconds that the tip was moving, by the simulator's clock."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    return SECONDS_A_STEP * int((steps > _STILL).sum())
+    return SECONDS_PER_STEP * int((steps > _STILL).sum())
 
 
 def _serve() -> None:
@@ -76,7 +76,7 @@ def _serve() -> None:
             def run() -> None:
                 answering, stepped = False, time.monotonic()
                 while not over.is_set():
-                    time.sleep(max(stepped + SECONDS_A_STEP - time.monotonic(), 0.0))
+                    time.sleep(max(stepped + SECONDS_PER_STEP - time.monotonic(), 0.0))
                     stepped = time.monotonic()
                     server.run_once(realtime=not answering)
                     if arm.server.current_motion_id:

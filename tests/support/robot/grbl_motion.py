@@ -1,4 +1,4 @@
-"""How a Grbl 1.1 moves, by its documentation: blocks planned ahead, stepped at 1 kHz; no code of the robot's is used.
+"""The motion of a Grbl 1.1, by its documentation: blocks planned ahead, stepped at 1 kHz, independent of the package.
 
 Millimetres and seconds, but for settings, which are Grbl's.
 """
@@ -30,7 +30,7 @@ class Block:
 
 
 class GrblMotion:
-    """Where the tip is and how fast, through blocks that wait to be done."""
+    """Planner of the tip: its place and speed, and the blocks that are queued."""
 
     def __init__(self, settings: dict[int, float], place: Vector) -> None:
         self._settings = settings
@@ -39,7 +39,7 @@ class GrblMotion:
         self.forget()
 
     def forget(self) -> None:
-        """Stand still, with nothing to do."""
+        """Stop, with an empty queue."""
         self.speed = 0.0
         self.goal = self.place
         self._blocks: deque[Block] = deque()
@@ -69,7 +69,7 @@ class GrblMotion:
         self._look_ahead()
 
     def step(self, braking: bool) -> list[Vector]:
-        """Move for one tick, or brake; the ends of blocks that were reached."""
+        """Move for one tick, or brake; returns the ends of blocks that were reached."""
         left, ended = TICK, []
         while left > 0 and self._blocks:
             block = self._blocks[0]
@@ -101,13 +101,13 @@ class GrblMotion:
         return ended
 
     def _along(self, unit: Vector, first_setting: int) -> float:
-        """What all axes allow along a direction, of a value that each axis has a limit for."""
+        """Return what all axes allow along a direction, of a value that each axis limits."""
         return min(
             self._settings[first_setting + axis] / abs(part) for axis, part in enumerate(unit) if abs(part) > 1e-12
         )
 
     def _corner(self, before: Vector, after: Vector) -> float:
-        """The speed of a circle that touches both segments and passes the corner within the junction deviation."""
+        """Return the speed on a circle that touches both segments and passes the corner by the junction deviation."""
         cosine = -sum(a * b for a, b in zip(before, after, strict=True))
         if cosine > 0.999999:
             return 0.0

@@ -21,11 +21,11 @@ from tests.support.robot.small_paintings import SIX
 
 
 class PowerCutError(BaseException):
-    """Nothing that is still to be done is done."""
+    """Power cut: nothing that is still to be done is done."""
 
 
 class Cut:
-    """At the Nth moment at which it is called it cuts the power; 0: never.  moments: how many there were."""
+    """Power supply, which is cut at the Nth moment, never for 0.  moments: number of calls so far."""
 
     def __init__(self, at: int, power: Callable[[], None]) -> None:
         self.moments = 0
@@ -38,7 +38,7 @@ class Cut:
 
 
 class World:
-    """The sheet: the strokes that are really on it, each as often as it was drawn."""
+    """Sheet in the world: the strokes that are really on it, each as often as it was drawn."""
 
     def __init__(self, folder: Path) -> None:
         self._file = folder / "world.txt"
@@ -52,7 +52,7 @@ class World:
 
 
 def row_of(path: Floats) -> int:
-    """Which of the six strokes lies there, from 10."""
+    """Return which of the six strokes lies there, from 10."""
     return 9 + round(float(-path[0, 1]) / 0.005)
 
 
@@ -72,7 +72,7 @@ class Painter(Recorder):
 
 @contextmanager
 def power_cuts(cut: Cut) -> Iterator[None]:
-    """Cut before, in the middle of, and after each write into a journal, and once it is flushed."""
+    """Cut the power before, in the middle of, and after each write into a journal, and once it is flushed."""
     write = os.write
 
     def write_in_halves(file: int, content: bytes) -> int:
@@ -91,7 +91,7 @@ def power_cuts(cut: Cut) -> Iterator[None]:
 
 
 def paint(folder: Path, cut: Cut, first: tuple[int, ...] = ()) -> list[int]:
-    """Begin, or go on, painting; returns the strokes that a person was asked about."""
+    """Begin painting, or go on; returns the strokes that the operator was asked about."""
     world, painting, asked = World(folder), folder / "painting.json", []
     with power_cuts(cut), Journal.open(journal_of(painting)) as journal:
         if journal.revision is None:
@@ -107,7 +107,7 @@ def paint(folder: Path, cut: Cut, first: tuple[int, ...] = ()) -> list[int]:
 
 
 def put_painting(folder: Path) -> None:
-    """The six strokes, to be painted."""
+    """Painting of the six strokes."""
     write_painting(SIX, folder / "painting.json")
 
 

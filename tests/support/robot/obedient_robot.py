@@ -25,7 +25,7 @@ EASEL = Easel(corner=(0.3, 0.1, 0.02), right=(1, 0, 0), down=(0, -1, 0))
 
 
 class Obedient(Robot):
-    """It takes the time that a stroke takes, and none for all else."""
+    """Robot that takes the time of its strokes, and none for all else."""
 
     def __init__(self) -> None:
         super().__init__(LIMITS)
@@ -69,7 +69,7 @@ class Obedient(Robot):
 
 
 class Feeling(Obedient, FeelsForce):
-    """It feels a paper at a height, which resists by 20 N/mm, in front of a force that is never 0."""
+    """Robot with a force sensor: the paper resists by 20 N/mm, and the force is never 0."""
 
     def __init__(self, paper: float) -> None:
         super().__init__()

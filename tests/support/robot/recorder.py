@@ -1,4 +1,4 @@
-"""A machine that writes down what it is told, after whatever a test wants to happen at that moment."""
+"""A machine that records its calls, after whatever a test wants to happen at that moment."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,10 @@ Command = tuple[str, Floats]
 
 
 class Recorder(Robot):
-    """commands: its calls and where they led, (n, 3).  down: whether its pen is.  before: is told of each first."""
+    """Robot that records its calls.
+
+    commands: calls and their paths (n, 3).  down: whether the pen is down.  before: called before each.
+    """
 
     def __init__(self, limits: Limits = LIMITS, before: Callable[[str], None] = lambda what: None) -> None:
         super().__init__(limits)
@@ -27,7 +30,7 @@ class Recorder(Robot):
 
     @property
     def said(self) -> list[str]:
-        """The names of its calls."""
+        """Names of the calls so far."""
         return [what for what, _ in self.commands]
 
     def easel(self, width: float, height: float) -> Easel:

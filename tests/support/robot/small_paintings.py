@@ -1,4 +1,4 @@
-"""Paintings of a few strokes, as small as a test of machines wants them."""
+"""Paintings of a few strokes, small enough for tests of machines."""
 
 from collections.abc import Iterable
 
@@ -37,7 +37,7 @@ def painting_of(
     brushes: Iterable[Brush] = (nominal("marker"),),
     size: tuple[float, float] = (WIDTH, HEIGHT),
 ) -> Painting:
-    """The strokes on a small sheet; the first paint is red, the second blue, and so on in turn; so are the brushes."""
+    """Return a painting of the strokes on a small sheet; paints are red and blue in turn, and so are their brushes."""
     tools = list(brushes)
     strokes = tuple(strokes)
     needed = 1 + max((stroke.paint for stroke in strokes), default=0)

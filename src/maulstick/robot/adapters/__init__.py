@@ -1,1 +1,1 @@
-"""Adapters: what each machine needs to be driven."""
+"""Adapters: one subclass of `Robot` per machine, and the protocols that they speak."""

@@ -1,4 +1,4 @@
-"""What arms have in common: they stand anywhere, hold their tool as it is turned, and rise to lift the pen."""
+"""The base of arms: they may stand anywhere, keep the orientation of their tool, and rise to lift the pen."""
 
 from abc import abstractmethod
 from contextlib import suppress
@@ -14,17 +14,18 @@ from maulstick.robot.stopping import Stopping
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
-_CLEARANCE = 1e-2  # metres, straight up, where nobody knows how high the paper is
-_NOISE = 1e-3  # metres that an arm at the edge of its workspace may seem to be outside
+_CLEARANCE = 1e-2  # metres that the tip rises where the height of the paper is not known
+_NOISE = 1e-3  # metres: an arm that reports to be so far outside its workspace counts as at its edge
 
 
 class Arm(Robot):
-    """A machine with joints: it pressures, and holds its tool as its operator turned it before connecting.
+    """Machine with joints: it varies the pressure, and keeps the orientation that its tool had when it was connected.
 
     Turning the tool upright instead would sweep whatever it holds across the easel. The tip is the tool centre point
     that is set at the arm itself.
 
-    An adapter implements what is abstract here. All of it raises MachineError, in a sentence, where the arm fails.
+    machine: limits of the arm.  narrower: limits of the easel, if any.
+    An adapter implements the abstract methods. All of them raise MachineError, in a sentence, where the arm fails.
     """
 
     def __init__(self, machine: Limits, narrower: Limits | None) -> None:
@@ -32,27 +33,27 @@ class Arm(Robot):
 
     @final
     def easel(self, width: float, height: float) -> Easel:
-        """Raise InputError: an arm may stand anywhere, so nobody knows where a sheet of this size, metres, lies."""
+        """Raise InputError: an arm may stand anywhere, so the place of a sheet of this size, metres, is not known."""
         raise InputError("an arm must be told where the sheet lies", Remedy.CALIBRATE_TOUCH)
 
     @abstractmethod
     def _disconnect(self) -> None:
-        """Stand still, and disconnect whatever `_connect` has connected, all of it or nothing."""
+        """Stop, and disconnect what `_connect` has connected, be it all, a part or nothing."""
 
     @abstractmethod
     def _where(self) -> Floats:
-        """(3,) metres, where the tip is now."""
+        """Ask the arm where its tip is now, (3,) metres."""
 
     @abstractmethod
     def _follow(self, profile: Profile, stopping: Stopping) -> None:
-        """Drive the tip along the profile, from near its first point, and stand still at its end.
+        """Drive the tip along the profile, from near its first point, and stop at its end.
 
-        Raises StoppedError, standing still, within 0.2 s after `stopping` is set.
+        Raises StoppedError, at rest, within 0.2 s after `stopping` is set.
         """
 
     @abstractmethod
     def _make_ready(self) -> None:
-        """Stand still, clear what errors may be cleared without a person, and be ready to move."""
+        """Stop, clear the errors that may be cleared without a person, and make the arm ready to move."""
 
     @final
     def _open(self) -> Floats:
@@ -61,7 +62,7 @@ class Arm(Robot):
 
     @final
     def _close(self) -> None:
-        with suppress(MachineError):  # a broken line needs no farewell
+        with suppress(MachineError):  # a broken line cannot be closed in order
             self._disconnect()
 
     @final
@@ -81,7 +82,7 @@ class Arm(Robot):
 
     @final
     def _halt(self) -> None:
-        """Nothing: `_follow` looks at `_stopping`, and the locks of an SDK are not for signal handlers."""
+        """Do nothing: `_follow` looks at `_stopping`, and a signal handler must not wait for the locks of an SDK."""
 
     @final
     def _recover(self) -> None:
@@ -89,13 +90,14 @@ class Arm(Robot):
         self._rise()
 
     def _travel(self, place: Floats, stopping: Stopping) -> None:
+        """Move straight from where the tip is to a place (3,). Raises StoppedError once `stopping` is set."""
         if stopping.is_set():
             raise StoppedError
         way = np.stack([self._where(), place])
         self._follow(Profile.of(way, np.full(2, self.limits.speed), self.limits), stopping)
 
     def _rise(self) -> None:
-        """Go straight up, even after a stop, by the clearance or as far as the workspace reaches."""
+        """Move straight up by the clearance, or as far as the workspace reaches, even after a stop."""
         place = self._where()
         lower, upper = np.array(self.limits.lower), np.array(self.limits.upper)
         within = place.clip(lower, upper)

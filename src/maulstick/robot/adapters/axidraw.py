@@ -1,4 +1,4 @@
-"""The AxiDraw, whose EiBotBoard is told where to be when: its speed is planned here, in slices of even steps."""
+"""The AxiDraw: its EiBotBoard takes slices of even steps, so speed is planned here."""
 
 from contextlib import suppress
 from typing import final
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maulstick.errors import InputError, MachineError
-from maulstick.robot.adapters.ebb_board import HALT, STEPS_A_SECOND, EbbBoard, open_board_line
+from maulstick.robot.adapters.ebb_board import HALT, STEPS_PER_SECOND, EbbBoard, open_board_line
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.limits import Limits
@@ -16,16 +16,16 @@ from maulstick.robot.stopping import Stopping
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
-_STEPS_A_METRE = 80_000  # 2032 an inch, at 1/16 of a step
+_STEPS_PER_METRE = 80_000  # 2032 per inch, with steps divided by 16
 _SLICE = 0.025  # seconds: short enough for smooth ramps and a quick stop, long enough for USB
-_SHORTEST = 0.005  # seconds: what the board takes in at that rate
-_MILLISECONDS = 1000
-_SERVO = 6000, 30000  # twelfths of a microsecond: what servos understand
-_USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the V3's servo
+_SHORTEST = 0.005  # seconds: slices that are shorter come faster than the board takes them
+_MILLISECONDS = 1000  # per second
+_SERVO = 6000, 30000  # units of 1/12 microsecond: 0.5 to 2.5 ms, the pulses that servos understand
+_USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the range of the V3's servo
 _V3 = Limits(
     lower=(0, -0.218, -0.1),
     upper=(0.3, 0, 0.1),
-    speed=0.2,  # where both motors add up, along a diagonal, that is 22,600 steps a second
+    speed=0.2,  # where both motors add up, along a diagonal, that is 22,600 steps per second
     climb=0.2,
     acceleration=1.0,
     deviation=1e-5,
@@ -35,11 +35,11 @@ _V3 = Limits(
 
 @final
 class AxiDraw(Robot):
-    """An AxiDraw V3, its frame from its home corner, where it is switched on: x along its rail, -y along its arm.
+    """AxiDraw V3; its frame begins at the home corner where it is switched on, x along its rail, -y along its arm.
 
-    port: of its board; without, the one AxiDraw that is plugged in.
+    port: serial port of its board; left out, the one AxiDraw that is plugged in.
     pen: `up` and `down` are pulses of its servo in units of 1/12 microsecond.
-    limits: narrower ones than its own.  patience: seconds that it may say nothing.
+    limits: limits narrower than its own.  patience: seconds without an answer until it counts as lost.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class AxiDraw(Robot):
         self._line: SerialLine | None = None
 
     def easel(self, width: float, height: float) -> Easel:
-        """As `Robot.easel`: the sheet's upper left corner is the home corner."""
+        """Return an easel whose upper left corner is the home corner, as `Robot.easel`."""
         self.limits.check_path(np.array([(0, 0, 0), (width, -height, 0)]))
         return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
@@ -77,9 +77,9 @@ class AxiDraw(Robot):
         self._board.set_pen(self._pen.up, self._pen.down)
         self._board.pen(down=False, seconds=self._pen.seconds)
         self._board.wait()
-        place = np.array([*(_grid_of(self._board.position()) / _STEPS_A_METRE), 0.0])
+        place = np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), 0.0])
         try:
-            _V3.check_path(place[None])  # narrower ones may leave out its home
+            _V3.check_path(place[None])  # not the narrower limits, which may leave out its home
         except InputError as error:
             raise MachineError(
                 f"the AxiDraw is not where it may be; switch it off and on at its home: {error}"
@@ -102,24 +102,24 @@ class AxiDraw(Robot):
     def _lift(self, place: Floats) -> Floats:
         self._board.pen(down=False, seconds=self._pen.seconds)
         self._board.wait()
-        return np.array([*(_grid_of(self._board.position()) / _STEPS_A_METRE), place[2]])
+        return np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), place[2]])
 
     def _halt(self) -> None:
         if (line := self._line) is not None:
-            with suppress(MachineError):  # whoever waits for the machine is told
+            with suppress(MachineError):  # the call that waits for the machine raises it
                 line.write(HALT)
 
     def _recover(self) -> None:
         if self._line is None:
             return
-        board = EbbBoard(self._line, self._patience, Stopping())  # which no stop interrupts
+        board = EbbBoard(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
         self._line.write(HALT)
         board.greet()
         board.pen(down=False, seconds=self._pen.seconds)
         board.wait()
 
     def _follow(self, path: Floats, speed: Floats) -> Floats:
-        """Go along the path (n, 3) from where the motors are; its points on their grid, (n, 3)."""
+        """Follow the path (n, 3) from where the motors are; returns its points on the grid of steps, (n, 3) metres."""
         flat = path * (1, 1, 0)
         profile = Profile.of(flat, speed, self.limits)
         instants = _instants(profile.times)
@@ -130,21 +130,21 @@ class AxiDraw(Robot):
         for place, end in zip(places, ends.tolist(), strict=True):
             goal = _motors_of(self._grid(place))
             first, second = (goal - at).tolist()
-            least = -(-max(abs(first), abs(second)) * _MILLISECONDS // STEPS_A_SECOND)
+            least = -(-max(abs(first), abs(second)) * _MILLISECONDS // STEPS_PER_SECOND)
             self._board.steps(max(end - when, least, 1), first, second)
             at, when = goal, end
         self._board.wait()
-        return np.concatenate([self._grid(path) / _STEPS_A_METRE, path[:, 2:]], axis=1)
+        return np.concatenate([self._grid(path) / _STEPS_PER_METRE, path[:, 2:]], axis=1)
 
     def _grid(self, places: Floats) -> Floats:
-        """Whole steps (..., 2) along x and y for places (..., 3), towards the inside at the limits."""
-        lower = np.ceil(np.array(self.limits.lower[:2]) * _STEPS_A_METRE - 1e-6)
-        upper = np.floor(np.array(self.limits.upper[:2]) * _STEPS_A_METRE + 1e-6)
-        return np.asarray(np.clip(np.rint(places[..., :2] * _STEPS_A_METRE), lower, upper) + 0.0)
+        """Return whole steps (..., 2) along x and y for places (..., 3), rounded towards the inside at the limits."""
+        lower = np.ceil(np.array(self.limits.lower[:2]) * _STEPS_PER_METRE - 1e-6)
+        upper = np.floor(np.array(self.limits.upper[:2]) * _STEPS_PER_METRE + 1e-6)
+        return np.asarray(np.clip(np.rint(places[..., :2] * _STEPS_PER_METRE), lower, upper) + 0.0)
 
 
 def _instants(times: Floats) -> Floats:
-    """Seconds at which slices end, for times (n,) at the points of a path: at each point, if that is not too soon."""
+    """Return the seconds at which slices end, for times (n,) at a path's points; close points share a slice."""
     ends, last = [0.0], 0.0
     for time in times[1:].tolist():
         if time - last >= _SHORTEST or time == times[-1]:
@@ -155,12 +155,12 @@ def _instants(times: Floats) -> Floats:
 
 
 def _motors_of(grid: Floats) -> NDArray[np.int64]:
-    """(2,) steps of the motors for (2,) steps along x and y: each pulls the pen along a diagonal."""
+    """Return steps (2,) of the motors for steps (2,) along x and y; each motor pulls the pen along a diagonal."""
     along, across = grid  # the board's y points down the sheet
     return np.array([along - across, along + across], dtype=np.int64)
 
 
 def _grid_of(motors: tuple[int, int]) -> Floats:
-    """The inverse of `_motors_of`."""
+    """Return the inverse of `_motors_of`: steps (2,) along x and y."""
     first, second = motors
     return np.array([(first + second) / 2, (second - first) / 2])

@@ -1,4 +1,4 @@
-"""The EiBotBoard, which drives an AxiDraw's motors and pen: its commands and answers (firmware 2.x)."""
+"""The commands and answers of an EiBotBoard, which drives an AxiDraw's motors and pen (firmware 2.x)."""
 
 import re
 from typing import Final, final
@@ -10,25 +10,25 @@ from maulstick.robot.adapters.serial_line import GLANCE, Patience, SerialLine
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
 
-STEPS_A_SECOND: Final = 25_000
-"""The most that either motor can make."""
+STEPS_PER_SECOND: Final = 25_000
+"""Highest rate of either motor."""
 
 HALT: Final = b"ES\r"
-"""Stands still at once and forgets what is queued; answered like any other command."""
+"""Command that stops at once and empties the queue; it is answered like any other."""
 
-_USB = (0x04D8, 0xFD92)
-_BAUD = 115200  # of no meaning over USB
-_OLDEST = (2, 4, 4)  # the first whose QM tells of its queue
+_USB = (0x04D8, 0xFD92)  # vendor and product of the board
+_BAUD = 115200  # without meaning over USB, but the port asks for one
+_OLDEST = (2, 4, 4)  # the first firmware whose QM reports the queue
 _POSITION = r"(-?\d+),(-?\d+)"
 _MOTORS = r"QM,(\d+),(\d+),(\d+),(\d+)"
-_NOTHING = "$^"
+_NOTHING = "$^"  # a pattern that no answer matches
 
 
 @final
 class EbbBoard:
-    """Commands to a board, each answered before the next is sent, so that it is never more than two motions ahead.
+    """Commands to a board; each is answered before the next is sent, so that at most two motions are queued.
 
-    Raises MachineError where it is silent, fails or is not understood; StoppedError once `stopping`.
+    Raises MachineError where it is silent, fails or is not understood; StoppedError once `stopping` is set.
     """
 
     def __init__(self, line: SerialLine, patience: float, stopping: Stopping) -> None:
@@ -37,7 +37,7 @@ class EbbBoard:
         self._stopping = stopping
 
     def greet(self) -> None:
-        """Find out that it is there and new enough; answers to earlier commands are dropped."""
+        """Check that the board answers and its firmware is new enough; answers to earlier commands are dropped."""
         self._line.drop()
         self._line.write(b"V\r")
         patience, found = Patience(self._patience), None
@@ -50,34 +50,34 @@ class EbbBoard:
             raise MachineError(f"the board on {self._line.port} has firmware {came}; update it to {oldest} or newer")
 
     def enable(self) -> None:
-        """Hold both motors, at 1/16 of a step; they are counted from where they are now."""
+        """Switch both motors on, with steps divided by 16; steps are counted from where they are now."""
         self._command("EM,1,1")
 
     def set_pen(self, up: float, down: float) -> None:
-        """Where the servo goes to, in units of 1/12 microsecond of its pulse."""
+        """Set the servo's pulses for the lifted and the lowered pen, in units of 1/12 microsecond."""
         self._command(f"SC,4,{up:.0f}")
         self._command(f"SC,5,{down:.0f}")
 
     def pen(self, down: bool, seconds: float) -> None:
-        """Lift or lower the pen, and do nothing else for so long."""
+        """Lift or lower the pen, and wait for so many seconds before the next motion."""
         self._command(f"SP,{0 if down else 1},{max(round(1e3 * seconds), 1)}")
 
     def steps(self, milliseconds: int, first: int, second: int) -> None:
-        """Step both motors evenly; returns once the motion before this one has begun."""
+        """Step both motors evenly in that time; returns once the motion before this one has begun."""
         self._command(f"SM,{milliseconds},{first},{second}")
 
     def position(self) -> tuple[int, int]:
-        """Steps of both motors since they were enabled."""
+        """Return the steps of both motors since they were enabled."""
         first, second = self._command("QS", _POSITION)
         return first, second
 
     def wait(self) -> None:
-        """Return once nothing moves and nothing is queued."""
+        """Wait until nothing moves and nothing is queued."""
         while any(self._ask("QM", _MOTORS)):
             self._stopping.wait(GLANCE)
 
     def _command(self, command: str, pattern: str = _NOTHING) -> tuple[int, ...]:
-        """The numbers in the line of the pattern that comes before OK."""
+        """Send a command, and return the numbers in the line of this pattern that comes before OK."""
         self._send(command)
         numbers: tuple[int, ...] = ()
         while (text := self._answer()) != "OK":
@@ -87,7 +87,7 @@ class EbbBoard:
         return numbers
 
     def _ask(self, command: str, pattern: str) -> tuple[int, ...]:
-        """The numbers in an answer that has no OK."""
+        """Send a command, and return the numbers in its answer, which has no OK."""
         self._send(command)
         return self._numbers(command, pattern, self._answer())
 
@@ -123,12 +123,12 @@ class EbbBoard:
 
 
 def open_board_line(port: str | None) -> SerialLine:
-    """The line to the board on this port, or to the one board that is plugged in; raises as `port_of_the_board`."""
+    """Open the line to the board on this port, or to the one that is plugged in; raises as `port_of_the_board`."""
     return SerialLine(port_of_the_board() if port is None else port, _BAUD)
 
 
 def port_of_the_board() -> str:
-    """Where the one board is plugged in. Raises InputError where there is none, or there are several."""
+    """Return the port of the one board that is plugged in. Raises InputError where there is none, or several."""
     found = [it.device for it in list_ports.comports() if (it.vid, it.pid) == _USB]
     if not found:
         raise InputError("no AxiDraw is plugged in", Remedy.NAME_PORT)

@@ -1,7 +1,7 @@
-"""Franka's arms, FER and FR3: whole paths through franky-control, which passes them on a thousand times a second.
+"""Franka's arms, FER and FR3: whole paths through franky-control, which sends a thousand set-points per second.
 
-Waypoints are our own profile, sampled; each has a time and a velocity, so that the arm neither waits at them nor
-plans its own way between.
+Waypoints are samples of our own profile; each has a time and a velocity, so that the arm neither waits at them nor
+plans a motion of its own between them.
 """
 
 from collections.abc import Iterator
@@ -29,22 +29,22 @@ FRANKA_LIMITS: Final = Limits(
     varies_pressure=True,
     lifting=0.03,
 )
-"""A box before the arm, all of which it reaches with its tool pointing down.
+"""Limits: a box before the arm, all of which it reaches with its tool pointing down.
 
-It is lifted and lowered in two motions each, and each begins some 15 ms after it is asked for (franky-sim).
+Lifting and lowering take two motions each, and each begins some 15 ms after it is sent (measured in franky-sim).
 """
 
 _STEP: Final = 0.03  # seconds from waypoint to waypoint
 _CYCLE: Final = 1e-3  # seconds: a waypoint is left in the cycle after its time
 _BRISKNESS: Final = 0.3  # of the arm's own speed, acceleration and jerk, at most, from waypoint to waypoint
 _BRAKING: Final = 0.5  # of the same, to stop
-_GLANCE: Final = 0.02  # seconds
-_BRAKED: Final = 1.0  # seconds
+_GLANCE: Final = 0.02  # seconds between two looks at the stop flag
+_BRAKED: Final = 1.0  # seconds to come to rest in; after that franky's own stop is called
 
 
 @final
 class Franka(Arm, FeelsForce):
-    """An FER or FR3 at an IP address, with FCI active; the limits narrow those of FRANKA_LIMITS."""
+    """Franka FER or FR3 at an IP address, with FCI active; the limits narrow FRANKA_LIMITS."""
 
     def __init__(self, address: str, limits: Limits | None = None) -> None:
         super().__init__(FRANKA_LIMITS, limits)
@@ -53,7 +53,7 @@ class Franka(Arm, FeelsForce):
         self._turned: Any = None
 
     def force(self) -> float:
-        """Newtons along z at the tip, of which only differences mean anything."""
+        """Return the force along z at the tip, newtons, of which only differences count."""
         with self._line():
             return float(self._arm.state.O_F_ext_hat_K[2])
 
@@ -63,7 +63,7 @@ class Franka(Arm, FeelsForce):
         except ImportError as error:
             raise InputError("the franka extra is not installed; run: pip install 'maulstick[franka]'") from error
         with self._line():
-            # A kernel without real time serves, too: where it is late, the arm stops and says so.
+            # A kernel without real time works, too: where it is late, the arm stops with an error.
             self._arm = franky.Robot(self._address, realtime_config=franky.RealtimeConfig.Ignore)
         self._make_ready()
         with self._line():

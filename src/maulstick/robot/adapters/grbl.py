@@ -17,20 +17,20 @@ from maulstick.robot.robot import Robot
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
-_BAUD = 115200
-_CLEAR = 5e-3  # metres above the paper: where a tip is lifted to that nobody has moved yet
-_FACTORY = Limits(  # of a Grbl that has not been asked yet
+_BAUD = 115200  # the rate of Grbl 1.1 as it ships
+_CLEAR = 5e-3  # metres above the paper: height to which the tip is lifted when the machine is entered
+_FACTORY = Limits(  # of Grbl as it ships, until the machine has told its own
     lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, varies_pressure=True
 )
 
 
 @final
 class Grbl(Robot):
-    """A machine with Grbl 1.1, its frame that of its work (G54): lower left corner of the sheet at (0, 0), paper at 0.
+    """Machine with Grbl 1.1, in its work coordinates (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
-    address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: of one with a servo; without, it lifts by height.
-    limits: narrower ones than its own, which it is asked for; its `limits` are right only then, or once it is entered.
-    patience: seconds that it may say nothing.
+    address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: servo of its pen; None where it lifts by height.
+    limits: limits narrower than its own. Its own are known after `ask_limits`, or once it is entered.
+    patience: seconds without an answer until it counts as lost.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Grbl(Robot):
         self._line: SerialLine | None = None
 
     def easel(self, width: float, height: float) -> Easel:
-        """As `Robot.easel`: flat, its lower left corner at the work's origin."""
+        """Return a flat easel whose lower left corner is the work's origin, as `Robot.easel`."""
         return Easel(corner=(0, height, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
     def _open(self) -> Floats:
@@ -82,13 +82,13 @@ class Grbl(Robot):
 
     def _halt(self) -> None:
         if (line := self._line) is not None:
-            with suppress(MachineError):  # whoever waits for the machine is told
+            with suppress(MachineError):  # the call that waits for the machine raises it
                 line.write(HOLD)
 
     def _recover(self) -> None:
         if self._line is None:
             return
-        stream = GrblStream(self._line, self._patience, Stopping())  # which no stop interrupts
+        stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
         stream.hold()
         stream.reset()
         if stream.status(ready=False).state == "Alarm":
@@ -96,7 +96,7 @@ class Grbl(Robot):
         self._lift_from_where_it_is(stream, self.place[2])
 
     def _lift_from_where_it_is(self, stream: GrblStream, height: float) -> Floats:
-        """Lift the pen to a height, or leave it where it is above; where the tip is then, (3,)."""
+        """Lift the pen to a height, metres, unless it is higher; returns the place of the tip then, (3,)."""
         status = stream.status()
         tip = status.tip - self._origin if status.of_machine else status.tip
         inside = np.clip([*tip[:2], max(tip[2], height)], self.limits.lower, self.limits.upper)
@@ -104,6 +104,7 @@ class Grbl(Robot):
         return np.array([*tip[:2], inside[2]])
 
     def _take_settings(self) -> None:
+        """Ask the machine for its settings, and set the limits and the work's origin by them."""
         settings = settings_of(self._stream.ask("$$"))
         origin = work_origin(self._stream.ask("$#"))
         if origin is None:
@@ -121,6 +122,7 @@ class Grbl(Robot):
         self._origin = origin
 
     def _check_modes(self, settings: dict[int, float]) -> None:
+        """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
         if self._pen is None:

@@ -1,4 +1,4 @@
-"""What a Grbl 1.1 says: its status, its settings as limits, and its error and alarm codes in words."""
+"""Answers of Grbl 1.1: its status, its settings as limits, and sentences for its error and alarm codes."""
 
 import re
 from collections.abc import Iterable
@@ -11,8 +11,8 @@ from maulstick.robot.easel import Pen
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
 
-_MM = 1e-3
-_MM_A_MINUTE = 1e-3 / 60
+_MM = 1e-3  # metres
+_MM_PER_MINUTE = 1e-3 / 60  # metres per second
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
 
@@ -28,7 +28,7 @@ ERRORS: Final = {
     9: "it takes no G-code while it is locked; unlock with $X or home with $H",
     10: "soft limits need homing; set $22=1 or $20=0",
     11: "a line was too long for it",
-    12: "a setting asks for more steps a second than it can make",
+    12: "a setting asks for more steps per second than it can make",
     13: "its safety door is open; close it",
     14: "a start-up line was too long for its memory",
     15: "a jog would leave its travel",
@@ -72,9 +72,9 @@ ALARMS: Final = {
 
 @dataclass(frozen=True)
 class Status:
-    """A status report: the state (Idle, Run, Hold:0 ...) and where the tip is, (3,) metres.
+    """Status report: the state (Idle, Run, Hold:0 ...) and the place of the tip, (3,) metres.
 
-    of_machine: whether that is counted from the machine's own origin, not from that of its work.
+    of_machine: whether the place is counted from the machine's own origin, not from the work's.
     """
 
     state: str
@@ -83,19 +83,19 @@ class Status:
 
     @classmethod
     def parse(cls, line: str) -> Self | None:
-        """The report in a line, or None where it is none, or noise has changed it."""
+        """Parse a line; returns None where it is no report, or noise has changed it."""
         found = re.fullmatch(rf"<([A-Z][a-z]+(?::\d)?)\|([MW])Pos:{_TRIPLE}(?:\|[A-Za-z]+:[\w.,-]*)*>", line)
         return None if found is None else cls(found[1], _triple(found[3]), found[2] == "M")
 
 
 def settings_of(lines: Iterable[str]) -> dict[int, float]:
-    """The settings in the answer to $$, by their numbers; lines that are none are left out."""
+    """Return the settings in the answer to $$, by their numbers; other lines are left out."""
     found = (re.fullmatch(rf"\$(\d+)=({_NUMBER})", line) for line in lines)
     return {int(setting[1]): float(setting[2]) for setting in found if setting is not None}
 
 
 def work_origin(lines: Iterable[str]) -> Floats | None:
-    """(3,) metres: where the work's origin lies for the machine, out of the answer to $#; None where it is not told."""
+    """Return the work's origin in machine coordinates, (3,) metres, from the answer to $#; None where it is missing."""
     told: dict[str, Floats] = {}
     for line in lines:
         if found := re.fullmatch(rf"\[(G54|G92):{_TRIPLE}\]", line):
@@ -106,13 +106,14 @@ def work_origin(lines: Iterable[str]) -> Floats | None:
 
 
 def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> Limits:
-    """What a Grbl with these settings can do, counted from its work's origin (3,) metres.
+    """Return the limits of a Grbl with these settings, in coordinates of its work, whose origin (3,) is in metres.
 
-    With homing its travel lies below its own origin, on every axis. Without, only the operator knows where it was
-    switched on: in the lower left corner of its travel, as plotters are, the tip on the paper or above it.
+    With homing the travel lies below the machine's own origin, on every axis. Without homing, the machine is taken to
+    have been switched on in the lower left corner of its travel, as plotters are, the tip on the paper or above it.
+    pen: servo of its pen, None where it lifts by height.
     Raises KeyError where a setting is missing.
     """
-    rates = [_MM_A_MINUTE * settings[code] for code in (110, 111, 112)]
+    rates = [_MM_PER_MINUTE * settings[code] for code in (110, 111, 112)]
     gains = (_MM * settings[120], _MM * settings[121], _MM * settings[122])
     travel = np.array([_MM * settings[code] for code in (130, 131, 132)])
     lower, upper = (-travel - origin, -origin) if settings[22] else (travel * (0, 0, -1), travel)

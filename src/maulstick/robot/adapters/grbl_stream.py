@@ -1,7 +1,7 @@
-"""Grbl's streaming protocol: as many lines on their way as its buffer holds, counted by character (Grbl 1.1 interface).
+"""Grbl's streaming protocol: lines are sent as long as its buffer has room, counted in characters (Grbl 1.1 interface).
 
-A line is counted from when it is sent until Grbl has answered it. Reports are asked for meanwhile, so that a line that
-takes long can be told from a Grbl that is gone.
+A line counts from when it is sent until Grbl has answered it. Status reports are requested meanwhile, so that a line
+that takes long can be told from a Grbl that is gone.
 """
 
 import re
@@ -15,16 +15,16 @@ from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
 
 BUFFER: Final = 127
-"""Bytes that Grbl can hold unread; it has 128, one of which tells full from empty."""
+"""Bytes that Grbl can hold unread: its 128, less one that tells full from empty."""
 
 HOLD: Final = b"!"
-"""Brakes at once, whatever else is on the line."""
+"""Command that brakes at once, whatever else is on the line."""
 
-_RESET, _REPORT = b"\x18", b"?"
-_BETWEEN_REPORTS = 0.2  # seconds
-_BETWEEN_RESETS = 1.0  # seconds; a board that starts when its port is opened misses the first
-_QUIET = 0.1  # seconds in which a board that did not miss it starts once more
-_HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")
+_RESET, _REPORT = b"\x18", b"?"  # real-time commands: soft reset, and a status report
+_BETWEEN_REPORTS = 0.2  # seconds; Grbl's interface asks for at most 5 per second
+_BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened misses the first reset
+_QUIET = 0.1  # seconds in which a board that took both resets greets a second time
+_HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")  # states at rest
 _UNABLE = {
     "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
@@ -35,9 +35,10 @@ _UNABLE = {
 
 @final
 class GrblStream:
-    """Commands to a Grbl and its answers.
+    """Line to a Grbl: sends commands and reads its answers.
 
-    Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping`.
+    Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping` is
+    set.
     """
 
     def __init__(self, line: SerialLine, patience: float, stopping: Stopping) -> None:
@@ -50,7 +51,7 @@ class GrblStream:
         self._next_report = 0.0
 
     def reset(self) -> None:
-        """Empty its buffers, as whoever starts or gives up does; its position is kept if it stands still."""
+        """Reset Grbl, which empties its buffers; its position is kept if it stands still."""
         self._line.drop()
         self._waiting.clear()
         patience, resets = Patience(self._patience), 0
@@ -66,14 +67,14 @@ class GrblStream:
             self._line.line()
 
     def hold(self) -> None:
-        """Brake; returns once it stands still, or will not say so."""
+        """Brake; returns once it stands still, or after the patience where it does not report that."""
         self._line.write(HOLD)
         patience = Patience(self._patience)
         while self.status(ready=False).state not in _HALTED and not patience.over:
             pass
 
     def status(self, ready: bool = True) -> Status:
-        """What it reports now. Unless it is `ready`, raises MachineError that says what to do."""
+        """Ask for the status. ready: raise MachineError, which says what to do, where it is not ready to draw."""
         patience = Patience(self._patience)
         while not patience.over:
             self._line.write(_REPORT)
@@ -86,7 +87,7 @@ class GrblStream:
         raise self._line.lost()
 
     def ask(self, command: str) -> list[str]:
-        """What it tells before it answers the command with ok."""
+        """Send a command, and return the lines that come before its ok."""
         self._told.clear()
         self._send(command)
         while self._waiting:
@@ -94,7 +95,7 @@ class GrblStream:
         return self._told.copy()
 
     def run(self, lines: list[str]) -> None:
-        """Return once the lines are done, not just read."""
+        """Send lines; returns once their motions have ended, not only been read."""
         for line in [*lines, "G4 P0"]:  # a pause of no time is answered once all motions before it have ended
             content = line.replace(" ", "")
             while sum(map(_size, self._waiting)) + _size(content) > BUFFER:
@@ -159,7 +160,7 @@ class GrblStream:
             raise MachineError(f"the Grbl on {self._line.port} cannot draw: {reason}", remedy)
 
     def _starts(self) -> bool:
-        """Whether it says its name in time."""
+        """Return whether Grbl greets in time. Raises MachineError where it is not version 1.1."""
         patience = Patience(min(_BETWEEN_RESETS, self._patience))
         while not patience.over:
             if (found := re.match(r"Grbl (\S+)", self._line.line() or "")) is not None:

@@ -1,4 +1,4 @@
-"""A serial line to a machine: bytes there, whole lines back, and what breaks it in one sentence."""
+"""A serial line to a machine: bytes are sent, whole lines are read, and a fault is one sentence."""
 
 import os
 import time
@@ -9,14 +9,14 @@ import serial
 from maulstick.errors import InputError, MachineError, Remedy
 
 GLANCE: Final = 0.01
-"""Seconds that one look for an answer takes at most."""
+"""Seconds that one read waits at most, which bounds how late a stop is seen."""
 
-_LONGEST_LINE = 4096  # bytes: no machine says more at once, but noise may
+_LONGEST_LINE = 4096  # bytes: no machine sends a longer line, but noise may never end one
 
 
 @final
 class SerialLine:
-    """An open line, that no other program can open.
+    """Serial line that no other program can open meanwhile.
 
     Raises InputError where there is no such port, and MachineError once the line is broken.
     """
@@ -36,30 +36,30 @@ class SerialLine:
             raise InputError.of_range("the baud rate", baud, "one that the port has, such as 115200") from error
 
     def write(self, content: bytes) -> None:
-        """Send all of it; from any thread."""
+        """Send all bytes; may be called from any thread."""
         try:
             self._serial.write(content)
         except (OSError, TypeError) as error:  # a TypeError where another thread has closed it
             raise self.lost() from error
 
     def line(self) -> str | None:
-        """The next line without its end, or None where none is whole within a glance. Bytes beyond ASCII become �."""
+        """Return the next line without its end, or None where none is complete yet. Bytes beyond ASCII become �."""
         if not self._lines:
             self._read()
         return self._lines.pop(0) if self._lines else None
 
     def drop(self) -> None:
-        """Forget what has come and was not read."""
+        """Drop what has come and was not read."""
         while self._read():
             pass
         self._came, self._lines = b"", []
 
     def close(self) -> None:
-        """Give the port free."""
+        """Release the port."""
         self._serial.close()
 
     def lost(self) -> MachineError:
-        """What to raise once nothing comes any more."""
+        """Return the error to raise once nothing comes any more."""
         return MachineError(f"the line to {self.port} went silent; check cable and power", Remedy.GO_ON)
 
     def _read(self) -> bool:
@@ -77,17 +77,17 @@ class SerialLine:
 
 @final
 class Patience:
-    """How long a machine may say nothing that helps: `seconds` since it was last `renewed`."""
+    """Timer of how long a machine may give no useful answer: `seconds` since it was made or renewed."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self.renew()
 
     def renew(self) -> None:
-        """Start again."""
+        """Start the time again."""
         self._ends = time.monotonic() + self._seconds
 
     @property
     def over(self) -> bool:
-        """Whether it has been too long."""
+        """Whether the time is over."""
         return time.monotonic() > self._ends

@@ -1,4 +1,4 @@
-"""Set-points in time: how a machine is driven that goes at once to wherever it was last told."""
+"""Streaming of set-points, for machines that move at once to the last place that they were sent."""
 
 import time
 from collections.abc import Callable
@@ -12,9 +12,9 @@ from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
 _BRAKING = 0.1  # seconds from any speed to rest, along the path
-_LATEST = 3  # periods; what a busy computer is later than that, the motion is later too: set-points never leap
-_ARRIVED = 5e-4  # metres
-_PATIENCE = 1.0  # seconds
+_LATEST = 3  # periods by which a busy computer may be late; a longer delay slows the motion, so set-points never leap
+_ARRIVED = 5e-4  # metres from the last set-point at which the tip counts as arrived
+_PATIENCE = 1.0  # seconds after the last set-point in which it must arrive
 
 
 def stream(
@@ -24,9 +24,9 @@ def stream(
     period: float,
     stopping: Stopping,
 ) -> None:
-    """Send every `period` seconds the place (3,), metres, where the tip should be; return once it is at the end.
+    """Send the place (3,), metres, where the tip should be, every `period` seconds; returns once it is at the end.
 
-    where: asks the machine where its tip is.
+    where: asks the machine for the place of its tip, (3,) metres.
     Raises StoppedError, at rest, soon after `stopping` is set; MachineError where the tip does not arrive.
     """
     gone, pace, last = 0.0, 1.0, time.monotonic()

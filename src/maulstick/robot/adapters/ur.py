@@ -1,4 +1,4 @@
-"""Universal Robots' arms: set-points through ur-rtde, whose servoL follows them with a little smoothing."""
+"""Universal Robots' arms: set-points through servoL of ur-rtde, which follows them with a little smoothing."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,16 +24,16 @@ UR_LIMITS: Final = Limits(
     deviation=1e-4,
     varies_pressure=True,
 )
-"""A box around the arm; nearer ones, and what it must not touch, are matters of its own safety planes."""
+"""Limits: a box around the arm; set its own safety planes for what it must not touch."""
 
-_PERIOD: Final = 0.008  # seconds: both series keep that pace, and a busy computer too
-_LOOKAHEAD: Final = 0.03  # seconds, the least: at our acceleration it cuts corners by 0.2 mm at most
-_GAIN: Final = 500.0
+_PERIOD: Final = 0.008  # seconds between set-points: both series keep that pace, and so does a busy computer
+_LOOKAHEAD: Final = 0.03  # seconds, the least allowed: at our acceleration it cuts corners by 0.2 mm at most
+_GAIN: Final = 500.0  # of servoL, whose range is 100 to 2000: higher follows more stiffly
 
 
 @final
 class UR(Arm, FeelsForce):
-    """A UR at an IP address, of the CB or e-series, under remote control; the limits narrow those of UR_LIMITS."""
+    """UR of the CB or e-series at an IP address, under remote control; the limits narrow UR_LIMITS."""
 
     def __init__(self, address: str, limits: Limits | None = None) -> None:
         super().__init__(UR_LIMITS, limits)
@@ -43,7 +43,7 @@ class UR(Arm, FeelsForce):
         self._turned: list[float] = []
 
     def force(self) -> float:
-        """Newtons along z at the tip, of which only differences mean anything."""
+        """Return the force along z at the tip, newtons, of which only differences count."""
         with self._line():
             return float(self._receive.getActualTCPForce()[2])
 
@@ -101,7 +101,7 @@ class UR(Arm, FeelsForce):
             raise MachineError("the UR no longer follows; see what its pendant says")
 
     def _check_safety(self) -> None:
-        """Raise MachineError in a stop that, by the arm's own rules, a person has to look at and to release."""
+        """Raise MachineError in a stop that, by the arm's own rules, a person has to release."""
         with self._line():
             if not self._receive.isConnected():
                 raise MachineError(f"the connection to the UR at {self._address} is lost; check the cable")

@@ -1,6 +1,6 @@
 """UFACTORY's arms, xArm 5 to 7, 850 and Lite 6: set-points through xarm-python-sdk, in the controller's servo mode.
 
-That mode goes straight to the last set-point, so the tip follows our own profile, and stands when none follows.
+In that mode the tip moves straight to the last set-point, so it follows our own profile, and stops when none comes.
 """
 
 import io
@@ -27,18 +27,18 @@ XARM: Final = Limits(
     deviation=1e-4,
     varies_pressure=True,
 )
-"""A box that the arms of 700 mm reach."""
+"""Limits: a box that the arms of 700 mm reach."""
 
 LITE6: Final = XARM.narrowed(XARM.model_copy(update={"lower": (0.15, -0.2, -0.05), "upper": (0.38, 0.2, 0.35)}))
-"""A box that a Lite 6 reaches."""
+"""Limits: a box that a Lite 6 reaches."""
 
-_SERVO_MODE: Final = 1
-_READY: Final = 0
-_LITE6_TYPE: Final = 9
-_PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points a second
-_METRE: Final = 1e3  # of the wire's millimetres
-_OF_A_COLLISION: Final = (22, 31, 35)  # with itself, with something, with a boundary
-_RETURNED: Final = {
+_SERVO_MODE: Final = 1  # of set_mode: follow set-points
+_READY: Final = 0  # of set_state
+_LITE6_TYPE: Final = 9  # of device_type
+_PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points per second
+_METRE: Final = 1e3  # millimetres, in which the SDK counts
+_OF_A_COLLISION: Final = (22, 31, 35)  # error codes: with itself, with something, with a boundary
+_RETURNED: Final = {  # codes that calls of the SDK return
     -1: "it is not connected; check the cable",
     -2: "it is not enabled; release the emergency stop",
     -6: "that place is outside the limits set in UFACTORY Studio",
@@ -53,7 +53,7 @@ _RETURNED: Final = {
 
 @final
 class XArm(Arm):
-    """An xArm, or with `limits` within LITE6 a Lite 6, at an IP address; the limits narrow those of XARM."""
+    """xArm, or with `limits` within LITE6 a Lite 6, at an IP address; the limits narrow XARM."""
 
     def __init__(self, address: str, limits: Limits | None = None) -> None:
         super().__init__(XARM, limits)
@@ -117,7 +117,7 @@ class XArm(Arm):
             raise MachineError(self._sentence(code))
 
     def _sentence(self, code: int) -> str:
-        """What is wrong: the controller's error where it has one, else what a call of the SDK returned."""
+        """Return a sentence about a fault: the controller's error where it has one, else what the SDK's code means."""
         from xarm.core.config.x_code import ControllerError
 
         asked, (error, _) = self._arm.get_err_warn_code()

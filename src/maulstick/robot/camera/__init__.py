@@ -1,1 +1,1 @@
-"""Cameras over the sheet, and the tags that they look for."""
+"""Cameras over the sheet, and the tags beside it."""

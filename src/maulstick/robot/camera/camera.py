@@ -1,4 +1,4 @@
-"""Cameras: what is on the easel now, as a photograph."""
+"""Cameras that photograph the sheet: over USB, or by a folder of new pictures."""
 
 import time
 from abc import ABC, abstractmethod
@@ -15,28 +15,28 @@ from maulstick.robot.camera.opencv import opencv
 from maulstick.storage.arrays import Image
 
 _BLACK = 0.02
-"""A photograph whose mean is darker shows nothing."""
+"""Mean below which a photograph counts as black: the lens is covered, or there is no light."""
 
 _STALE = 5
-"""Frames that a driver may hold back: they were taken before anyone asked."""
+"""Frames dropped before each photograph: drivers buffer some that were taken before the call."""
 
 _WIDEST = 10_000
-"""Asked of a driver, which answers with the largest it has."""
+"""Width and height in pixels that a driver is asked for; it takes the largest that it has."""
 
-_POLL = 0.1  # seconds
-_ENDINGS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp")
+_POLL = 0.1  # seconds between two looks into a folder; a file of the same size twice is complete
+_ENDINGS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp")  # of files that count as pictures
 
 
 class CameraError(MachineError):
-    """No photograph can be had; painting can wait until somebody has mended that."""
+    """Error of a camera that takes no photograph; painting can wait until the operator has mended that."""
 
 
 class Camera(ABC):
-    """What sees the sheet. A context manager, which is closed when it is left."""
+    """Camera over the sheet: a context manager, which is closed when it is left."""
 
     @final
     def photograph(self) -> Image:
-        """(H, W, 3) sRGB in [0, 1], taken after the call; raises CameraError where there is none, or a black one."""
+        """Take a photograph now, (H, W, 3) sRGB in [0, 1]. Raises CameraError where none comes, or a black one."""
         picture = self._take()
         if picture.mean() < _BLACK:
             raise CameraError("the photograph is black; take off the lens cap or switch on the light, and go on")
@@ -54,18 +54,18 @@ class Camera(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let the camera go; it takes no more photographs."""
+        """Release the camera; it takes no more photographs."""
 
     @abstractmethod
     def _take(self) -> Image:
-        """A photograph as `photograph` says, black or not."""
+        """Take a photograph as `photograph` does, black or not."""
 
 
 @final
 class UsbCamera(Camera):
-    """A camera that OpenCV can open, at its full size.
+    """USB camera that OpenCV can open, at its full size.
 
-    index: 0 for the first.  Raises CameraError where there is none.
+    index: number of the camera, 0 for the first.  Raises CameraError where there is none.
     """
 
     def __init__(self, index: int) -> None:
@@ -79,7 +79,7 @@ class UsbCamera(Camera):
         self._video.set(self._cv2.CAP_PROP_FRAME_HEIGHT, _WIDEST)
 
     def close(self) -> None:
-        """Let other programs have it."""
+        """Release the camera for other programs."""
         self._video.release()
 
     def _take(self) -> Image:
@@ -92,9 +92,9 @@ class UsbCamera(Camera):
 
 @final
 class WatchedFolder(Camera):
-    """Any camera that puts its pictures into a folder: a photograph is the next new file there.
+    """Any camera that saves its pictures into a folder: a photograph is the next new file there.
 
-    patience: seconds until one must be complete.  Raises InputError where there is no such folder.
+    patience: seconds until a file must be there and complete.  Raises InputError where there is no such folder.
     """
 
     def __init__(self, folder: str | Path, patience: float = 120.0) -> None:
@@ -104,7 +104,7 @@ class WatchedFolder(Camera):
             raise InputError(f"there is no folder {folder}; make it, and let the camera save its pictures there")
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: a folder is not held open."""
 
     def _take(self) -> Image:
         old, sizes = set(self._sizes()), dict[Path, int]()
@@ -122,6 +122,7 @@ class WatchedFolder(Camera):
         raise CameraError(f"no new picture came into {self._folder} within {self._patience:g} s; {doubt}")
 
     def _sizes(self) -> dict[Path, int]:
+        """Return the pictures in the folder and their sizes in bytes."""
         try:
             files = list(self._folder.iterdir())
         except OSError as error:

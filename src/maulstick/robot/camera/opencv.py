@@ -1,4 +1,4 @@
-"""OpenCV, which only those need who have a camera."""
+"""The optional import of OpenCV, which only cameras need."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from maulstick.errors import InputError
 
 
 def opencv() -> Any:
-    """The module cv2, silent about what is reported in our own words; raises InputError where it is not installed."""
+    """Return the module cv2, with its own log switched off. Raises InputError where it is not installed."""
     try:
         import cv2
     except ImportError:

@@ -10,20 +10,21 @@ from maulstick.robot.camera.opencv import opencv
 from maulstick.storage.arrays import Floats
 
 TAGS = (0, 1, 2, 3)
-"""Upper left, upper right, lower right, lower left."""
+"""Ids of the tags at the upper left, upper right, lower right and lower left corner."""
 
 MODULES = 8
-"""Squares across the black of an AprilTag 36h11; the white around it is one more on each side."""
+"""Squares across the black part of an AprilTag 36h11; its white rim is one more on each side."""
 
-_OUTWARD = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=np.float64)
-_SMALLEST, _LARGEST = 5e-3, 0.5
+_OUTWARD = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=np.float64)  # signs of x and y, by tag
+_SMALLEST, _LARGEST = 5e-3, 0.5  # metres: smallest and largest side of a tag, and the largest gap
 
 
 @dataclass(frozen=True)
 class TagFrame:
-    """AprilTags 36h11, 0 to 3, on square cards; a card's corner touches the sheet's, and its edges go on from there.
+    """Frame of four AprilTags 36h11, 0 to 3, on square cards around a sheet.
 
-    width, height: of the sheet.  side: of a tag's black square.  gap: from the card's corner to it. All in metres.
+    A card's corner touches the sheet's corner, and its edges continue the sheet's edges.
+    width, height: size of the sheet.  side: of a tag's black square.  gap: from the card's corner to it. All in metres.
     The cards are fixed to what the sheet lies on, not to the sheet.
     """
 
@@ -43,30 +44,31 @@ class TagFrame:
 
     @property
     def quiet(self) -> float:
-        """The width of the white around a tag, metres."""
+        """Width of the white rim around a tag, metres."""
         return self.side / MODULES
 
     @property
     def card(self) -> float:
-        """The side of a card, metres."""
+        """Side of a card, metres."""
         return self.gap + self.side + self.quiet
 
     def corners(self, tag: int) -> Floats:
-        """(4, 2) metres: upper left, upper right, lower right, lower left corner of the tag's black."""
+        """Return the corners (4, 2) of a tag's black square, metres: upper left, then clockwise."""
         return self._square(tag, self.gap, self.gap + self.side)
 
     def card_corners(self, tag: int) -> Floats:
-        """(4, 2) metres: the corners of the tag's card, in the same order."""
+        """Return the corners (4, 2) of a tag's card, metres, in the same order."""
         return self._square(tag, 0.0, self.card)
 
     def _square(self, tag: int, near: float, far: float) -> Floats:
+        """Return the corners (4, 2) of the square from `near` to `far` of the sheet's corner, metres."""
         outward = _OUTWARD[tag]
         anchor = (outward > 0) * (self.width, self.height)
         centre = anchor + outward * (near + far) / 2
         return np.asarray(centre + _OUTWARD * (far - near) / 2)
 
     def card_picture(self, tag: int, pixels_per_metre: float) -> NDArray[np.uint8]:
-        """The card as it is printed, grey: a square of whole pixels, black on white."""
+        """Draw a card as it is printed: (n, n) grey, 0 to 255, black on white."""
         pixels = max(1, round(self.card * pixels_per_metre))
         upper_left, _, lower_right, _ = (self.corners(tag) - self.card_corners(tag)[0]) / self.card * pixels
         left, top = (round(x) for x in upper_left)

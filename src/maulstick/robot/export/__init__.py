@@ -1,1 +1,1 @@
-"""Routines as files for machines that other programs drive."""
+"""Export of routines as files, for machines that other programs drive."""

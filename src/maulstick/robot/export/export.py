@@ -1,4 +1,4 @@
-"""A routine as a file, for machines that are driven by other programs."""
+"""Export of a routine as G-code, HPGL or JSON lines."""
 
 import json
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from maulstick.robot.routine import Action, Draw, Prompt, TrayVisit
 
 
 def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: Pen | None) -> str:
-    """G-code, which begins by lifting the pen where it is, as high as it is ever lifted.
+    """Return the routine as G-code, which begins by lifting the pen to the highest height of the routine.
 
-    It pauses where a person has to do something.
+    It pauses at prompts.
     Raises InputError where a motion leaves the limits.
     """
     writer = Gcode(dialect, limits, pen)
@@ -38,14 +38,14 @@ def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: P
 
 
 def as_hpgl(actions: Sequence[Action], limits: Limits) -> str:
-    """HPGL: strokes, a pen a paint. Raises InputError where it would need a tray, or leave the limits."""
+    """Return the strokes as HPGL, one pen per paint. Raises InputError where they need a tray, or leave the limits."""
     if any(isinstance(action, TrayVisit) for action in actions):
         raise InputError("HPGL knows pens and no wells; leave out the tray, or export gcode")
     return hpgl([(action.paint, action.motion.path) for action in actions if isinstance(action, Draw)], limits)
 
 
 def as_json(actions: Sequence[Action]) -> str:
-    """A JSON object a line, in order: draw, dip, rinse, wipe or ask; metres of the machine, metres a second."""
+    """Return one JSON object per line and action: draw, dip, rinse, wipe or ask; metres and metres per second."""
     return "".join(f"{json.dumps(_entry(action))}\n" for action in actions)
 
 

@@ -1,6 +1,6 @@
-"""Motions as lines of G-code, for GRBL or Marlin: millimetres with three decimals, feeds in millimetres a minute.
+"""Motions as lines of G-code, for Grbl or Marlin: millimetres with three decimals, feeds in millimetres per minute.
 
-On the wire a place is a whole number of micrometres within the limits, whatever it was before.
+Places are written as whole micrometres, rounded so that they stay within the limits.
 """
 
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ from maulstick.storage.arrays import Floats
 
 Dialect = Literal["grbl", "marlin"]
 
-_MM = 1e3
-_MICROMETRES = 1e6
+_MM = 1e3  # per metre
+_MICROMETRES = 1e6  # per metre
 _NEAR = 1e-4  # what a limit, as written, may miss a whole last digit by and still mean it: within the limits' SLACK
-_SLOWEST = 1.0  # mm/min; slower is an error to GRBL
-_STRAIGHT = 1e-12  # metres
-_LONGEST_MESSAGE = 60  # characters, of what Marlin keeps of a line
+_SLOWEST = 1.0  # mm/min: the least feed written; slower is an error to Grbl
+_STRAIGHT = 1e-12  # metres: least length, so that no division is by zero
+_LONGEST_MESSAGE = 60  # characters, fewer than Marlin keeps of a line
 
 
 @dataclass(frozen=True)
 class Gcode:
-    """Writes motions within the limits as lines without their ends; the caller knows where the tip is.
+    """Writer of motions within the limits, as lines without line ends; the caller keeps the place of the tip.
 
-    pen: how its servo lifts it; without one it is lifted by height.
+    pen: servo of the pen; None where it is lifted by height.
     Each motion raises InputError where it leaves the limits.
     """
 
@@ -35,22 +35,22 @@ class Gcode:
     pen: Pen | None = None
 
     def rounded(self, path: Floats) -> Floats:
-        """The path (..., 3) in metres as it is written, rounded towards the inside at the limits."""
+        """Return the path (..., 3), metres, as it is written, rounded towards the inside at the limits."""
         lower = np.ceil(np.array(self.limits.lower) * _MICROMETRES - _NEAR)
         upper = np.floor(np.array(self.limits.upper) * _MICROMETRES + _NEAR)
         return np.asarray(np.clip(np.rint(np.asarray(path) * _MICROMETRES), lower, upper) / _MICROMETRES + 0.0)
 
     def begin(self) -> list[str]:
-        """Millimetres, absolute places."""
+        """Return the lines that set millimetres and absolute places."""
         return ["G21", "G90"] if self.dialect == "marlin" else ["G21", "G90", "G94", "G54"]
 
     def travel(self, start: Floats, place: Floats) -> list[str]:
-        """Straight from where the tip is, (3,), to a place (3,), the pen lifted, as fast as may be."""
+        """Move straight from `start` (3,) to a place (3,), metres, the pen lifted, as fast as the limits allow."""
         self.limits.check_path(place[None])
         return [self._straight(start, place, self.limits.speed)]
 
     def draw(self, start: Floats, path: Floats, speed: Floats) -> list[str]:
-        """Lower the pen from `start` (3,) to the path (n, 3), and follow it at most at speed (n,) metres a second."""
+        """Lower the pen from `start` (3,) to the path (n, 3), and follow it; speed: (n,) metres per second at most."""
         self.limits.check_path(path)
         self.limits.check_speed(speed)
         if self.pen is None:
@@ -62,14 +62,14 @@ class Gcode:
         return [*lowered, *lines]
 
     def lift(self, place: Floats) -> list[str]:
-        """Raise the pen straight up to a place (3,)."""
+        """Lift the pen straight up to a place (3,), metres."""
         self.limits.check_path(place[None])
         if self.pen is not None:
             return self._servo(self.pen.up, self.pen.seconds)
         return [f"G1 Z{_MM * self.rounded(place)[2]:.3f} F{_feed(min(self.limits.speed, self.limits.climb)):.1f}"]
 
     def pause(self, message: str) -> list[str]:
-        """Wait until the operator lets the machine go on, and tell why."""
+        """Pause until the operator lets the machine go on, and show the message."""
         said = "".join(filter(_is_harmless, message))[:_LONGEST_MESSAGE]
         return [f"M0 {said}"] if self.dialect == "marlin" else [f"({said})", "M0"]
 
@@ -89,10 +89,10 @@ class Gcode:
 
 
 def _is_harmless(letter: str) -> bool:
-    """Whether it ends no comment, and Grbl does not take it for a command that may come at any time, as 0x84 is."""
+    """Return whether a letter neither ends a comment nor is a real-time command of Grbl, as ! and 0x84 are."""
     return letter.isascii() and letter.isprintable() and letter not in "();?!~"
 
 
 def _feed(speed: float) -> float:
-    """A speed in metres a second in mm/min, not rounded up."""
+    """Return a speed in metres per second as mm/min, rounded down to a tenth."""
     return max(float(np.floor(600 * _MM * speed + _NEAR)) / 10, _SLOWEST)

@@ -1,4 +1,4 @@
-"""Strokes as HPGL, for pen plotters: 40 units a millimetre from the lower left corner, y up, a pen a paint."""
+"""Strokes as HPGL, for pen plotters: 40 units per millimetre from the lower left corner, y up, one pen per paint."""
 
 from collections.abc import Iterable
 
@@ -7,14 +7,14 @@ import numpy as np
 from maulstick.robot.limits import Limits
 from maulstick.storage.arrays import Floats
 
-_UNITS_A_METRE = 40_000
-_NEAR = 1e-6  # units: what a limit may miss a whole number by and still mean it
+_UNITS_PER_METRE = 40_000  # HPGL's plotter unit is 1/40 mm
+_NEAR = 1e-6  # units: a limit so near to a whole number counts as that number
 
 
 def hpgl(strokes: Iterable[tuple[int, Floats]], limits: Limits) -> str:
-    """Strokes in order, each its paint's index and its path (n, 3) in the machine's frame, metres; height is left out.
+    """Return HPGL of strokes in order: each a paint's index and a path (n, 3) in the machine's frame, metres.
 
-    The first paint is pen 1. Raises InputError where a path leaves the limits.
+    The first paint is pen 1, and heights are left out. Raises InputError where a path leaves the limits.
     """
     lines, held = ["IN;"], None
     for paint, path in strokes:
@@ -28,7 +28,7 @@ def hpgl(strokes: Iterable[tuple[int, Floats]], limits: Limits) -> str:
 
 
 def _units(path: Floats, limits: Limits) -> Floats:
-    """(n, 2) whole plotter units of a path (n, 3), rounded towards the inside at the limits."""
-    lower = np.ceil(np.array(limits.lower[:2]) * _UNITS_A_METRE - _NEAR)
-    upper = np.floor(np.array(limits.upper[:2]) * _UNITS_A_METRE + _NEAR)
-    return np.asarray(np.clip(np.rint(path[:, :2] * _UNITS_A_METRE), lower, upper) + 0.0)
+    """Return whole plotter units (n, 2) of a path (n, 3), metres, rounded towards the inside at the limits."""
+    lower = np.ceil(np.array(limits.lower[:2]) * _UNITS_PER_METRE - _NEAR)
+    upper = np.floor(np.array(limits.upper[:2]) * _UNITS_PER_METRE + _NEAR)
+    return np.asarray(np.clip(np.rint(path[:, :2] * _UNITS_PER_METRE), lower, upper) + 0.0)

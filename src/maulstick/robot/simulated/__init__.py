@@ -1,1 +1,1 @@
-"""The simulated easel: a machine, a sheet that takes ink, and a camera over it."""
+"""A simulated easel: a machine, a sheet that takes ink, and a camera over it."""

@@ -1,11 +1,10 @@
-"""A cheap webcam above an easel: it knows all that a real one suffers from, and tells nobody."""
+"""A simulated cheap webcam above an easel, with the faults of a real one: tilt, distortion, uneven light, noise."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError
@@ -13,27 +12,27 @@ from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.camera import Camera, CameraError
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import TAGS, TagFrame
-from maulstick.storage.arrays import Floats, Image
+from maulstick.storage.arrays import Floats, Image, Ints
 
-_FINER = 2  # samples across a pixel
-_VIEW = 1.06  # of what must be seen
-_CENTRE = (0.006, -0.004)  # of the photograph's width: no lens sits right above its sensor
-_SENSOR = np.array([[0.74, 0.08, -0.02], [0.04, 0.69, 0.04], [0.0, 0.07, 0.58]], dtype=np.float32)
-_TONE = 0.012  # by which makers bend the curve of sRGB
-_WOOD = np.array([0.115, 0.075, 0.05], dtype=np.float32)  # light
-_GRAIN = 0.35  # of it
-_CARD = 0.82  # light off printer paper; and off its black:
-_PRINT = 0.035
+_FINER = 2  # samples across a pixel, so that edges are smooth
+_VIEW = 1.06  # width of the photograph, in units of what must be seen: a small margin around the cards
+_CENTRE = (0.006, -0.004)  # offset of the lens, in widths of the photograph: no lens is centred exactly
+_SENSOR = np.array([[0.74, 0.08, -0.02], [0.04, 0.69, 0.04], [0.0, 0.07, 0.58]], dtype=np.float32)  # light to channels
+_TONE = 0.012  # sRGB: amplitude by which the camera's tone curve departs from sRGB's
+_WOOD = np.array([0.115, 0.075, 0.05], dtype=np.float32)  # light off the bed
+_GRAIN = 0.35  # contrast of the wood's grain, as a share of that light
+_CARD = 0.82  # light off printer paper
+_PRINT = 0.035  # light off what is printed black
 
 
 @dataclass(frozen=True)
 class Optics:
-    """What is wrong with the camera, in order of what it does to a photograph.
+    """Faults of the camera and its light, in the order in which they act on a photograph.
 
-    size: width and height, pixels.  focal: of the width.  tilt: forwards and sideways, radians.
-    bend: radial distortion k1, k2.  lamp: right, below and above the middle, in halves of what the tags enclose.
-    vignette: how much darker the photograph's corners are.
-    drift: of the exposure from one photograph to the next, one sigma.  noise: in the mid-tones, one sigma.
+    size: width and height, pixels.  focal: focal length in widths.  tilt: forwards and sideways, radians.
+    bend: radial distortion k1, k2.  lamp: its place right of, below and above the middle, in half sizes of what the
+    tags enclose.  vignette: share by which the photograph's corners are darker.
+    drift: log of the exposure from one photograph to the next, one sigma.  noise: in the mid-tones, one sigma.
     """
 
     size: tuple[int, int] = (1600, 1200)
@@ -48,7 +47,10 @@ class Optics:
 
 @dataclass(frozen=True)
 class _Pose:
-    """turn: (3, 3) from the bed to the camera.  place: of the bed's origin in the camera's frame, metres."""
+    """Pose of the camera.
+
+    turn: (3, 3) rotation from the bed to the camera.  place: (3,) the bed's origin in the camera's frame, metres.
+    """
 
     turn: Floats
     place: Floats
@@ -59,10 +61,10 @@ _WEBCAM = Optics()
 
 @final
 class SimulatedCamera(Camera):
-    """Photographs of a sheet on a wooden bed, with the cards of four tags at its corners.
+    """Camera that photographs a sheet on a wooden bed, with the cards of four tags at its corners.
 
-    scene: the sheet as it is at the moment, (h, w, 3) sRGB, of any resolution.  canvas: its size.  rng: all chance.
-    tags: theirs; of the canvas with the usual cards when left out.
+    scene: returns the sheet as it is now, (h, w, 3) sRGB, of any resolution.  canvas: size of the sheet.
+    rng: of wood, pose, exposure and noise.  tags: their frame; left out, the usual one around the canvas.
     """
 
     def __init__(
@@ -84,7 +86,7 @@ class SimulatedCamera(Camera):
         self._look(self._framed(_turn(tilts)))
 
     def close(self) -> None:
-        """The same as to unplug it."""
+        """Close the camera, as `unplug` does."""
         self._plugged = False
 
     def unplug(self) -> None:
@@ -100,7 +102,7 @@ class SimulatedCamera(Camera):
         self._lit = not off
 
     def cover(self, *tags: int) -> None:
-        """Something dark lies on these tags, and on no others."""
+        """Cover these tags by something dark, and uncover all others."""
         if odd := sorted(set(tags) - set(TAGS)):
             raise InputError.of_range("a tag", odd[0], "0, 1, 2 or 3")
         self._covered = frozenset(tags)
@@ -111,7 +113,7 @@ class SimulatedCamera(Camera):
         self._moved = (self._moved[0] + dx, self._moved[1] + dy, self._moved[2] + dtheta)
 
     def bump(self, dx: float, dy: float, dtheta: float = 0.0) -> None:
-        """Knock the camera: what it sees shifts by this much on the bed, and turns. Metres, radians."""
+        """Bump the camera, so that what it sees shifts on the bed, metres, and turns, radians."""
         turn = _turn((0.0, 0.0, dtheta))
         self._look(_Pose(turn @ self._pose.turn, turn @ (self._pose.place - self._pose.turn @ (dx, dy, 0.0))))
 
@@ -129,6 +131,7 @@ class SimulatedCamera(Camera):
         return np.asarray(np.round(colours * np.float32(255)).clip(0, 255) / np.float32(255), dtype=np.float32)
 
     def _sheet_corners(self) -> Floats:
+        """Return the corners (4, 2) of the sheet on the bed, metres, where it lies now."""
         width, height = self._canvas.width, self._canvas.height
         dx, dy, angle = self._moved
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -137,7 +140,7 @@ class SimulatedCamera(Camera):
         return np.asarray(corners @ turn.T + middle + (dx, dy))
 
     def _framed(self, turn: Floats) -> _Pose:
-        """A pose with this turn, from where all cards are seen."""
+        """Return the nearest pose with this rotation that sees all cards."""
         outer = np.concatenate([self._tags.card_corners(tag) for tag in TAGS])
         middle = (outer.min(0) + outer.max(0)) / 2
         half = np.array(self._optics.size) / 2
@@ -150,6 +153,7 @@ class SimulatedCamera(Camera):
         return pose
 
     def _look(self, pose: _Pose) -> None:
+        """Set the pose, and all that follows from it: what each pixel sees, and the light there."""
         self._pose = pose
         width, height = self._optics.size
         coarse = self._unproject(np.arange(width), np.arange(height))
@@ -164,15 +168,15 @@ class SimulatedCamera(Camera):
         self._bed = self._photographed_bed()
 
     def _project(self, points: Floats, pose: _Pose) -> Floats:
-        """Pixels of points (N, 2) on the bed, metres."""
+        """Return the pixels (N, 2) of points (N, 2) on the bed, metres."""
         seen = points @ pose.turn[:, :2].T + pose.place
         flat = seen[:, :2] / seen[:, 2:]
         squared = (flat**2).sum(1, keepdims=True)
         k1, k2 = self._optics.bend
         return np.asarray(flat * (1 + k1 * squared + k2 * squared**2) * self._focal + self._centre)
 
-    def _unproject(self, across: NDArray[np.int64], down: NDArray[np.int64]) -> Image:
-        """(down, across, 2) metres on the bed, of pixels."""
+    def _unproject(self, across: Ints, down: Ints) -> Image:
+        """Return the places on the bed, (down, across, 2) metres, of pixels."""
         x, y = np.meshgrid((across - self._centre[0]) / self._focal, (down - self._centre[1]) / self._focal)
         bent = np.hypot(x, y)
         straight = np.linspace(0, 2 * bent.max(), 20_000)
@@ -194,7 +198,7 @@ class SimulatedCamera(Camera):
         return np.asarray(np.array([width - 1, height - 1]) / 2 + width * np.array(_CENTRE), dtype=np.float64)
 
     def _photographed_bed(self) -> Image:
-        """Light off the bed and its cards, (H, W, 3)."""
+        """Return the light off the bed and the cards, (H, W, 3)."""
         size = self._grain.shape[0] - 1
         extent = 3 * max(self._canvas.width, self._canvas.height)
         at = (self._places / np.float32(extent) + np.float32(0.5)) * np.float32(size)
@@ -208,7 +212,7 @@ class SimulatedCamera(Camera):
         return light
 
     def _lay(self, light: Image, picture: Image, corners: Floats) -> None:
-        """Put a picture (h, w, 3) of light on the bed, its corners (4, 2) in metres; it hides what is under it."""
+        """Lay a picture (h, w, 3) of light on the bed, its corners (4, 2) in metres; it hides what is under it."""
         cv2 = self._cv2
         width, height = self._optics.size
         seen = self._project(corners, self._pose)
@@ -234,12 +238,13 @@ class SimulatedCamera(Camera):
         part += laid[..., :3]
 
     def _shrunk(self, fine: Image) -> Image:
+        """Return a picture of samples as one of pixels."""
         size = (fine.shape[1] // _FINER, fine.shape[0] // _FINER)
         return np.asarray(self._cv2.resize(fine, size, interpolation=self._cv2.INTER_AREA))
 
 
 def _wood(rng: np.random.Generator) -> Image:
-    """Grain along x, (513, 513), about 0."""
+    """Return wood grain along x, (513, 513), with mean 0."""
     noise = np.fft.rfft2(rng.standard_normal((513, 513)))
     along, across = np.fft.rfftfreq(513), np.fft.fftfreq(513)[:, None]
     noise *= np.exp(-((60 * along) ** 2)) / (1 + (12 * across) ** 2)
@@ -248,7 +253,7 @@ def _wood(rng: np.random.Generator) -> Image:
 
 
 def _turn(angles: tuple[float, ...]) -> Floats:
-    """Rotation about x, then y, then z."""
+    """Return the rotation (3, 3) about x, then y, then z, by angles in radians."""
     (a, b, c), (d, e, f) = np.cos(angles), np.sin(angles)
     about_x = np.array([[1, 0, 0], [0, a, -d], [0, d, a]])
     about_y = np.array([[b, 0, e], [0, 1, 0], [-e, 0, b]])

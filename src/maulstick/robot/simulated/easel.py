@@ -1,7 +1,7 @@
-"""The simulated easel: a machine with limits and a clock, and a sheet that takes real ink.
+"""The simulated easel: a machine with limits and a clock over a sheet that takes ink.
 
-What the medium does, and where the sheet truly lies, is its own secret: it is told heights and places, and shows
-photographs.
+It takes places and heights as a real machine does. How the medium marks and where the sheet truly lies can only be
+seen in photographs.
 """
 
 import time
@@ -26,26 +26,27 @@ ARM: Final = Limits(
     deviation=1e-4,
     varies_pressure=True,
 )
-"""What a small arm can do."""
+"""Limits of a small arm."""
 
 WEIGHTLESS: Final = Limits(
     lower=(-5, -5, -0.02), upper=(5, 5, 0.12), speed=10, climb=1, acceleration=100, deviation=1e-4, varies_pressure=True
 )
-"""What only an arm without weight can do: any hand's speed, on any sheet."""
+"""Limits of an arm without mass: it follows any hand's speed, on any sheet."""
 
-_REST = np.array([0.0, 0.0, 0.05])
-_TICK = 0.02  # seconds
-_IN_A_WELL = 0.01  # metres
-_ROUNDING = 1e-6  # of pressure: a tip that is meant to touch does
+_REST = np.array([0.0, 0.0, 0.05])  # metres: where the tip is before it is moved, and the height it is lifted to
+_TICK = 0.02  # seconds between two looks at the clock
+_IN_A_WELL = 0.01  # metres: a stroke that begins so near to a well takes its colour
+_ROUNDING = 1e-6  # pressure: a tip so little above the paper still touches it
 
 
 @final
 class SimulatedEasel(Robot):
-    """An arm over a sheet. Where its tip is below the paper, the sheet takes ink of the colour it holds.
+    """Simulated arm over a sheet: where its tip is below the paper, the sheet takes ink of the colour it holds.
 
-    sheet: what is drawn on.  truth: where it lies, which an easel that was measured may be wrong about.
-    offset, scatter: of where a stroke lands, metres.  wells: places in the canvas frame, metres, and their colours.
-    pace: how many times faster than the clock it moves; infinite does not wait at all.
+    sheet: the sheet that is drawn on.  truth: where it really lies, which a measured easel may have wrong.
+    offset, scatter: shift of all strokes, and of each at random (one sigma), metres.
+    rng: of the scatter.  wells: x and y in the canvas frame, metres, and a colour each.
+    pace: speed of its clock, in units of real time; infinity does not wait at all.
     """
 
     def __init__(
@@ -71,15 +72,15 @@ class SimulatedEasel(Robot):
         self._at = _REST
 
     def easel(self, width: float, height: float) -> Easel:
-        """A sheet whose upper left corner is at the machine's origin, pressed as deep as its medium goes."""
+        """Return an easel at the machine's origin, with the depth of the sheet's medium."""
         return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=self.sheet.depth, travel=5e-3)
 
     def hold(self, colour: Colour) -> None:
-        """Put a pen of that colour into its hand."""
+        """Hold a pen of this colour from now on."""
         self.colour = colour
 
     def mark(self, path: Floats) -> None:
-        """Leave the ink of a stroke along a path (n, 3) that an earlier run drew; nothing moves."""
+        """Mark the sheet with a stroke along a path (n, 3), metres, that an earlier run drew; nothing moves."""
         self._ink(path, self._offset)
 
     def _connect(self) -> None:
@@ -132,7 +133,7 @@ class SimulatedEasel(Robot):
         self._at = profile.points[-1]
 
     def _ink(self, path: Floats, shift: Floats) -> None:
-        """What a tip leaves that follows a path (n, 3) of the machine."""
+        """Mark the sheet where a tip follows a path (n, 3) of the machine, shifted by (2,) metres."""
         path = self._truth.machine_to_canvas(path)
         for x, y, colour in self._wells:
             if np.hypot(*(path[0, :2] - (x, y))) < _IN_A_WELL:

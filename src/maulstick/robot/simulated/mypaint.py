@@ -1,6 +1,6 @@
-"""libmypaint through ctypes: ink that nobody here wrote, for experiments and the simulator's paper.
+"""libmypaint through ctypes: a brush engine independent of ours, for experiments and the simulator's sheet.
 
-The library is ISC, its brushes are CC0; both come from Debian and are needed only where a sheet is made.
+The library is ISC, its brushes are CC0; both come from Debian and are loaded only when a sheet is made.
 """
 
 import colorsys
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 from maulstick.strokes.strokes import path_lengths, resample
 
 MEDIA = {
@@ -26,16 +26,16 @@ MEDIA = {
     "marker": "ramon/Marker",
     "marker_fat": "classic/marker_fat",
 }
-"""Names of the media, and each one's settings among libmypaint's brushes."""
+"""Names of the media, and the file of each among libmypaint's brushes."""
 
 _LIBRARY = "libmypaint-1.5.so.1"
 _BRUSHES = Path("/usr/share/mypaint-data/2.0/brushes")  # those of 1.0 expect the speeds of an older library
-_TILE, _ONE = 64, 1 << 15  # pixels a side; 1.0 in its fixed point
+_TILE, _ONE = 64, 1 << 15  # pixels per side of a tile; 1.0 in libmypaint's fixed point
 _SCREEN = 96 / 0.0254  # pixels per metre of the screens that the brushes were made on
 _PERIOD = 2e-3  # seconds between two reports of the pen's place
-_LIFTED = 10.0  # seconds above the first point, without which some media come trailing from the corner of the sheet
-_STAY = 0.25  # seconds on the last point: some media trail the pen by 45 ms, and go on until they reach it
-_SLOWEST = 1e-3  # metres a second
+_LIFTED = 10.0  # seconds above the first point; without them some media draw a trail from the corner of the sheet
+_STAY = 0.25  # seconds on the last point: some media lag behind the pen by 45 ms, and still have to reach it
+_SLOWEST = 1e-3  # metres per second: the slowest stroke accepted, which bounds the number of reports
 
 
 class _TileRequest(ctypes.Structure):
@@ -70,10 +70,10 @@ _SIGNATURES = {
 
 
 class MyPaintPaper:
-    """A white sheet that libmypaint draws on."""
+    """White sheet that libmypaint draws on."""
 
     def __init__(self, canvas: Canvas) -> None:
-        """Raises InputError where libmypaint or its brushes are not installed."""
+        """Make a sheet of the canvas' size. Raises InputError where libmypaint or its brushes are not installed."""
         self.canvas = canvas
         self._library = _library(_LIBRARY)
         if not all(_settings_of(medium).is_file() for medium in MEDIA):
@@ -93,9 +93,9 @@ class MyPaintPaper:
         colour: tuple[float, float, float] = (0.0, 0.0, 0.0),
         speed: float = 0.05,
     ) -> None:
-        """Draw a trajectory (n, 3), metres and pressure in [0, 1], at a constant speed in metres a second.
+        """Draw a trajectory (n, 3), metres and pressure in [0, 1], at a constant speed in metres per second.
 
-        radius: the medium's base radius, metres; how wide the mark then is at which pressure is the medium's affair.
+        radius: the medium's base radius, metres; the medium decides how wide its mark is at each pressure.
         colour: sRGB in [0, 1].
         The same strokes make the same picture on every sheet. What lies beside the sheet is lost, and a stroke
         without length leaves no mark, except by a medium that flows while it rests (brush).
@@ -106,7 +106,7 @@ class MyPaintPaper:
         if not (math.isfinite(radius) and radius > 0):
             raise InputError.of_range("the radius", radius, "above 0 metres")
         if not (math.isfinite(speed) and speed >= _SLOWEST):
-            raise InputError.of_range("the speed", speed, f"at least {_SLOWEST:g} metres a second")
+            raise InputError.of_range("the speed", speed, f"at least {_SLOWEST:g} metres per second")
         reports = self._reports(trajectory, speed)
         brush = self._brush(medium, radius, colour)
         library, surface = self._library, self._surface
@@ -121,8 +121,8 @@ class MyPaintPaper:
         finally:
             library.mypaint_brush_unref(brush)
 
-    def photograph(self) -> NDArray[np.float32]:
-        """(height_px, width_px, 3) sRGB in [0, 1]: the sheet as it is now."""
+    def photograph(self) -> Image:
+        """Return the sheet as it is now, (height_px, width_px, 3) sRGB in [0, 1]."""
         width, height = self.canvas.width_px, self.canvas.height_px
         picture = np.empty((height, width, 3), dtype=np.float32)
         for (top, left), tile in self._tiles():
@@ -133,14 +133,15 @@ class MyPaintPaper:
 
     @property
     def _slowdown(self) -> float:
-        """What a second lasts for the brush.
+        """Factor by which time is stretched for the brush.
 
-        It feels speed in pixels a second; with time stretched like lengths, a medium is the same at every resolution.
+        It measures speed in pixels per second; with time stretched like lengths, a medium is the same at every
+        resolution.
         """
         return self.canvas.pixels_per_metre / _SCREEN
 
     def _reports(self, trajectory: Floats, speed: float) -> list[list[float]]:
-        """(m, 3) places in pixels and pressure, one a period."""
+        """Return places in pixels and pressure, (m, 3), one per period. Raises InputError for a bad trajectory."""
         path = np.array(trajectory, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 1 or path.shape[1] != 3:
             raise InputError(f"a trajectory has shape {path.shape}; it must be (n, 3) with n of at least 1")
@@ -148,8 +149,8 @@ class MyPaintPaper:
             raise InputError("a point of the trajectory is not a finite number")
         if path[:, 2].min() < 0 or path[:, 2].max() > 1:
             raise InputError.of_range("pressure", f"{path[:, 2].min():g} to {path[:, 2].max():g}", "in [0, 1]")
-        beside = max(self.canvas.width, self.canvas.height)  # libmypaint's memory grows with the distance
-        path[:, :2] = path[:, :2].clip(-beside, 2 * beside)
+        reach = max(self.canvas.width, self.canvas.height)  # libmypaint's memory grows with the distance
+        path[:, :2] = path[:, :2].clip(-reach, 2 * reach)
         moving = resample(path, 1 + math.ceil(float(path_lengths(path[:, :2])) / (speed * _PERIOD)))
         moving[:, :2] *= self.canvas.pixels_per_metre
         staying = np.repeat(moving[-1:], round(_STAY / _PERIOD), axis=0)
@@ -157,7 +158,7 @@ class MyPaintPaper:
         return reports
 
     def _brush(self, medium: str, radius: float, colour: tuple[float, float, float]) -> int:
-        """A new brush, to be released by the caller; each starts with the same random numbers."""
+        """Make a brush, to be released by the caller; each starts with the same random numbers."""
         made = json.loads(_settings_of(medium).read_bytes())
         base = {
             "radius_logarithmic": math.log(radius * self.canvas.pixels_per_metre),
@@ -173,7 +174,7 @@ class MyPaintPaper:
         return brush
 
     def _tiles(self) -> Iterator[tuple[tuple[int, int], NDArray[np.uint16]]]:
-        """(top, left) in pixels of each tile, and its (64, 64, 4) premultiplied sRGB and alpha, to read and write."""
+        """Yield (top, left) in pixels of each tile, and its (64, 64, 4) premultiplied sRGB and alpha, writable."""
         request = _TileRequest()
         for top in range(0, self.canvas.height_px, _TILE):
             for left in range(0, self.canvas.width_px, _TILE):

@@ -16,12 +16,12 @@ from maulstick.storage.arrays import Floats, Image
 Colour = tuple[float, float, float]
 
 _DEPTH = 2e-3  # metres: of pressure 1, for a brush that does not say
-_SLOWLY = 6.0  # radii a second: the tips of libmypaint feel a hand's speed, and a machine's do not
+_SLOWLY = 6.0  # radii per second: slow, since libmypaint's marks depend on speed, and those of a machine do not
 
 
 @dataclass(frozen=True)
 class _Tool:
-    """A medium of libmypaint, its radius, the half-width of its widest mark, and the depth of that; metres."""
+    """Medium of libmypaint, its radius, the half-width of its widest mark, and the depth for that mark; metres."""
 
     medium: str
     radius: float
@@ -29,7 +29,7 @@ class _Tool:
     depth: float
 
 
-_TOOLS = {
+_TOOLS = {  # by the brush that was fitted to such a tool
     "fineliner": _Tool("marker_fat", 0.5e-3, 0.2e-3, 8e-3),
     "marker": _Tool("marker", 1.2e-3, 1.8e-3, 2e-3),
     "round": _Tool("acrylic", 3.2e-3, 7.9e-3, 8e-3),
@@ -37,9 +37,9 @@ _TOOLS = {
 
 
 class InkedSheet(ABC):
-    """White paper and a medium.
+    """White sheet that takes the marks of a medium.
 
-    canvas: its size, and the pixels of `image`.  depth: metres below first touch that are the medium's pressure 1.
+    canvas: size of the sheet, and pixels of `image`.  depth: metres below first touch at pressure 1.
     """
 
     canvas: Canvas
@@ -51,15 +51,15 @@ class InkedSheet(ABC):
 
     @abstractmethod
     def image(self) -> Image:
-        """(height_px, width_px, 3) sRGB in [0, 1]: the sheet as it is now."""
+        """Return the sheet as it is now, (height_px, width_px, 3) sRGB in [0, 1]."""
 
 
 @final
 class MyPaintSheet(InkedSheet):
-    """A sheet of libmypaint's. medium, radius: as in `mypaint.MyPaintPaper.draw`."""
+    """Sheet that libmypaint draws on; medium, radius: as in `mypaint.MyPaintPaper.draw`."""
 
     def __init__(self, canvas: Canvas, medium: str, radius: float, depth: float) -> None:
-        """Raises InputError where libmypaint is not installed."""
+        """Make a sheet. Raises InputError where libmypaint is not installed."""
         self.canvas, self.depth, self._medium, self._radius = canvas, depth, medium, radius
         self._paper, self._speed = MyPaintPaper(canvas), max(_SLOWLY * radius, 1e-3)
 
@@ -104,7 +104,7 @@ class ModelSheet(InkedSheet):
 
 
 def sheet_for(brush: Brush, canvas: Canvas) -> InkedSheet:
-    """A sheet for a tool like the one that the brush was fitted to, which is not what the brush says of it."""
+    """Make a sheet whose medium is a tool like the one that the brush was fitted to, not the fitted brush itself."""
     tool = _TOOLS[min(_TOOLS, key=lambda name: (name != brush.name, abs(_TOOLS[name].widest - brush.widest)))]
     depth = max(brush.depth) or tool.depth
     try:
