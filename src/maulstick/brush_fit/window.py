@@ -190,7 +190,7 @@ def _check_camera(trial: Trial, pixels_per_metre: float, reach: float) -> None:
 
 
 def _shift(old: Floats, new: Floats, where: Bools) -> tuple[float, float]:
-    """Return the shift of `old`, pixels, that makes it most like `new`, and the share of the squares that it explains."""
+    """Return the shift of `old`, pixels, that makes it most like `new`, and the share of squares that it explains."""
     counted = where * new
     squares = (counted * new).sum() - 2 * correlate(old, counted, "same") + correlate(old**2, where * 1.0, "same")
     middle = np.array(old.shape) // 2
