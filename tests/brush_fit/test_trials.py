@@ -417,7 +417,7 @@ def of_stroke(index: int, **change: object) -> Callable[[dict[str, Any]], object
         (lambda c: c.update(pixels_per_metre="5"), "pixels_per_metre: Input should be a valid number (got '5')"),
         (lambda c: c.update(depth=[0]), "depth[1]: Field required"),
         (lambda c: c.update(strokes=None), "strokes: Input should be a valid array (got None)"),
-        (lambda c: c.update(canvas=[1, 1]), "sheet: Extra inputs are not permitted"),
+        (lambda c: c.update(canvas=[1, 1]), "canvas: Extra inputs are not permitted"),
         (
             of_stroke(1, before="../a.png"),
             "stroke 2: before: Value error, a photograph must be a PNG of the same folder",

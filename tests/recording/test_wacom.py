@@ -7,15 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.wacom import read_uim, read_will
+from maulstick.storage.arrays import Floats
 from tests.support.recording.wacom_files import InkSensorMetricType, uim, uim_3_0, varint, will
 from tests.support.tolerances import WACOM_FILE_METRES
 
-Floats = NDArray[np.float64]
 WACOM = Path(__file__).parents[3] / "shared" / "data" / "uil_strokes.npz"
 PIXEL = 25.4e-3 / 96
 

@@ -6,13 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError, OutputError
-from maulstick.storage.arrays import VERSION, write_arrays
+from maulstick.storage.arrays import VERSION, Floats, write_arrays
 from maulstick.strokes.ink import Ink, read_ink, write_ink
 
-Floats = NDArray[np.float64]
 SHEET = (0.2, 0.15)
 
 places = st.floats(-10, 10)

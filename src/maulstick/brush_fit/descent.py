@@ -68,14 +68,14 @@ class Unknowns:
         return torch.ones(1) if self.colour is None else self.colour.sigmoid()
 
 
-_FIRST: Mapping[str, Mapping[str, Tensor]] = {
+_FIRST: Mapping[str, Mapping[str, Tensor]] = {  # raw numbers with which an addition starts
     "plateau": {"plateau": torch.tensor([0.0])},
     "curve": {"curve": torch.zeros(len(CURVE_PRESSURES) + 1)},
     "lag": {"lag": torch.tensor([-0.7]), "touch": torch.zeros(2)},
     "nib": {"nib": torch.zeros(2)},
 }
 
-_MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
+_MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {  # number in metres or shares of a raw number
     "scale": lambda raw, unit: 1 + 0.1 * raw,
     "alpha": lambda raw, unit: unit * softplus(raw),
     "beta": lambda raw, unit: unit * raw,
@@ -87,7 +87,7 @@ _MEANING: Mapping[str, Callable[[Tensor, float], Tensor]] = {
     "nib": lambda raw, unit: raw / (1.1 + raw.norm()),
 }
 
-_NEUTRAL = {
+_NEUTRAL = {  # numbers that change nothing, in metres or shares
     "scale": torch.ones(2),
     "alpha": torch.zeros(1),
     "beta": torch.zeros(1),
@@ -109,7 +109,7 @@ def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -
 
 
 def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
-    """Return the photographs (C, H, W) that the unknowns predict; strokes `taught` (N,) give gradients of the brush.
+    """Return the photographs (C, H, W) that the unknowns predict; only strokes `taught` (N,) give the brush gradients.
 
     The other strokes still find their own place and ink, so that their remaining error is the brush's.
     """

@@ -17,7 +17,7 @@ _NORMAL = 1.4826  # standard deviation / median absolute deviation, of a normal 
 
 @dataclass(frozen=True)
 class Flow:
-    """Opacity, faint and solid as in `Brush`; scatter: standard deviation about them, relative to opacity."""
+    """Opacity, faint and solid as in `Brush`; scatter: standard deviation of strokes about them, a share of opacity."""
 
     opacity: float
     faint: float

@@ -27,7 +27,7 @@ from maulstick.storage.files import atomic_write, read_whole
 SCHEMA_VERSION: Final = 1
 """Version of the format of the list that is written, and the only one that is read."""
 
-_LIST = "trials.json"
+_LIST = "trials.json"  # name of the list in the folder
 _LARGEST_LIST = 256 * 2**20  # bytes: some 250,000 strokes
 
 

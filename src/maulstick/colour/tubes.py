@@ -13,7 +13,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.storage.files import read_whole
 
 _LARGEST_FILE = 2**20  # bytes: far more than 256 paints take; a larger file is something else
-_MOST = 256  # paints in a set; more would make mixing slow
+_MOST = 256  # paints in a set: bounds the number of mixes that are compared
 _LONGEST_NAME = 80  # characters, which fit into a line of output
 
 

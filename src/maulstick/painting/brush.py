@@ -21,7 +21,11 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+"""Name of one printable character or more."""
+
 BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
+"""Library of the brushes that come with Maulstick and of the user's own."""
+
 CURVE_PRESSURES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Pressures at which a brush's curve is given; between them it is interpolated linearly."""
 

@@ -29,7 +29,7 @@ LONGEST_KEPT_PX = 4096
 """Longest side of a picture that is kept within another file, pixels."""
 
 _LARGEST = 100_000_000  # pixels: bounds the memory that a picture takes
-_QUALITY = 88  # of a JPEG, out of 100: no visible loss
+_QUALITY = 88  # of a JPEG, on Pillow's scale up to 95
 _STRETCH = 0.02  # how much the shapes of photograph and sheet may differ
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")  # Pillow's names
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF

@@ -1,1 +1,1 @@
-"""Recordings: from what a person drew, in motion capture or on a tablet, to ink."""
+"""Recordings of a person's drawing, by motion capture or on a tablet, and their conversion to ink."""

@@ -1,1 +1,1 @@
-"""The differentiable renderer: from trajectories and a brush to marks on a canvas."""
+"""Differentiable renderer: from trajectories and brushes to marks on a canvas."""

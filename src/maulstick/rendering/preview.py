@@ -1,4 +1,4 @@
-"""What a painting will look like: its marks, as its own brushes leave them."""
+"""Previews of a painting: the marks of its own brushes."""
 
 import torch
 from torch import Tensor
@@ -13,9 +13,9 @@ _LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
 
 
 def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> Image:
-    """The painting on the pixels of the canvas, (height_px, width_px, 3) sRGB in [0, 1].
+    """Render the painting on the pixels of the canvas, (height_px, width_px, 3) sRGB in [0, 1].
 
-    strokes: only the first so many.
+    strokes: number of strokes that are rendered, from the first; all by default.
     """
     sheet = torch.from_numpy(painting.sheet.image(canvas)).permute(2, 0, 1)
     shown = painting.strokes[:strokes]
@@ -35,13 +35,13 @@ def preview_of_height(painting: Painting, px: int) -> Image:
 
 
 def coverage(painting: Painting, canvas: Canvas) -> Image:
-    """How much of the sheet shows no more at each pixel of the canvas, (height_px, width_px) in [0, 1]."""
+    """Share of the sheet that paint hides at each pixel of the canvas, (height_px, width_px) in [0, 1]."""
     bare = torch.zeros(1, canvas.height_px, canvas.width_px)
     return _painted(bare, painting, torch.ones(len(painting.strokes), 1), canvas)[..., 0]
 
 
 def _painted(onto: Tensor, painting: Painting, colours: Tensor, canvas: Canvas) -> Image:
-    """An image (C, H, W) after the first strokes, as many as there are colours (N, C); (H, W, C) in [0, 1]."""
+    """Return an image (C, H, W) after as many strokes as there are colours (N, C), as (H, W, C) in [0, 1]."""
     shown = painting.strokes[: len(colours)]
     brushes = Traj2Stroke.of([painting.brushes[painting.paints[stroke.paint].brush] for stroke in shown])
     trajectories = torch.tensor(painting.trajectories()[: len(shown)], dtype=torch.float32)

@@ -1,18 +1,18 @@
-"""How many threads torch works with."""
+"""Context managers for the number of torch's threads."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import torch
 
-_USUAL = torch.get_num_threads()
+_USUAL = torch.get_num_threads()  # torch's own choice, read before anything here changes it
 
 
 @contextmanager
 def one_torch_thread() -> Iterator[None]:
-    """Most tensors here are too small to share out, and torch's threads would wait for each other busily.
+    """Let torch use one thread: most tensors here are too small to be shared, and idle threads would burn time.
 
-    The kernels have threads of their own.
+    The kernels have their own threads.
     """
     with _threads(1):
         yield
@@ -20,7 +20,7 @@ def one_torch_thread() -> Iterator[None]:
 
 @contextmanager
 def usual_torch_threads() -> Iterator[None]:
-    """As many as torch began with: for networks, whose tensors are large."""
+    """Let torch use as many threads as at its start: for networks, whose tensors are large."""
     with _threads(_USUAL):
         yield
 

@@ -1,4 +1,4 @@
-"""Traj2Stroke (paper; design §4): from commanded trajectories and a brush's numbers to marks on a canvas."""
+"""Traj2Stroke (paper; docs/equations.md): from commanded trajectories and a brush's numbers to marks on a canvas."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from torch import Tensor
 from maulstick.painting.brush import CURVE_PRESSURES, Brush
 from maulstick.rendering.kernels.render import composite
 
-_PIECES = len(CURVE_PRESSURES) + 1
-_SHORTEST = 1e-9  # metres
+_PIECES = len(CURVE_PRESSURES) + 1  # linear pieces of a brush's curve, equally long
+_SHORTEST = 1e-9  # metres: keeps lengths and lags of 0 out of the denominators
 _SOFT_ENOUGH = 4.0
-"""Pixels. Edges at least this wide are sampled well enough by the pixels' centres."""
+"""Width of an edge, pixels, from which the pixels' centres sample it well enough (docs/equations.md, Ink on a grid)."""
 
 
 def place(paths: Tensor, poses: Tensor) -> Tensor:
-    """Commanded paths R(dθ)(x, y) + (dx, dy), (N, n, 2) metres, of standardised paths and poses (N, 3)."""
+    """Return commanded paths R(dθ)(x, y) + (dx, dy), (N, n, 2) metres, of standardised paths and poses (N, 3)."""
     cos, sin = poses[:, 2:3].cos(), poses[:, 2:3].sin()
     x, y = paths.unbind(-1)
     return torch.stack([cos * x - sin * y + poses[:, :1], sin * x + cos * y + poses[:, 1:2]], dim=-1)
@@ -25,9 +25,9 @@ def place(paths: Tensor, poses: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Marks:
-    """What the kernels draw. points: (N, n, 2) pixels; thickness: (N, n) pixels.
+    """Marks that the kernels draw. points: (N, n, 2) pixels; thickness: (N, n) half-widths, pixels.
 
-    falloff, plateau, opacity: (N,), the paper's c and our q and o.
+    falloff, plateau, opacity: (N,), the paper's c, and q and o beyond the paper.
     """
 
     points: Tensor
@@ -39,7 +39,7 @@ class Marks:
 
 @dataclass(frozen=True)
 class Traj2Stroke:
-    """The numbers of one brush a stroke, as tensors; metres. What they mean is told by `Brush`.
+    """Numbers of one brush per stroke as tensors, metres; `Brush` explains them.
 
     scale, shift: (N, 2) m and b.  curve: (N, 7).  nib, touch: (N, 2).  The others: (N,).
     """
@@ -60,7 +60,7 @@ class Traj2Stroke:
 
     @classmethod
     def of(cls, brushes: Sequence[Brush]) -> Self:
-        """The numbers of `brushes`, one a stroke."""
+        """Return the numbers of `brushes`, one brush per stroke."""
         rows = [
             (
                 *(b.m_x, b.m_y, b.b_x, b.b_y, *b.curve, *b.nib, *b.touch),
@@ -73,7 +73,7 @@ class Traj2Stroke:
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
     def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
-        """Marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1], as the equations say."""
+        """Return the marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1]."""
         start, pressure = trajectories[:, :1, :2], trajectories[..., 2]
         tips = self._dragged(trajectories[..., :2])
         points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
@@ -88,18 +88,17 @@ class Traj2Stroke:
         )
 
     def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
-        """The bare marks, as they are best shown on pixels.
+        """Return the marks of `bare`, adapted to pixels (docs/equations.md, Ink on a grid).
 
-        An edge narrower than pixels can show is drawn two pixels wide, and a mark thinner than that paler, such
-        that its ink per millimetre stays what it is: a ramp of two pixels adds up to the same ink wherever it lies
-        between their centres. So no optimiser can gain by a place on the grid, and a plan looks alike at every
-        resolution.
+        An edge too narrow for the pixels is drawn two pixels wide, and a mark thinner than that is drawn paler, such
+        that its ink per millimetre stays the same: a ramp of two pixels sums to the same ink wherever it lies on the
+        grid. So an optimiser cannot gain from a place on the grid, and a plan looks the same at every resolution.
         """
         bare = self.bare(trajectories, pixels_per_metre)
         inked = bare.plateau + (1 - bare.plateau) / (bare.falloff + 1)  # half-width of a hard mark with as much ink
         mean = bare.thickness.clamp(min=1e-3).mean(dim=1)
         slope = torch.where(bare.falloff > 1, (2 / (bare.falloff * (bare.falloff + 1))).sqrt(), bare.falloff)
-        edge = (1 - bare.plateau) * slope * mean  # how wide a cone's would be that is as hard to sample
+        edge = (1 - bare.plateau) * slope * mean  # width of the edge of a cone that is equally hard to sample
         hard = inked * mean
         q = ((hard - 1) / (hard + 1)).clamp(min=0)
         even = (hard * 2 / (1 + q)).clamp(min=2) / mean
@@ -113,14 +112,14 @@ class Traj2Stroke:
         )
 
     def _risen(self, pressure: Tensor) -> Tensor:
-        """The share of alpha at each pressure, (N, n): straight within each piece of the curve."""
+        """Share of alpha at each pressure (N, n), linear within each piece of the curve."""
         ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
         piece = (pressure.detach() * _PIECES).long().clamp(0, _PIECES - 1)
         below, above = ends.gather(1, piece), ends.gather(1, piece + 1)
         return below + (above - below) * (pressure * _PIECES - piece)
 
     def _dragged(self, path: Tensor) -> Tensor:
-        """Where the tip is at each commanded point (N, n, 2), as `Brush.mark` says."""
+        """Positions of the tip at the commanded points (N, n, 2), as in `Brush.mark`."""
         if not (self.lag.any() or self.touch.any() or self.touch.requires_grad):
             return path
         lag = self.lag[:, None].clamp(min=_SHORTEST)
@@ -133,7 +132,7 @@ class Traj2Stroke:
         return torch.stack(tips, dim=1)
 
     def _broad(self, points: Tensor) -> Tensor:
-        """How much broader than its mean the mark is at each point, (N, n) or (N, 1), for its direction there."""
+        """Width of the mark relative to its mean at each point, (N, n) or (N, 1), for the direction of travel there."""
         if points.shape[1] < 2 or not (self.nib.any() or self.nib.requires_grad):
             return points.new_ones(points.shape[0], 1)
         along = torch.cat(
@@ -147,6 +146,11 @@ class Traj2Stroke:
 def paint(
     canvas: Tensor, trajectories: Tensor, colours: Tensor, brushes: Traj2Stroke, pixels_per_metre: float
 ) -> Tensor:
-    """The canvas (C, H, W) after all strokes, in order: trajectories (N, n, 3), colours (N, C)."""
+    """Return the canvas (C, H, W) after all strokes in order.
+
+    trajectories: (N, n, 3) of x, y in metres and pressure in [0, 1].  colours: (N, C).
+
+    Raises InputError for what cannot be drawn.
+    """
     marks = brushes.marks(trajectories, pixels_per_metre)
     return composite(canvas, marks.points, marks.thickness, colours, marks.falloff, marks.plateau, marks.opacity)

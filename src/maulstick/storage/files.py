@@ -13,7 +13,7 @@ from filelock import FileLock, Timeout
 
 from maulstick.errors import InputError, OutputError
 
-_REMEDY = {
+_REMEDY = {  # what to do, by the system's error
     errno.ENOSPC: "the disk is full; free some space and run again",
     errno.EDQUOT: "your disk quota is used up; free some space and run again",
     errno.EFBIG: "the file would be larger than is allowed here; write to another disk",

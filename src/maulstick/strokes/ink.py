@@ -11,6 +11,8 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats, Ints, read_arrays, write_arrays
 
 KIND = "ink"
+"""Kind of a file of arrays that holds ink."""
+
 _LARGEST_SHEET = 100.0  # metres a side; a larger one is a mistake in the units
 
 

@@ -14,6 +14,8 @@ POINTS = 32
 """Points of a standardised trajectory, the paper's n."""
 
 KIND = "strokes"
+"""Kind of a file of arrays that holds strokes."""
+
 _CLOSED = 0.02  # chord / length: below it a stroke counts as closed (see `standardise`)
 
 

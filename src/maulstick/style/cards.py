@@ -26,6 +26,7 @@ BUILT_IN = Path(__file__).with_name("built_in")
 
 _FREE = "free"  # a style without a file: `maulstick.style.free`
 STYLES = Library("style", "styles", BUILT_IN, taken=_FREE)
+"""Library of the styles that come with Maulstick and of the user's own."""
 
 _StyleName = Annotated[str, Field(pattern=f"^{NAME}$")]
 

@@ -29,7 +29,7 @@ class Density:
         return self.centres[around] + self.scales[around] * (noise @ torch.linalg.cholesky(self.covariance).T), around
 
     def cost(self, points: Tensor) -> Tensor:
-        """Soft minimum (N,), nats, over the centres, of half the squared distance of points (N, d), standardised.
+        """Soft minimum (N,), nats, over the centres of half the squared distance of points (N, d) in spreads.
 
         It is at most log M at a centre. All kernels have the same height, so that a narrow one does not dominate.
         """

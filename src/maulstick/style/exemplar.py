@@ -21,7 +21,8 @@ from maulstick.style.style import Style
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
-# Bandwidths are in standard deviations of the hand's strokes: smaller ones copy its strokes, larger ones lose its look.
+# Bandwidths are in standard deviations of the hand's strokes, chosen on the mocap sessions of docs/styles.md: smaller
+# ones copy the strokes, larger ones lose the hand's look.
 _BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.95, 0.8  # of samples, at freedom 1 and at freedom 0
 _BANDWIDTH_OF_COST = 0.4  # of the density that `cost` is based on
 _BANDWIDTHS_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # narrow for length, which pays most
@@ -159,7 +160,7 @@ class Exemplar(Style):
         return self.price(self._numbers_of(codes), pressure_knots)
 
     def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
-        """Cost (N,), nats: how far each stroke is from the hand's nearest, and all from the hand's distribution.
+        """Cost (N,), nats: distance of each stroke to the hand's nearest, and of them all to the hand's distribution.
 
         numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 

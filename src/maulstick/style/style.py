@@ -28,7 +28,7 @@ class Style(ABC):
 
     @abstractmethod
     def encode(self, paths: "Tensor") -> "Tensor":
-        """Return codes (N, K) of strokes of the style that are nearest to standardised paths (N, n, 2), metres."""
+        """Return codes (N, K) of the strokes in this style nearest to standardised paths (N, n, 2), metres."""
 
     @abstractmethod
     def decode(self, codes: "Tensor") -> "Tensor":

@@ -6,9 +6,9 @@ import zipfile
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.recording.files.wacom import _library
+from maulstick.storage.arrays import Floats
 
 with _library():
     from uim.codec.format.UIM_3_0_0_pb2 import LENGTH, NORMALIZED, STROKE, STROKE_GROUP, TIME, InkObject
@@ -30,8 +30,6 @@ with _library():
     )
     from uim.model.inkinput.sensordata import InkState, SensorData
     from uim.model.semantics.node import StrokeGroupNode, StrokeNode
-
-Floats = NDArray[np.float64]
 
 
 def uim(

@@ -3,13 +3,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes, resample, standardise
 from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
 
-Floats = NDArray[np.float64]
 Drawing = Callable[[np.random.Generator, Floats], Floats]
 
 _RAW = 400

@@ -1,4 +1,4 @@
-"""Curves as polylines."""
+"""Conversion of curves to polylines."""
 
 from collections.abc import Sequence
 
@@ -8,15 +8,15 @@ from maulstick.errors import InputError
 from maulstick.recording.files.page import MOST_SAMPLES
 from maulstick.storage.arrays import Floats, Ints
 
-_FINENESS = 1e-4
-_MOST_PARTS = 1000
+_FINENESS = 1e-4  # largest error of a polyline, relative to the longer side of the drawing
+_MOST_PARTS = 1000  # of one curve, so that a damaged one does not fill the memory
 
 
 def polylines(chains: Sequence[Floats]) -> list[Floats]:
-    """Chains of cubic Béziers (m, 4, 2), each starting where the last one ended, as polylines (k, 2).
+    """Return polylines (k, 2) of chains of cubic Béziers (m, 4, 2), each starting where the last one ended.
 
-    Their chords are within a ten thousandth of the longer side of all the curves together.
-    Raises InputError where that takes more points than a drawing may have, or a curve is at no place.
+    Their error is at most a ten thousandth of the longer side of all curves together.
+    Raises InputError where that takes more points than a drawing may have, or a point is not finite or too large.
     """
     points = np.concatenate([np.zeros((0, 2)), *(chain.reshape(-1, 2) for chain in chains)])
     if not (np.abs(points) < 1e12).all():
@@ -29,7 +29,7 @@ def polylines(chains: Sequence[Floats]) -> list[Floats]:
 
 
 def _parts(cubics: Floats, tolerance: float) -> Ints:
-    """Into how many equal parts of its parameter each curve is cut: Wang's bound, at most a thousand."""
+    """Number of equal parts of its parameter that each curve is cut into: Wang's bound, at most a thousand."""
     bend = np.abs(np.diff(cubics, n=2, axis=1)).max(axis=(1, 2), initial=0.0)
     parts = np.ceil(np.sqrt(0.75 * np.sqrt(2) * bend / max(tolerance, 1e-300)))
     counts: Ints = np.clip(np.nan_to_num(parts, posinf=_MOST_PARTS), 1, _MOST_PARTS).astype(np.int64)
@@ -46,6 +46,6 @@ def _sampled(cubics: Floats, parts: Ints) -> Floats:
 
 
 def catmull_rom(points: Floats) -> Floats:
-    """The cubic Béziers (m - 3, 4, 2) of a Catmull-Rom spline through all but the first and last of (m, 2) points."""
+    """Return cubic Béziers (m - 3, 4, 2) of a Catmull-Rom spline through all but the first and last point (m, 2)."""
     before, start, end, after = points[:-3], points[1:-2], points[2:-1], points[3:]
     return np.stack([start, start + (end - before) / 6, end - (after - start) / 6, end], axis=1)

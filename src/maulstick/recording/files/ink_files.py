@@ -1,4 +1,4 @@
-"""Files of ink that others write; what a file is, its content tells."""
+"""Files of ink that other programs write; the format is recognised by the content."""
 
 import re
 from collections.abc import Callable
@@ -19,17 +19,19 @@ from maulstick.storage.files import file_to_read, read_whole
 from maulstick.strokes.ink import Ink
 
 FORMATS = "InkML, SVG, Wacom's UIM and WILL 2, and JSON of pointer events"
-_LARGEST = 64 * 2**20  # bytes
-_START = 64 * 2**10
+"""Formats that can be read, for people."""
+
+_LARGEST = 64 * 2**20  # bytes: no drawing is larger, and parsers need many times that in memory
+_START = 64 * 2**10  # bytes in which the outermost element of XML must begin
 
 
 def read_ink_file(
     path: str | Path, size: tuple[float, float] | None = None, longest: float | None = None
 ) -> tuple[Ink, str]:
-    """The ink in a file of one of the `FORMATS`, and the name of its format.
+    """Return the ink in a file of one of the `FORMATS`, and the name of its format.
 
-    size, longest: metres; what they do, `page.on_sheet` tells.
-    Raises InputError where the file is of none of them, or damaged.
+    size, longest: metres, see `page.on_sheet`.
+    Raises InputError where the file is of another format, or damaged.
     """
     path = file_to_read(path, "drawing")
     if (kind := kind_of(path)) is not None:
@@ -39,14 +41,14 @@ def read_ink_file(
     content = read_whole(path, "drawing", _LARGEST)
     name, reader = _reader(content, path)
     try:
-        with np.errstate(all="ignore"):  # numbers beyond all measure are refused by name afterwards
+        with np.errstate(all="ignore"):  # `on_sheet` refuses infinite and very large numbers with a message
             page = reader(content)
             return on_sheet(page, size, longest, path.name), page.kind
     except DefusedXmlException as error:
         raise InputError(f"cannot read {path} as {name}: it declares entities; save it as plain {name}") from error
     except RecursionError as error:
         raise InputError(f"cannot read {path} as {name}: it is nested too deeply, or refers to itself") from error
-    except Exception as error:  # from the depths of the parsers, which raise nearly anything
+    except Exception as error:  # the parsers raise nearly anything
         fault = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot read {path} as {name}: {fault[:200]}") from error
 

@@ -1,4 +1,4 @@
-"""InkML, the W3C's ink markup language (Recommendation of 20 September 2011), as far as it is in common use.
+"""Reader of InkML, the W3C's ink markup language (Recommendation of 20 September 2011), as far as it is in common use.
 
 A stroke is a <trace>, or several that continue each other; pen-up traces are left out, and traces within
 <definitions> count only where there are no others. Not read are views, mappings, canvas transforms, and channels other
@@ -18,13 +18,13 @@ from maulstick.recording.files.page import Page
 from maulstick.recording.files.traces import points_of
 from maulstick.storage.arrays import Floats
 
-_METRES = {**METRES, "m": 1.0, "um": 1e-6, "himetric": 1e-5}
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_ID = "{http://www.w3.org/XML/1998/namespace}id"
+_METRES = {**METRES, "m": 1.0, "um": 1e-6, "himetric": 1e-5}  # per unit of length
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # per unit of time
+_ID = "{http://www.w3.org/XML/1998/namespace}id"  # the attribute xml:id
 
 
 class _Channel(NamedTuple):
-    """A column of the points. units: "dev" where the file states none.  least, most: its range, as far as stated."""
+    """Column of the points. units: "dev" where the file states none.  least, most: its range, where stated."""
 
     name: str
     integer: bool = False
@@ -36,13 +36,13 @@ class _Channel(NamedTuple):
 
 @dataclass(frozen=True)
 class _Context:
-    """What holds for a trace. resolution: by channel, steps per unit, and that unit."""
+    """Settings that apply to a trace. resolution: by channel, steps per unit, and that unit."""
 
     channels: tuple[_Channel, ...] = (_Channel("X"), _Channel("Y"))
     resolution: dict[str, tuple[float, str]] = field(default_factory=dict)
 
     def scale(self, name: str, units: dict[str, float]) -> float | None:
-        """What one step of a channel is in the unit of `units`, or None where the file does not tell."""
+        """Size of one step of a channel in the common unit of `units`, or None where the file does not state it."""
         channel = next(channel for channel in self.channels if channel.name == name)
         steps, per = self.resolution.get(name, (0.0, ""))
         if steps > 0 and per in units and (channel.integer or channel.units == "dev"):
@@ -56,14 +56,14 @@ class _Context:
 
 @dataclass(frozen=True)
 class _Trace:
-    """Points (m, channels) as they were written, NaN where unknown. start: seconds."""
+    """Points (m, channels) as they were written, NaN where unknown. start: of the trace, seconds."""
 
     points: Floats
     context: _Context
     start: float
 
     def column(self, name: str) -> Floats:
-        """The values (m,) of one channel, those unknown put in between their neighbours; all NaN without any."""
+        """Return the values (m,) of one channel, unknown ones interpolated; all NaN where none is known."""
         names = [channel.name for channel in self.context.channels]
         values = self.points[:, names.index(name)] if name in names else np.full(len(self.points), np.nan)
         known = np.flatnonzero(~np.isnan(values))
@@ -71,12 +71,12 @@ class _Trace:
 
 
 def read_inkml(content: bytes) -> Page:
-    """The page of an InkML document.
+    """Read the page of an InkML document.
 
-    X and Y are in the units of their channels, or, where those are of the device or the values are integers, in steps
-    of their resolution; where neither is stated the unit is unknown. T is in milliseconds where nothing else is
-    stated. F is divided by its range, or, where none is stated, by the largest F of the document if that is over 1;
-    an F that never changes was not recorded.
+    X and Y are in the units of their channels, or, where these are "dev" or the values are integers, in steps of their
+    resolution; where neither is stated the unit is unknown. T is in milliseconds where nothing else is stated. F is
+    divided by its range, or, where none is stated, by the largest F of the document if that is over 1; an F that never
+    changes counts as not recorded.
     Raises InputError where the document cannot be read.
     """
     root = parsed(content, "ink")
@@ -97,7 +97,7 @@ def read_inkml(content: bytes) -> Page:
 
 
 def _largest_force(traces: list[_Trace]) -> float | None:
-    """The largest F there is, 1 at least; None where it was not recorded, since it never changes."""
+    """Return the largest F, at least 1; None where F never changes, so that it was not recorded."""
     forces = np.concatenate([np.zeros(0), *(trace.column("F") for trace in traces)])
     known = set(forces[~np.isnan(forces)].tolist())
     return max(1.0, *known) if len(known) > 1 else None
@@ -120,14 +120,14 @@ def _stroke(trace: _Trace, largest: float | None) -> Floats:
 
 
 class _Reader:
-    """The elements of a document that others refer to, and what they mean."""
+    """Reader of the traces of a document, which keeps the elements that others refer to."""
 
     def __init__(self, root: Element) -> None:
         self._named = {f"#{name}": element for element in root.iter() if (name := _name(element))}
         self._contexts = {"#DefaultContext": _Context()}
 
     def traces(self, parent: Element, context: _Context) -> Iterator[_Trace]:
-        """Traces below an element but not in definitions; a context on the way holds for what follows it."""
+        """Yield the traces below an element but not in definitions; a context applies to all that follows it."""
         found: list[tuple[_Context, float, list[Floats]]] = []
         places: dict[str, int] = {}
         for element, context_here in self._walk(parent, context):
@@ -162,7 +162,7 @@ class _Reader:
         return self._contexts.get(name, context)
 
     def _changed(self, context: _Context, element: Element) -> _Context:
-        """The context after an element that says something about it."""
+        """Return the context as an element changes it."""
         tag = local_name(element)
         if tag == "traceFormat":
             channels = tuple(_channel(c) for c in element.iter() if local_name(c) == "channel")

@@ -1,4 +1,4 @@
-"""A page of ink as a file has it, in a unit that may be unknown; and how it comes onto a sheet."""
+"""Pages of ink as files have them, in a unit that may be unknown, and their placement on a sheet."""
 
 from dataclasses import dataclass
 
@@ -9,19 +9,20 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 
 LONGEST = 0.15
-"""Metres: the longer side of a drawing whose scale nobody has written down."""
+"""Longer side, metres, that a drawing of unknown scale gets."""
 
-_MARGIN = 0.05
-_LEAST_SHEET = 10e-3  # metres
+_MARGIN = 0.05  # around a drawing without a page, relative to its longer side
+_LEAST_SHEET = 10e-3  # metres: least side of a sheet, also around a straight line
 MOST_SAMPLES = 5_000_000
+"""Most samples of a drawing: bounds memory and time."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """What a reader finds in a file.
+    """Page of ink that a reader found in a file.
 
     strokes: each (m, 4) of (t, x, y, pressure): seconds from any moment; x right, y down, in units; pressure in [0, 1].
-    unit: metres, or None where the file does not tell.  size: of the sheet, from (0, 0), in units, or None likewise.
+    unit: metres, or None where it is unknown.  size: (width, height) of the sheet from (0, 0), in units, or None.
     kind: the name of the format.
     """
 
@@ -32,14 +33,14 @@ class Page:
 
 
 def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None, source: str) -> Ink:
-    """Ink in seconds and metres.
+    """Place a page on a sheet, and return it as ink in seconds and metres.
 
-    With `size`, (width, height) in metres, the page fills a sheet of that size, or as much of it as it can without
-    being distorted. With `longest` the longer side of the drawing is that many metres. With neither it keeps its size,
-    and where that is unknown its longer side is `LONGEST`. Where the file has no page, the page is the drawing with a
-    twentieth of its longer side as margin.
+    With `size`, (width, height) in metres, the page fills a sheet of that size as far as it can without distortion.
+    With `longest` the longer side of the drawing is that many metres. With neither it keeps its size, and where that is
+    unknown its longer side is `LONGEST`. Where the file has no page size, the page is the drawing with a margin of a
+    twentieth of its longer side.
 
-    Raises InputError where there is nothing on the page, or too much, or something at no place.
+    Raises InputError where there are no samples, too many, or one without a finite place.
     """
     samples = np.concatenate([np.zeros((0, 4)), *page.strokes])
     if not len(samples):
@@ -47,7 +48,7 @@ def on_sheet(page: Page, size: tuple[float, float] | None, longest: float | None
     if len(samples) > MOST_SAMPLES:
         raise InputError(f"it has {len(samples)} samples; {MOST_SAMPLES} are the most that a drawing may have")
     places = samples[:, 1:3]
-    # Far from zero a place loses its last digits, and what is farther than this is a broken number.
+    # Far from zero a float loses its last digits; a number larger than this is a damaged one.
     if not (np.abs(places) < 1e12).all():
         raise InputError("a sample has no place: its x or y is no number, or too large")
     origin, extent = places.min(axis=0), np.ptp(places, axis=0)

@@ -1,4 +1,4 @@
-"""Strokes that a web page recorded from pointer events, in a JSON form of our own (docs/pointer-events.md)."""
+"""Reader of strokes that a web page recorded from pointer events, in Maulstick's own JSON (docs/pointer-events.md)."""
 
 from typing import Annotated, Literal
 
@@ -11,13 +11,15 @@ from maulstick.recording.files.page import Page
 from maulstick.storage.arrays import Floats
 
 NO_PRESSURE = 0.5
-"""What a browser must report where the hardware knows nothing of pressure, as with a mouse (W3C Pointer Events)."""
+"""Pressure that a browser must report for hardware without pressure, such as a mouse (W3C Pointer Events)."""
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _Side = Annotated[_Number, Field(gt=0)]
 
 
-@dataclass(slots=True, config=ConfigDict(extra="ignore"))  # a page may write more of its events, as tiltX
+@dataclass(
+    slots=True, config=ConfigDict(extra="ignore")
+)  # a page may write other fields of its events too, such as tiltX
 class _Point:
     timeStamp: _Number  # noqa: N815
     x: _Number
@@ -34,9 +36,10 @@ class _Recording(BaseModel):
 
 
 def read_pointer_events(content: bytes) -> Page:
-    """The page in a JSON recording.
+    """Read the page in a JSON recording.
 
-    Raises InputError, naming the field, where it is none; and where most points lie off the sheet, as pixels do.
+    Raises InputError, naming the field, where it is not one, and where most points lie off the sheet, as those of a
+    recording in pixels do.
     """
     try:
         recording = _Recording.model_validate_json(content, strict=True)

@@ -1,4 +1,4 @@
-"""Strokes drawn in a vector program: every visible shape of an SVG."""
+"""Reader of SVG: every visible shape is a stroke."""
 
 import io
 import re
@@ -24,17 +24,17 @@ from maulstick.recording.files.markup import METRES, local_name, parsed
 from maulstick.recording.files.page import Page
 from maulstick.storage.arrays import Floats
 
-_NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")
-_LARGEST = 12 * 2**20  # characters, after every <use> has been put in: up to a minute
-_ELEMENT = 32  # characters: what an element costs beside its attributes
+_NEVER_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath")  # elements that are drawn only by reference
+_LARGEST = 12 * 2**20  # characters, after every <use> is replaced: takes up to a minute
+_ELEMENT = 32  # characters that an element counts in addition to its attributes
 
 
 def read_svg(content: bytes) -> Page:
-    """The page of an SVG: a stroke for each path, subpath, line and shape, transformed; no times and no pressure.
+    """Read the page of an SVG: one stroke per path, subpath, line and shape, transformed, without times and pressure.
 
-    Lengths are real where width and height of the document say so, 96 pixels to the inch; else the unit is unknown.
-    Curves are sampled as in `curves.polylines`. Text and images are no strokes.
-    Raises InputError where the file cannot be read or would grow too large, or there is no shape in it.
+    The unit is known where width and height of the document are lengths, with 96 pixels per inch. Curves are sampled as
+    in `curves.polylines`. Text and images are left out.
+    Raises InputError where the file cannot be read, grows too large with every <use> replaced, or has no shape.
     """
     root = parsed(content, "svg")
     _check_uses(root)
@@ -51,7 +51,7 @@ def read_svg(content: bytes) -> Page:
 
 
 def _check_uses(root: Element) -> None:
-    """Raise InputError where <use> makes a small file a giant, or an endless one."""
+    """Raise InputError where <use> makes a small file very large or endless."""
     named = {element.get("id"): element for element in root.iter()}
     costs: dict[Element, int] = {}
     under_way: set[Element] = set()
@@ -74,7 +74,7 @@ def _check_uses(root: Element) -> None:
 
 
 def _hide(root: Element) -> None:
-    """Put what is drawn only by reference where svgelements looks for nothing to draw."""
+    """Move elements that are drawn only by reference into <defs>, because svgelements would draw them."""
     for parent in list(root.iter()):
         for index, child in enumerate(parent):
             if local_name(child) in _NEVER_DRAWN:
@@ -84,13 +84,13 @@ def _hide(root: Element) -> None:
 
 
 def _metres(side: str | None) -> float | None:
-    """A length as CSS has it, where it is one."""
+    """Return a CSS length in metres, or None where it is not one."""
     match = re.fullmatch(r"\s*\+?(\d+\.?\d*|\.\d+)\s*(|px|mm|cm|in|pt|pc)\s*", side or "")
     return float(match[1]) * METRES[match[2] or "px"] if match else None
 
 
 def _chains(path: Path) -> Iterable[Floats]:
-    """Each subpath as cubic Béziers (m, 4, 2)."""
+    """Yield each subpath as cubic Béziers (m, 4, 2)."""
     cubics: list[list[complex]] = []
     for segment in path:
         if isinstance(segment, Move) and cubics:

@@ -1,4 +1,4 @@
-"""The text of an InkML trace (W3C Recommendation of 20 September 2011, section 3.2.1)."""
+"""Parser of the text of an InkML trace (W3C Recommendation of 20 September 2011, section 3.2.1)."""
 
 import re
 
@@ -13,20 +13,20 @@ _VALUE = re.compile(
     r"""|(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)))""",
     re.ASCII,
 )
-_ORDERS = {"!": 0, "'": 1, '"': 2}
+_ORDERS = {"!": 0, "'": 1, '"': 2}  # prefixes of values, first and second differences
 
 
 def points_of(text: str, channels: int) -> Floats:
-    """The points (m, channels) of a trace, NaN where a value is unknown, missing at the end of a point, or boolean.
+    """Parse the points (m, channels) of a trace, NaN where a value is unknown, missing at a point's end, or boolean.
 
-    Raises InputError at the first thing that is no value, or where a point has more values than there are channels.
+    Raises InputError at the first text that is not a value, or where a point has more values than there are channels.
     """
     plain = None if _BEYOND_PLAIN.search(text) else _plain(text, channels)
     return plain if plain is not None else _coded(text, channels)
 
 
 def _plain(text: str, channels: int) -> Floats | None:
-    """Points without prefixes, each value apart and none missing; None where it is not so simple."""
+    """Parse points of separate values without prefixes, none missing; return None where the text is not that simple."""
     try:
         points = np.array([point.split() for point in text.split(",") if point.strip()], dtype=np.float64)
     except ValueError:
@@ -35,7 +35,7 @@ def _plain(text: str, channels: int) -> Floats | None:
 
 
 def _coded(text: str, channels: int) -> Floats:
-    """Each channel has an order, kept until a prefix changes it: 0 its values, 1 differences of them, 2 of those."""
+    """Parse points with prefixes: each channel keeps its order, 0 for values, 1 for differences, 2 for theirs."""
     points: list[list[float]] = []
     orders = [0] * channels
     values, speeds, changes = ([0.0] * channels for _ in range(3))
@@ -58,7 +58,7 @@ def _coded(text: str, channels: int) -> Floats:
         if match["word"] in ("?", "T", "F"):
             point.append(np.nan)
             continue
-        if not match["word"]:  # or it goes on as before
+        if not match["word"]:  # `*` repeats the last value or difference
             came = float(match["number"]) if match["number"] else float(int(match["hex"].replace("#", ""), 16))
             (values, speeds, changes)[orders[channel]][channel] = came
         if orders[channel] == 2:

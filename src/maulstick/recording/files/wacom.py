@@ -1,4 +1,4 @@
-"""Wacom's ink: UIM documents (3.0 and 3.1) and WILL 2 files, both through Wacom's universal-ink-library."""
+"""Readers of Wacom's ink: UIM documents (3.0 and 3.1) and WILL 2 files, both by Wacom's universal-ink-library."""
 
 import io
 import logging
@@ -16,12 +16,12 @@ from maulstick.recording.files.curves import catmull_rom, polylines
 from maulstick.recording.files.page import Page
 from maulstick.storage.arrays import Floats
 
-_LARGEST = 64 * 2**20  # bytes, unpacked
+_LARGEST = 64 * 2**20  # bytes, unpacked: no drawing is larger
 
 
 @contextmanager
 def _library() -> Iterator[None]:
-    """Let Wacom's library be imported and run without its log on standard error and its old protobuf's warnings."""
+    """Silence log and warnings of Wacom's library while it runs. Raises InputError where it is missing."""
     disabled = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -35,11 +35,11 @@ def _library() -> Iterator[None]:
 
 
 def read_uim(content: bytes) -> Page:
-    """The page of a UIM document.
+    """Read the page of a UIM document.
 
-    What the sensors saw, in seconds and metres, where it is there for every stroke; a pressure beyond 1 is divided by
-    its channel's largest. Else the strokes' splines, whose unit is unknown, sampled as in `curves.polylines`, without
-    times and pressure. Strokes that share their sensor data, as after an eraser cut them, count as having none.
+    It has the sensor data, in seconds and metres, where every stroke has some; a pressure beyond 1 is divided by its
+    channel's maximum. Otherwise it has the strokes' splines, sampled as in `curves.polylines`, in an unknown unit and
+    without times and pressure. Strokes that share their sensor data, as after an eraser cut them, count as having none.
     Raises InputError, or the library's own error, where the document cannot be read.
     """
     with _library():
@@ -60,7 +60,7 @@ def read_uim(content: bytes) -> Page:
 
 
 def _sensed(model: Any, record: Any) -> Floats | None:
-    """A stroke as the sensors saw it, where they saw its place in metres."""
+    """Return a stroke (m, 4) of sensor data, or None where its place is not in metres."""
     inputs = model.input_configuration
     context = inputs.get_sensor_context(inputs.get_input_context(record.input_context_id).sensor_context_id)
     channels = {channel.type.name: channel for part in context.sensor_channels_contexts for channel in part.channels}
@@ -74,7 +74,7 @@ def _sensed(model: Any, record: Any) -> Floats | None:
         if len(values.get(name, ())) == len(stroke):
             stroke[:, column] = values[name]
     if "TIMESTAMP" in channels:
-        # The first time of a record is in milliseconds, but the library takes it for what the channel counts in.
+        # The first time of a record is in milliseconds, but the library reads it in the channel's unit.
         steps = channels["TIMESTAMP"].resolution * 10.0 ** channels["TIMESTAMP"].precision
         stroke[:, 0] += stroke[0, 0] * (steps * 1e-3 - 1)
     pressure = stroke[:, 3]
@@ -85,7 +85,7 @@ def _sensed(model: Any, record: Any) -> Floats | None:
 
 
 def read_will(content: bytes) -> Page:
-    """The page of a WILL 2 file: its splines, without times and pressure, in an unknown unit (`curves.polylines`).
+    """Read the page of a WILL 2 file: its splines (`curves.polylines`), without times and pressure, in an unknown unit.
 
     Raises InputError where the file cannot be read.
     """
@@ -114,7 +114,7 @@ def _protobuf(content: bytes) -> bytes:
 
 
 def _messages(content: bytes) -> Iterator[bytes]:
-    """Protobuf messages, each behind its length as a varint."""
+    """Yield Protobuf messages, each preceded by its length as a varint."""
     place = 0
     while place < len(content):
         length = shift = 0
@@ -137,7 +137,7 @@ def _points(x: list[float], y: list[float]) -> Floats:
 
 
 def _splines(strokes: list[Floats], kind: str) -> Page:
-    """Catmull-Rom splines, each through all of its points but the first and last, which shape its ends."""
+    """Return a page of Catmull-Rom splines, each through all of its points but the first and last."""
     points = [points if len(points) > 3 else points[:1].repeat(4, axis=0) for points in strokes if len(points)]
     lines = polylines([catmull_rom(each) for each in points])
     padded = [np.pad(line, ((0, 0), (1, 1)), constant_values=np.nan) for line in lines]

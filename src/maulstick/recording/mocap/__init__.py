@@ -1,1 +1,1 @@
-"""Motion capture: from what cameras saw of a pen to ink."""
+"""Motion capture: takes of a pen and a canvas, and their conversion to ink."""

@@ -1,29 +1,29 @@
-"""Which of the rigid bodies that motion capture tracks is the pen, and which the canvas."""
+"""Choice of the pen and the canvas among the rigid bodies that motion capture tracks."""
 
 from collections.abc import Mapping
 
 from maulstick.errors import InputError, option
 
 CANVAS_MARKERS = 3
-"""Markers on a canvas, each at a corner of its own."""
+"""Number of markers on a canvas, each at a different corner."""
 
-_PEN = ("pen", "brush", "stylus")
-_CANVAS = ("canvas", "paper", "board", "sheet")
-_LISTED = 12
+_PEN = ("pen", "brush", "stylus")  # words in the name of a pen's rigid body
+_CANVAS = ("canvas", "paper", "board", "sheet")  # words in the name of a canvas's
+_LISTED = 12  # rigid bodies that a message lists at most
 
 
 def pen_and_canvas(
     markers: Mapping[str, int], loose: int, pen: str | None = None, canvas: str | None = None
 ) -> tuple[str, str | None]:
-    """The names of the rigid bodies of the pen and of the canvas; None where the canvas is three loose markers.
+    """Return the names of the rigid bodies of the pen and of the canvas; None where the canvas is three loose markers.
 
-    markers: how many markers each rigid body has.  loose: how many markers belong to none.
+    markers: number of markers of each rigid body.  loose: number of markers that belong to none.
 
     The pen is the rigid body named `pen`; or the only one whose name contains pen, brush or stylus; or the only one
     that is not the canvas.  The canvas is the rigid body named `canvas`, or the only one whose name contains canvas,
     paper, board or sheet, with exactly three markers; or three loose markers, if there are exactly three.
 
-    Raises InputError, which says what there is, where that leaves none or several.
+    Raises InputError, listing the rigid bodies, where that leaves none or several.
     """
     there = f"there are {_listed(markers)} and {loose} loose markers"
     for name in (pen, canvas):

@@ -1,4 +1,4 @@
-"""When the tip of the pen touches the paper."""
+"""Detection of when the tip of the pen touches the paper."""
 
 from dataclasses import dataclass
 
@@ -9,29 +9,31 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 RELEASE = 2.0
-"""How many times the threshold the tip must rise for one stroke to end and another to begin."""
+"""Height, in multiples of the threshold, above which a stroke ends."""
 
-_LEAST, _MOST = 5e-5, 0.02  # metres
-_FEWEST = 3  # samples
-_TICK = 1e-6  # seconds: times are rounded
-_NEAR = 3e-3  # metres from the paper: what is higher says nothing of contact
-_BIN, _BLUR = 2e-5, 1e-4  # metres
-_SIGMAS, _LEAST_PROPOSED = 4.0, 2.5e-4  # metres
-_RARE = 0.1
-_FOOT = 0.04  # seconds from where the tip leaves the paper to the threshold, at most
-_SHARE = 0.25  # of the touch, at most
-_POWER = 1.5  # a tip leaves as on a parabola, which smoothing has bent: with 1.5 simulated ends come out unbiased
+_LEAST, _MOST = 5e-5, 0.02  # metres: range of a threshold; anything else is a mistake in the units
+_FEWEST = 3  # samples of a touch, so that it has a direction
+_TICK = 1e-6  # seconds: tolerance for rounded times
+_NEAR = 3e-3  # metres from the paper: greater heights do not help to find the threshold
+_BIN, _BLUR = 2e-5, 1e-4  # metres: bins of the histogram of heights, and its smoothing
+_SIGMAS, _LEAST_PROPOSED = 4.0, 2.5e-4  # least threshold that is proposed: standard deviations of noise, and metres
+_RARE = 0.1  # density, relative to the paper's, below which heights count as lifts
+_FOOT = 0.04  # seconds: longest time from where the tip leaves the paper to the threshold
+_SHARE = 0.25  # of a touch: longest part that is cut off at either end
+_POWER = 1.5  # a lift begins like a parabola, flattened by smoothing; with 1.5 simulated ends are unbiased
 
 Frames = Ints
+"""Parts of a take, (k, 2): the first frame of each and the one after its last."""
 
 
 @dataclass(frozen=True)
 class ContactOptions:
-    """When the tip touches.
+    """Options of the detection of touches.
 
-    threshold: metres over the paper under which the tip touches; None where it is to be proposed from the data.
-    merge: seconds; a lift that is no longer is none.
-    shortest: seconds; a touch that is shorter, or has fewer than three samples, is none.
+    threshold: height over the paper, metres, below which the tip touches; None to find it from the data.
+    merge: longest lift, seconds, that is ignored.
+    shortest: shortest touch, seconds, that counts; it also needs three samples.
+    Raises InputError for numbers out of range.
     """
 
     threshold: float | None = None
@@ -48,7 +50,7 @@ class ContactOptions:
 
 @dataclass(frozen=True)
 class Contact:
-    """What was decided. Each (k, 2) holds the first frame of a part and the one after its last.
+    """Touches that were found.
 
     touches: strokes.  merged: lifts that were too short.  dropped: touches that were too short.
     threshold, release: metres over the paper.
@@ -62,12 +64,12 @@ class Contact:
 
 
 def find_contact(times: Floats, heights: Floats, options: ContactOptions) -> Contact:
-    """When the tip touches, from its heights (F,) over the paper, NaN where they are not known.
+    """Find touches from times (F,), seconds, and heights (F,) of the tip over the paper, metres, NaN where unknown.
 
-    A touch is a stretch under the release in which the tip comes under the threshold, from where it first does to where
-    it last does, so that a tremble does not end a stroke. Then short lifts are merged, and then short touches
-    dropped. At last both ends of each touch go inwards to the foot of the curve on which the tip comes down and
-    rises, as it moves on while it does. Where the height is not known, nothing touches.
+    A stretch below the release height in which the tip comes below the threshold is a touch, from the first to the last
+    time that it is below; so a tremble does not end a stroke. Then short lifts are merged, and then short touches
+    dropped. Last, both ends of each touch move inwards to where the tip met or left the paper, since it moves on while
+    it comes down and rises. Where the height is unknown, there is no touch.
     """
     threshold = propose_threshold(heights) if options.threshold is None else options.threshold
     release = RELEASE * threshold
@@ -95,11 +97,11 @@ def find_contact(times: Floats, heights: Floats, options: ContactOptions) -> Con
 
 
 def propose_threshold(heights: Floats) -> float:
-    """A threshold for heights (F,) over the paper, metres.
+    """Return a threshold for heights (F,) over the paper, metres.
 
-    The heights crowd about the paper, and fall off on both sides: below by noise alone, above into the few that the
-    tip has on its way up and down. The threshold is where the crowd ends: the first height, four to six times the
-    noise over the commonest one, that is had at most a tenth as often.
+    The histogram of heights peaks at the paper; below it falls off by noise alone, above also by lifts, which are rare.
+    The threshold is the first height, four to six standard deviations of the noise above the peak, whose density is at
+    most a tenth of the peak's.
     """
     near = heights[np.abs(heights) < _NEAR]
     if not len(near):
@@ -117,11 +119,11 @@ def propose_threshold(heights: Floats) -> float:
 
 
 def _to_feet(times: Floats, heights: Floats, start: int, stop: int) -> tuple[int, int]:
-    """The touch without what belongs to the lifts before and after it; an end where the pen was lost stays."""
+    """Return a touch without the parts that belong to the lifts around it; an end where the pen was lost stays."""
     rates = np.gradient(heights[start:stop], times[start:stop])
     most = min(_FOOT, _SHARE * (times[stop - 1] - times[start]))
 
-    def ago(frame: int, beyond: int, rate: float) -> float:  # since height = k (time - foot) ** _POWER began to rise
+    def ago(frame: int, beyond: int, rate: float) -> float:  # seconds since height = k (time - foot) ** _POWER was 0
         lifted = 0 <= beyond < len(heights) and np.isfinite(heights[beyond]) and rate > 0 and heights[frame] > 0
         return min(most, _POWER * float(heights[frame]) / rate) if lifted else 0.0
 

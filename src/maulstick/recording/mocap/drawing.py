@@ -1,4 +1,4 @@
-"""From a take to ink: where the canvas was, where the tip was on it, and when it touched."""
+"""Conversion of a take to ink: the canvas's frame, the tip's path on it, and the touches."""
 
 from dataclasses import dataclass
 
@@ -14,18 +14,18 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink
 from maulstick.strokes.strokes import path_lengths
 
-_BESIDE = 0.01  # metres beyond the sheet
-_DOUBTFUL = 3e-3  # metres between the paper and the plane of the markers
+_BESIDE = 0.01  # metres beyond the sheet's edge up to which a touch counts as a stroke
+_DOUBTFUL = 3e-3  # metres between paper and markers' plane, above which the pen's length may be wrong
 
 
 @dataclass(frozen=True)
 class TakeInk:
-    """What a take shows.
+    """Ink of a take, and what it was derived from.
 
-    ink: its strokes; without pressure.
+    ink: the strokes, without pressure.
     times: (F,), seconds since the take began.  heights: (F,), of the tip over the paper, metres; NaN where not known.
-    contact: when the tip touches.  beside: (k, 2), first frame and the one after the last of touches beside the sheet.
-    summary: what was found and decided, a line each, for people.
+    contact: the touches.  beside: touches beside the sheet, which are not in the ink.
+    summary: sentences for people, one per line.
     """
 
     ink: Ink
@@ -39,11 +39,12 @@ class TakeInk:
 def drawing_of(
     take: Take, tip: Floats, options: ContactOptions | None = None, corner: str = "upper-left", source: str = ""
 ) -> TakeInk:
-    """The drawing that the take shows, made by the tip at `tip` (3,), metres in the frame of the pen's rigid body.
+    """Return the drawing that a take shows, made by the tip at `tip` (3,), metres in the frame of the pen's rigid body.
 
-    corner: in which corner of the sheet the canvas's marker at the right angle sits.  source: for people.
+    corner: corner of the sheet with the canvas's marker at the right angle, one of `CORNERS`.
+    source: description of the origin, for people.
 
-    Raises InputError where the pen or the canvas cannot be followed, the tip is never at the paper or never draws.
+    Raises InputError where the pen or the canvas cannot be followed, or the tip is never at the paper or never draws.
     """
     options = options or ContactOptions()
     canvas = canvas_path(take, corner)

@@ -1,4 +1,4 @@
-"""The frame of the canvas, out of the markers at three of its corners."""
+"""Frame of the canvas, from the markers at three of its corners."""
 
 from dataclasses import dataclass
 from itertools import combinations, permutations
@@ -11,26 +11,25 @@ from maulstick.recording.mocap.take import Take
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 CORNERS = ("upper-left", "upper-right", "lower-right", "lower-left")
-"""Where on the sheet the marker at the right angle may sit, as the pen's hand sees it; clockwise."""
+"""Corners of the sheet, as seen by the person who draws, clockwise: places of the marker at the right angle."""
 
-_LEAST_SIDE, _MOST_SIDE = 0.02, 20.0  # metres
-_SKEW = np.radians(5.0)
-_MISFIT = 2e-3  # metres that a distance between two markers may be wrong: more is a swap or a reflection
-_STILL = 2e-3  # metres that a canvas may lie off its last place and still count as not moved
-_BRIEF = 0.1  # seconds in which a canvas is taken to move evenly
-_SMOOTHED = 0.2  # seconds
+_LEAST_SIDE, _MOST_SIDE = 0.02, 20.0  # metres between markers; anything else is a mistake in the units
+_SKEW = np.radians(5.0)  # largest difference from a right angle
+_MISFIT = 2e-3  # metres: a larger error of the distance between two markers is a swap or a reflection
+_STILL = 2e-3  # metres: a smaller movement of the canvas counts as none
+_BRIEF = 0.1  # seconds for which a canvas is assumed to move at constant speed
+_SMOOTHED = 0.2  # seconds: window of the smoothing of markers
 
 
 @dataclass(frozen=True)
 class CanvasPath:
-    """Where the canvas was in each of F frames.
+    """Frames of the canvas at F times.
 
-    origins: (F, 3), its upper left corner in the frame of the capture system, metres; NaN where it is not known.
-    rotations: (F, 3, 3); the columns are its x (right), y (down) and z (into the paper, away from the pen).
+    origins: (F, 3), upper left corner in the frame of the capture system, metres; NaN where it is unknown.
+    rotations: (F, 3, 3); the columns are x (right), y (down) and z (into the paper, away from the pen).
     size: (width, height), metres.
-    skew: radians by which the angle at the corner is more than a right angle.
-    swapped, mended, guessed: how many frames had markers under each other's names, had only two that could be used,
-    and had fewer.
+    skew: angle at the corner minus a right angle, radians.
+    swapped, mended, guessed: numbers of frames in which markers had swapped names, only two were usable, or fewer.
     """
 
     origins: Floats
@@ -42,18 +41,18 @@ class CanvasPath:
     guessed: int
 
     def capture_to_canvas(self, points: Floats) -> Floats:
-        """Points (F, 3), one a frame, from the frame of the capture system to that of the canvas."""
+        """Transform points (F, 3), one per frame, metres, from the capture system to the canvas."""
         local: Floats = np.einsum("fji,fj->fi", self.rotations, points - self.origins)
         return local
 
 
 def canvas_path(take: Take, corner: str = "upper-left") -> CanvasPath:
-    """Where the canvas was during the take, with the marker at its right angle in this `corner` of the sheet.
+    """Find the canvas in each frame of a take; its marker at the right angle is in this `corner` of the sheet.
 
-    Which marker is which is found anew in every frame, from their distances and from the side that the pen is on, so
-    the names that they came under do not matter. In a frame with two markers the third goes along with them from
-    where it was before and after. In a frame with fewer, the canvas is where it was before and after, and nowhere if
-    it has moved meanwhile. The three are then smoothed over a fifth of a second, and the rigid triangle is fitted.
+    The markers are identified anew in every frame, by their distances and the side that the pen is on, so that their
+    names do not matter. In a frame with two markers the third moves with them from its interpolated place. In a frame
+    with fewer, the canvas is interpolated, or unknown if it moved in between. The markers are then smoothed over a
+    fifth of a second, and a rigid triangle is fitted to them.
 
     Raises InputError where the take shows no canvas, or no right angle.
     """
@@ -82,7 +81,7 @@ def canvas_path(take: Take, corner: str = "upper-left") -> CanvasPath:
 
 
 def _pen_body(take: Take) -> Floats:
-    """(F, 3), the middle of the pen's markers that are seen; its rigid body may have been moved to the tip."""
+    """Centre (F, 3) of the visible markers of the pen; the origin of its rigid body may have been moved to the tip."""
     seen = np.isfinite(take.pen_markers)
     middles = np.where(seen, take.pen_markers, 0).sum(axis=1) / np.maximum(1, seen.sum(axis=1))
     return np.where(seen.any(axis=1), middles, take.pen_positions)
@@ -95,7 +94,7 @@ def _sides(triangles: Floats) -> Floats:
 
 
 def _order(triangles: Floats, pen: Floats) -> Ints:
-    """(F, 3): the marker at the right angle, then the others, turning clockwise as seen from the pen."""
+    """Indices (F, 3) of the marker at the right angle, then of the others, clockwise as seen from the pen."""
     corner = 2 - np.argmax(_sides(triangles), axis=1)  # opposite the longest side
     order = np.stack([corner, (corner + 1) % 3, (corner + 2) % 3], axis=1)
     at, first, second = (np.take_along_axis(triangles, order[:, [i], None], axis=1)[:, 0] for i in range(3))
@@ -114,7 +113,7 @@ def _order(triangles: Floats, pen: Floats) -> Ints:
 
 
 def _skew(sides: Floats) -> float:
-    """Radians beyond a right angle between sides 0 and 1."""
+    """Angle between sides 0 and 1 minus a right angle, radians. Raises InputError where it is too large."""
     if not (sides.min() >= _LEAST_SIDE and sides.max() <= _MOST_SIDE):
         raise InputError(
             f"the markers of the canvas are {sides.min():.4g} to {sides.max():.4g} m apart; they must be 2 cm to 20 m "
@@ -135,9 +134,9 @@ def _skew(sides: Floats) -> float:
 
 
 def _mend(take: Take, ordered: Floats, good: Bools, sides: Floats) -> Bools:
-    """Fill `ordered` (F, 3, 3) in frames that are not good from any two markers as far apart as they should be.
+    """Fill `ordered` (F, 3, 3) in frames that are not good, from any two markers at the right distance.
 
-    Returns (F,) where that could be done.
+    Returns a mask (F,) of the frames in which that was possible.
     """
     frames = np.flatnonzero(~good)
     expected = _interpolate(take.times, ordered, good, frames)
@@ -159,7 +158,7 @@ def _mend(take: Take, ordered: Floats, good: Bools, sides: Floats) -> Bools:
 
 
 def _guess(times: Floats, ordered: Floats, seen: Bools) -> Bools:
-    """Fill `ordered` (F, 3, 3) in frames that were not seen from those that were; (F,) where that is to be trusted."""
+    """Interpolate `ordered` (F, 3, 3) in frames that were not seen; return a mask (F,) of the frames to be trusted."""
     frames, sightings = np.flatnonzero(~seen), np.flatnonzero(seen)
     ordered[frames] = _interpolate(times, ordered, seen, frames)
     place = np.searchsorted(sightings, frames)
@@ -186,7 +185,7 @@ def _smooth(times: Floats, triangles: Floats) -> Floats:
 
 
 def _template(sides: Floats, skew: float, corner: str) -> tuple[Floats, tuple[float, float]]:
-    """Places (3, 2) of the ordered markers on the sheet, and its size; what is not a right angle is shared fairly."""
+    """Return the places (3, 2) of the ordered markers on the sheet, and its size; both legs share the skew equally."""
     turns = CORNERS.index(corner)
     angles = np.array([-skew / 2, np.pi / 2 + skew / 2]) + turns * np.pi / 2
     first, second = sides[:2]
@@ -197,9 +196,9 @@ def _template(sides: Floats, skew: float, corner: str) -> tuple[Floats, tuple[fl
 
 
 def _fit(template: Floats, triangles: Floats) -> tuple[Floats, Floats]:
-    """Origins (F, 3) and rotations (F, 3, 3) that put the flat template (3, 2) onto triangles (F, 3, 3), least squares.
+    """Fit origins (F, 3) and rotations (F, 3, 3) that put the flat template (3, 2) onto triangles (F, 3, 3).
 
-    Three points always lie in a plane, so Kabsch's problem is one angle in theirs.
+    Least squares; since three points lie in a plane, Kabsch's problem is one of a single angle in it.
     """
     middles, middle = triangles.mean(axis=1), template.mean(axis=0)
     first = triangles[:, 1] - triangles[:, 0]

@@ -1,4 +1,4 @@
-"""OptiTrack's recordings: the CSV files that Motive 2 and 3 export (format versions 1.2x and 1.3x)."""
+"""Reader of the CSV files that OptiTrack's Motive 2 and 3 export (format versions 1.2x and 1.3x)."""
 
 import csv
 import io
@@ -17,27 +17,27 @@ from maulstick.recording.mocap.take import KIND, Take, is_unit, read_take
 from maulstick.storage.arrays import Floats, kind_of
 from maulstick.storage.files import file_to_read
 
-_LARGEST = 2**33  # bytes
-_BLOCK = 2**24  # bytes that are read at a time, and of the longest line
-_REACH = 100.0  # metres: no capture volume is larger, so that a unit was mistaken
+_LARGEST = 2**33  # bytes: bounds time and memory
+_BLOCK = 2**24  # bytes that are read at a time, and most of a line
+_REACH = 100.0  # metres: no capture volume is larger, so a larger place is a mistake in the units
 
 
 def read_motive(path: str | Path, pen: str | None = None, canvas: str | None = None) -> Take:
-    """The take that Motive exported as CSV: with its header, rigid bodies and markers, in global coordinates.
+    """Read a take that Motive exported as CSV, with header, rigid bodies and markers, in global coordinates.
 
-    A file that `write_take` wrote does as well; pen and canvas have then been told already.
+    A file of `write_take` is read too; its pen and canvas are already chosen.
 
-    pen, canvas: names of rigid bodies; without them they are told by what they are called and by their markers
-    (`maulstick.recording.mocap.bodies`).
+    pen, canvas: names of rigid bodies; by default they are found by words in their names and by their markers (see
+    `pen_and_canvas`).
 
     Columns are found by the header.  Cells are separated by commas or, then mostly with the decimal comma, by
-    semicolons; an empty cell was not seen.  The measured markers ("Marker") are taken where they were exported, else
-    the places where the rigid body says that its markers are ("Rigid Body Marker").  Euler angles are as Motive
-    documents them: degrees, about axes that turn with the body (intrinsic), in the order that the file states.
-    A last line without an end was cut off, as when a disk is full: it is left out.
+    semicolons; an empty cell was not seen.  Measured markers ("Marker") are used where they were exported, else those
+    computed from the rigid body's pose ("Rigid Body Marker").  Euler angles are as Motive documents them: degrees,
+    about axes that turn with the body (intrinsic), in the order that the file states.  A last line without an end is
+    left out: it was cut off, as by a full disk.
 
-    Raises InputError where the file is too large (10 million frames, 8 GiB), where it is not such an export, and where
-    the pen or the canvas cannot be told.
+    Raises InputError where the file is too large (10 million frames, 8 GiB) or not such an export, and where the pen or
+    the canvas cannot be found.
     """
     path = file_to_read(path, "Motive export")
     if (kind := kind_of(path)) == KIND:
@@ -93,7 +93,7 @@ def _places(thing: str, axes: Axes, quantity: str, order: str) -> list[int]:
 
 
 def _blocks(file: BinaryIO) -> Iterator[bytes]:
-    """The lines that are left of the file, as many at a time as make 16 MiB."""
+    """Yield the remaining lines of the file, about 16 MiB at a time."""
     rest = b""
     while read := file.read(_BLOCK):
         if len(rest) > _BLOCK:
@@ -104,7 +104,7 @@ def _blocks(file: BinaryIO) -> Iterator[bytes]:
 
 
 def _numbers(block: bytes, header: Header, columns: list[int], line: int) -> Floats:
-    """Those columns of the lines in the block, which begins after `line`; NaN where a cell is empty."""
+    """Parse these columns of the lines in a block, which begins after `line`; NaN where a cell is empty."""
     characters = np.frombuffer(block, np.uint8)
     if (characters == 0).any():
         raise InputError("there are zero bytes among its numbers; it is damaged, export it again")
@@ -156,7 +156,7 @@ def _not_a_number(block: bytes, header: Header, columns: list[int], line: int) -
 
 
 def _frames_of(values: Floats, header: Header, rotation: int, line: int) -> tuple[Floats, ...]:
-    """What a take has of these frames: times, `rotation` numbers of the pen's rotation, its position, the markers."""
+    """Split values into the arrays of a `Take`; `rotation`: columns of the pen's rotation, after the times."""
     places = values[:, 1 + rotation :].reshape(len(values), -1, 3) * header.scale
     places[np.isnan(places).any(axis=2)] = np.nan
     far = (np.abs(places) > _REACH).any(axis=(1, 2))

@@ -1,4 +1,4 @@
-"""What a Motive export says of itself, before the frames: units, rotations, and what each column is."""
+"""Header of a Motive export: units, rotations, and the meaning of each column."""
 
 import codecs
 import csv
@@ -9,31 +9,32 @@ from typing import BinaryIO, NamedTuple
 from maulstick.errors import InputError
 
 MOST_FRAMES = 10_000_000
-"""Over 11 hours at 240 Hz."""
+"""Most frames that are read: over 11 hours at 240 Hz."""
 
 SHORTER = "export a shorter range of frames"
+"""Remedy for a file that is too long."""
 
-_LINES = 20
+_LINES = 20  # of a header; Motive writes fewer
 _LONGEST = 2**24  # bytes of a line
-_UNITS = {
+_UNITS = {  # metres
     **dict.fromkeys(("meters", "metres", "m"), 1.0),
     **dict.fromkeys(("centimeters", "centimetres", "cm"), 1e-2),
     **dict.fromkeys(("millimeters", "millimetres", "mm"), 1e-3),
 }
-_BODY, _SOLVED, _MARKER = "Rigid Body", "Rigid Body Marker", "Marker"
+_BODY, _SOLVED, _MARKER = "Rigid Body", "Rigid Body Marker", "Marker"  # Motive's kinds of columns
 
 Axes = dict[tuple[str, str], int]
-"""Where the columns of one thing are: by ("Position", "X")."""
+"""Indices of the columns of one thing by quantity and axis, such as ("Position", "X")."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """What comes before the frames.
+    """Header of an export.
 
-    lines: how many lines that is.  delimiter: between cells.  scale: metres a unit.
-    rotation: QUATERNION, or the order of Euler angles.  cells: how many the last of these lines has.
-    filled: how many it has without the empty ones at its end.  time: the column of times.
-    poses, markers and loose: the columns of each rigid body, of its markers, and of each marker that is on none.
+    lines: number of its lines.  delimiter: between cells.  scale: metres per unit.
+    rotation: QUATERNION, or the order of Euler angles.  cells: number of cells of its last line.
+    filled: the same without empty cells at the end.  time: column of times.
+    poses, markers, loose: columns of each rigid body, of its markers, and of each marker without a rigid body.
     """
 
     lines: int
@@ -49,7 +50,7 @@ class Header:
 
 
 class _Thing(NamedTuple):
-    """What a column belongs to. parent: the rigid body of a marker, where stated.  others: numbers of Motive."""
+    """Thing that a column belongs to. parent: a marker's rigid body, where stated.  others: Motive's numbers of it."""
 
     kind: str
     name: str
@@ -58,7 +59,7 @@ class _Thing(NamedTuple):
 
 
 def read_header(file: BinaryIO) -> Header:
-    """Read all that comes before the frames. Raises InputError where that is not what Motive writes."""
+    """Read the header of a file. Raises InputError where it is not one of Motive's."""
     first = file.readline(_LONGEST)
     if first.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         raise InputError("it is in UTF-16; save it as CSV in UTF-8")
@@ -130,7 +131,7 @@ def _header_of(facts: list[str], delimiter: str, rows: list[list[str]], axes: li
 
 
 def _conventions(facts: dict[str, str]) -> tuple[float, str]:
-    """Metres a unit, and how rotations are written."""
+    """Return metres per unit, and QUATERNION or the order of Euler angles."""
     unit = facts.get("Length Units", "")
     if unit.casefold() not in _UNITS:
         raise InputError(f"its Length Units are {unit[:40]!r}; they must be Meters, Centimeters or Millimeters")

@@ -1,4 +1,4 @@
-"""OptiTrack live: what Motive 2 and 3 stream over the network (NatNet 3 and 4)."""
+"""Live recording of what OptiTrack's Motive 2 and 3 stream over the network (NatNet 3 and 4)."""
 
 import io
 import math
@@ -19,17 +19,17 @@ from maulstick.recording.mocap.take import Take, is_unit
 from maulstick.storage.arrays import Floats
 
 PORT = 1510
-"""Where Motive listens for commands, unless it was told otherwise."""
+"""Port on which Motive listens for commands by default."""
 
-_PATIENCE = 5.0  # seconds without an answer or a frame
-_POLL = 0.005  # seconds
-_POSE = 7
+_PATIENCE = 5.0  # seconds without an answer or a frame, after which the recording ends
+_POLL = 0.005  # seconds between two looks at the socket
+_POSE = 7  # numbers of a pose: position and quaternion
 _STREAMING = "switch on streaming in Motive, with rigid bodies, labelled and unlabelled markers"
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What has come: how many frames, over how many seconds, and whether the last one shows the pen and the canvas."""
+    """Progress of a recording: number of frames, duration, and whether the last frame shows the pen and the canvas."""
 
     frames: int
     seconds: float
@@ -47,19 +47,18 @@ def receive(
     multicast: bool = False,
     watch: Callable[[Seen], None] = lambda _: None,
 ) -> Take:
-    """The take that Motive streams from now on, while `going` says to go on; or until it falls silent for 5 s.
+    """Record the take that Motive streams, while `going()` is true, or until no frame came for 5 s.
 
-    server: the address of Motive's machine, with a colon and the port where it is not 1510.
-    local: this machine's address on the network; by default the one that `server` is reached from.
-    pen, canvas: names of rigid bodies, chosen as in `read_motive`.  Three loose markers are a canvas if exactly they
-    are seen at the start; one that Motive loses and takes for a new one later stays unseen, which a rigid body avoids.
-    multicast: whether Motive is set to transmit so.
-    watch: is told many times a second what has come.
+    server: address of Motive's machine, followed by a colon and the port where it is not 1510.
+    local: this machine's address on the network; by default the one from which `server` is reached.
+    pen, canvas: names of rigid bodies, as in `read_motive`.  Three loose markers are a canvas if exactly three are
+    seen at the start; one that Motive loses and then sees as a new one stays unseen, which a rigid body avoids.
+    multicast: whether Motive is set to transmit by multicast.
+    watch: called with the progress many times per second.
 
-    The markers are those that Motive measures; those of a rigid body of which none is streamed are where its pose puts
-    them.
-    A frame that came late or twice is left out.  Raises InputError where the package natnet is not installed, where
-    nothing comes, and where the pen or the canvas cannot be told; its sockets are closed in any case.
+    The markers are those that Motive measures; if it streams none of a rigid body, they are computed from its pose.
+    A frame that came late or twice is left out.  Raises InputError where the package natnet is not installed, where no
+    frame comes, and where the pen or the canvas cannot be found; the sockets are closed in any case.
     """
     try:
         from natnet import NatNetClient  # type: ignore[import-untyped]
@@ -106,7 +105,7 @@ def _connect(client: Any, server: str) -> None:
 
     way = "multicast" if client.use_multicast else "unicast"
     try:
-        with redirect_stdout(io.StringIO()):  # where the package complains of packets
+        with redirect_stdout(io.StringIO()):  # the package prints complaints about packets
             client.connect(_PATIENCE)
     except TimeoutError:
         raise InputError(
@@ -115,7 +114,7 @@ def _connect(client: Any, server: str) -> None:
     except (OSError, NatNetError) as error:
         cause = getattr(error, "inner_error", error)
         raise InputError(f"cannot listen to {server} in {way}: {cause.strerror or cause}") from error
-    except Exception as error:  # the package reads what came unchecked
+    except Exception as error:  # the package does not check what it reads
         raise InputError(f"{server} answers, but not as Motive does; check the address and the port") from error
     version = client.server_info.nat_net_protocol_version
     if version.major not in (3, 4):
@@ -141,11 +140,11 @@ def _record(
     client.on_data_frame_received_event.handlers.append(keep)
     client.request_modeldef()
     for awaited, what in ((descriptions, "does not say what it tracks"), (frames, "sends no frames")):
-        asked = time.monotonic()
+        since = time.monotonic()
         while not awaited:
             if not going():
                 raise InputError("stopped before the first frame had come; nothing was recorded")
-            if time.monotonic() - asked > _PATIENCE:
+            if time.monotonic() - since > _PATIENCE:
                 raise InputError(f"{server} {what} that can be read; {_STREAMING}")
             _poll(client)
     recorder = _Recorder(descriptions[0], frames[0], pen, canvas)
@@ -163,7 +162,7 @@ def _record(
 
 
 def _poll(client: Any) -> None:
-    """Take in what has come; what cannot be read is as good as lost on the way."""
+    """Receive what has come; a packet that cannot be read counts as lost."""
     time.sleep(_POLL)
     try:
         with redirect_stdout(io.StringIO()):
@@ -173,7 +172,7 @@ def _poll(client: Any) -> None:
 
 
 class _Recorder:
-    """Keeps frames as numbers: the time; position and rotation of the pen and of the canvas; markers of both."""
+    """Frames as numbers: the time, position and rotation of the pen and of the canvas, markers of both."""
 
     def __init__(self, description: Any, first: Any, pen: str | None, canvas: str | None) -> None:
         bodies = {body.name: body for body in description.rigid_bodies}
@@ -188,7 +187,7 @@ class _Recorder:
         self._numbers = array("d")
 
     def add(self, frame: Any) -> None:
-        """Keep this frame, if it is later than all before."""
+        """Keep this frame if it is later than all before it."""
         stamp = frame.suffix.timestamp
         if self._numbers and stamp <= self._numbers[-self._width]:
             return
@@ -201,7 +200,7 @@ class _Recorder:
             self._numbers.extend(places.get(marker, (math.nan,) * 3))
 
     def seen(self) -> Seen:
-        """What has come so far, a frame at least."""
+        """Return the progress after at least one frame."""
         last = self._numbers[-self._width :]
         canvas = last[1 + _POSE : 1 + 2 * _POSE] if len(self._bodies) > 1 else last[-3 * CANVAS_MARKERS :]
         return Seen(
@@ -212,7 +211,7 @@ class _Recorder:
         )
 
     def take(self) -> Take:
-        """Everything that was kept."""
+        """Return all frames as a take."""
         values = np.array(self._numbers).reshape(-1, self._width)
         poses, markers = np.split(values[:, 1:], [_POSE * len(self._bodies)], axis=1)
         poses, markers = (part.reshape(len(values), -1, size) for part, size in ((poses, _POSE), (markers, 3)))
@@ -231,14 +230,14 @@ class _Recorder:
 
 
 def _numbers_of(body: Any, frame: Any) -> list[int]:
-    """The numbers of the body's markers: those in the frame if all are there, else its own with 1, 2, 3 and so on."""
+    """Return the numbers of a body's markers: those in the frame if all are there, else those that Motive derives."""
     came = sorted(m.id_num for m in frame.labeled_markers if m.model_id == body.id_num and not m.unlabeled)
     count = len(body.markers)
     return came if len(came) == count else [(body.id_num << 16) + number for number in range(1, count + 1)]
 
 
 def _solved(body: Any, poses: Floats) -> Floats:
-    """Where the poses (F, 7) put the body's markers, (F, M, 3)."""
+    """Return the places (F, M, 3) of a body's markers, computed from its poses (F, 7)."""
     tracked = np.isfinite(poses[:, 0])
     solved = np.full((len(poses), len(body.markers), 3), np.nan)
     if tracked.any():

@@ -1,4 +1,4 @@
-"""Where the tip of a pen is, found by turning the pen about it."""
+"""Calibration of the tip of a pen by turning the pen about it."""
 
 from dataclasses import dataclass
 
@@ -10,20 +10,20 @@ from maulstick.recording.mocap.take import Take
 from maulstick.recording.mocap.tip import steady
 from maulstick.storage.arrays import Floats
 
-_FEWEST = 50
+_FEWEST = 50  # frames that must show the pen
 _LEAST_TURN = np.radians(8.0)  # RMS; cones of 25 degrees give 15
-_WORST, _EXACT = 2e-3, 1e-9  # metres
-_ROUNDS, _OUTLYING = 10, 3.5
-_ABOUT = 0.1  # metres from a rigid body to the tip, more or less
+_WORST, _EXACT = 2e-3, 1e-9  # metres: largest residual that is accepted, and error below which no frame is an outlier
+_ROUNDS, _OUTLYING = 10, 3.5  # most rounds of leaving out outliers, and their error in multiples of the median
+_ABOUT = 0.1  # metres: rough distance from a rigid body to the tip
 
 
 @dataclass(frozen=True)
 class Pivot:
-    """The tip of a pen that was turned about it.
+    """Tip of a pen, found by turning the pen about it.
 
     tip: (3,), in the frame of the pen's rigid body, metres.
-    residual: RMS distance of the tip from where it stood, metres.
-    rejected: how many frames were left out as outliers.
+    residual: RMS distance of the tip from its mean place, metres.
+    rejected: number of frames that were left out as outliers.
     """
 
     tip: Floats
@@ -32,17 +32,17 @@ class Pivot:
 
 
 def calibrate_pivot(take: Take) -> Pivot:
-    """The tip of the pen, which stood still while the pen was turned about it in all directions.
+    """Find the tip of a pen that was turned about its resting tip in all directions.
 
-    With the pose (R, p) of the pen in each frame, least squares for R tip + p = the place where it stood; frames that
-    fit ill are left out and it is solved again.
+    With the pose (R, p) of the pen in each frame, this is least squares for R tip + p = the place of the tip; frames
+    that do not fit are left out and it is solved again.
 
-    Raises InputError where the pen was seen too little, was turned too little to tell, or its tip moved.
+    Raises InputError where the pen was seen or turned too little, or its tip moved.
     """
     seen = np.isfinite(take.pen_positions[:, 0]) & np.isfinite(take.pen_rotations).all(axis=1)
     rotations = Rotation.from_quat(take.pen_rotations[seen]).as_matrix().reshape(-1, 3, 3)
     positions = take.pen_positions[seen]
-    # The tip is not known yet, so ones along all three axes stand for it.
+    # The tip is not known yet, so one point on each of the three axes is used instead.
     kept = steady(take.times[seen], _ABOUT * rotations.reshape(-1, 9))
     if kept.sum() < _FEWEST:
         raise InputError(
@@ -70,7 +70,7 @@ def calibrate_pivot(take: Take) -> Pivot:
 
 
 def _solve(rotations: Floats, positions: Floats) -> tuple[Floats, float]:
-    """The tip, and how far, RMS, one a metre away would have moved in the direction that is known worst."""
+    """Solve for the tip; return also the RMS turn, radians, in the direction that is determined worst."""
     turns, moves = rotations - rotations.mean(axis=0), positions - positions.mean(axis=0)
     normal = np.einsum("fij,fik->jk", turns, turns)
     tip = np.linalg.lstsq(normal, -np.einsum("fij,fi->j", turns, moves))[0]

@@ -1,4 +1,4 @@
-"""Where the paper is: the heights at which the tip rests while it draws."""
+"""Plane of the paper, from the heights at which the tip rests while it draws."""
 
 from dataclasses import dataclass
 
@@ -8,21 +8,21 @@ from scipy.ndimage import gaussian_filter1d
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 
-_STEADY = 0.01  # metres a second up or down: faster is no drawing
-_BIN, _BLUR = 1e-4, 1e-3  # metres
-_PROMINENT = 0.3
-_SCALES = (3e-3, 2e-3, 1.5e-3, 1e-3, 7e-4, 5e-4)  # metres
-_ROUNDS = 3
-_NARROW = 2e-3  # metres: of what lies within less, no slope can be told
+_STEADY = 0.01  # metres per second up or down: a faster tip does not draw
+_BIN, _BLUR = 1e-4, 1e-3  # metres: bins of the histogram of heights, and its smoothing
+_PROMINENT = 0.3  # least height of a peak of the histogram, relative to the highest one
+_SCALES = (3e-3, 2e-3, 1.5e-3, 1e-3, 7e-4, 5e-4)  # metres: widths of the weights in the robust fit, one after another
+_ROUNDS = 3  # of the fit with each of these widths
+_NARROW = 2e-3  # metres: regularises the slope where the places lie closer together than that
 _MOST = 50_000  # samples, for speed
-_FARTHEST, _STEEPEST = 0.01, np.radians(3.0)
+_FARTHEST = 0.01  # metres between the paper and the plane of the markers: more is an error in the setup
 
 
 @dataclass(frozen=True)
 class SheetPlane:
-    """A plane in the frame of the canvas: its height over that of the markers.
+    """Plane of the paper in the frame of the canvas, as height over the plane of the markers.
 
-    level: metres, in the middle of the sheet.  slope: (2,), how it rises along x and y.  middle: (2,), metres.
+    level: metres, in the middle of the sheet.  slope: (2,), along x and y.  middle: (2,), of the sheet, metres.
     """
 
     level: float
@@ -30,17 +30,19 @@ class SheetPlane:
     middle: Floats
 
     def heights_over(self, places: Floats, heights: Floats) -> Floats:
-        """Heights (F,) over the paper, of places (F, 2) with heights (F,) over the plane of the markers."""
+        """Heights (F,) over the paper, metres, of places (F, 2) with heights (F,) over the plane of the markers."""
         over: Floats = heights - self.level - (places - self.middle) @ self.slope
         return over
 
 
 def find_paper(times: Floats, places: Floats, heights: Floats, size: tuple[float, float]) -> SheetPlane:
-    """The paper on a sheet of this size (width, height), metres, from where the tip (F, 2), (F,) rests.
+    """Fit the plane of the paper on a sheet of this size (width, height), metres.
 
-    The tip draws where it neither rises nor sinks, at the lowest height that it often has; the paper is the plane
-    through such places, fitted to ever nearer ones, so that lifts do not count. It differs from the plane of the
-    markers by how high their centres are, and by what the length of the pen was measured wrong.
+    times: (F,), seconds.  places: (F, 2), of the tip, metres.  heights: (F,), over the plane of the markers, metres.
+
+    The tip draws where it neither rises nor sinks, at the lowest height that is frequent. The paper is the plane
+    through such places; the fit gives less and less weight to places off the plane, so that lifts do not count. The
+    plane differs from that of the markers by the height of their centres and by the error of the pen's length.
 
     Raises InputError where the tip never rests near the sheet.
     """
@@ -70,7 +72,7 @@ def find_paper(times: Floats, places: Floats, heights: Floats, size: tuple[float
 
 
 def _lowest_mode(heights: Floats) -> float:
-    """The lowest of the heights that are had often."""
+    """Lowest peak of the histogram of heights (F,), metres."""
     least, most = float(heights.min()), float(np.percentile(heights, 99.0))
     edges = np.arange(least - 5 * _BLUR, min(most, least + 1.0) + 6 * _BLUR, _BIN)
     density = gaussian_filter1d(np.histogram(heights, edges)[0].astype(np.float64), _BLUR / _BIN)

@@ -1,4 +1,4 @@
-"""Smoothing of a movement that trembles, has outliers and gaps."""
+"""Smoothing of a movement with noise, outliers and gaps."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -10,20 +10,20 @@ from scipy.ndimage import maximum_filter1d
 
 from maulstick.storage.arrays import Bools, Floats, Ints
 
-_FEWEST = 6  # sightings, to say anything of a stretch
-_OUTLYING, _TOLERATED = 5.0, 5e-4  # standard deviations; metres, within which nothing is an outlier
-_ROUNDS, _THEREABOUTS = 12, 9  # the latter in frames
-_PILOT = 30.0  # hertz
-_CHOICES = (8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)  # hertz
-_FIFTH = np.array([-1.0, 5.0, -10.0, 10.0, -5.0, 1.0])
+_FEWEST = 6  # sightings of a stretch; shorter ones are left out
+_OUTLYING, _TOLERATED = 5.0, 5e-4  # least error of an outlier: standard deviations of noise, and metres
+_ROUNDS, _THEREABOUTS = 12, 9  # most rounds of leaving out outliers, one per so many frames in each
+_PILOT = 30.0  # hertz: cutoff of the curve that outliers are measured from
+_CHOICES = (8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)  # hertz: cutoffs that are tried
+_FIFTH = np.array([-1.0, 5.0, -10.0, 10.0, -5.0, 1.0])  # coefficients of the fifth difference
 
 
 @dataclass(frozen=True)
 class Smoothed:
-    """A movement at F times.
+    """Smoothed movement at F times.
 
-    values: (F, k); NaN where they are not known.  used: (F,), which sightings counted.
-    noise: of an axis, RMS, as it was before smoothing.  hertz: at which a movement comes through by half.
+    values: (F, k); NaN where they are unknown.  used: (F,), sightings that were used.
+    noise: RMS of an axis before smoothing.  hertz: cutoff, the frequency that is halved.
     """
 
     values: Floats
@@ -33,7 +33,7 @@ class Smoothed:
 
 
 def smooth(times: Floats, values: Floats, gap: float) -> Smoothed:
-    """The movement behind values (F, k) at times (F,), rising; NaN where there was no sighting.
+    """Smooth values (F, k) at rising times (F,), seconds; values are NaN where there was no sighting.
 
     Penalised least squares on the third difference, which is a smoothing spline (Whittaker 1923; Eilers, "A perfect
     smoother", 2003): it goes through gaps of up to `gap` seconds and on to the very ends. Its stiffness is the one of
@@ -47,7 +47,7 @@ def smooth(times: Floats, values: Floats, gap: float) -> Smoothed:
     noise, hertz = seen.noise(), _PILOT
     for _ in range(_ROUNDS):
         off = np.nan_to_num(np.linalg.norm(seen.values - seen.curve(_PILOT), axis=1))
-        # Only the worst thereabouts: it has bent the curve away from its neighbours.
+        # Only the worst one of its neighbourhood, since it has pulled the curve away from its neighbours.
         worst = (off > max(_OUTLYING * noise, _TOLERATED)) & (off == maximum_filter1d(off, _THEREABOUTS))
         if not worst.any():
             break
@@ -61,7 +61,7 @@ def smooth(times: Floats, values: Floats, gap: float) -> Smoothed:
 
 @dataclass(frozen=True)
 class _Sightings:
-    """Stretches of f frames in which no gap is too long, stretch after stretch.
+    """Stretches without long gaps, one after another, f frames in all.
 
     values: (f, k), NaN within gaps.  differences: (f - 3, 4), the coefficients of the third divided differences: -1,
     3, -3, 1 at even times, 0 where they would cross from one stretch to the next.  interval: seconds.
@@ -88,7 +88,7 @@ class _Sightings:
         return cls(frames, np.where(used[frames, None], values[frames], np.nan), differences, interval)
 
     def curve(self, hertz: float) -> Floats:
-        """(f, k): the least squares of what is left over, plus the stiffness times those of the differences."""
+        """Curve (f, k) that minimises the squares of residuals plus stiffness times the squares of its differences."""
         if not len(self.frames):
             return self.values
         seen = np.isfinite(self.values)
@@ -102,16 +102,16 @@ class _Sightings:
         return curve
 
     def noise(self) -> float:
-        """Standard deviation of an axis, from the fifth differences: no hand moves that fast."""
+        """Standard deviation of an axis, from the fifth differences, to which a hand's movement contributes nothing."""
         if len(self.frames) < len(_FIFTH):
             return 0.0
-        whole = np.asarray(np.all(self.differences, axis=1))  # crosses no end of a stretch
+        whole = np.asarray(np.all(self.differences, axis=1))  # within one stretch
         fifth = (sliding_window_view(self.values, len(_FIFTH), axis=0) @ _FIFTH)[whole[:-2] & whole[2:]]
         fifth = fifth[np.isfinite(fifth)]
         return float(1.4826 * np.median(np.abs(fifth)) / np.linalg.norm(_FIFTH)) if len(fifth) else 0.0
 
     def risk(self, hertz: float, noise: float) -> float:
-        """What the squared error of the curve is expected to be, but for a constant."""
+        """Expected squared error of the curve, without a constant (Stein's unbiased estimate)."""
         response = 1 / (1 + self._stiffness(hertz) * (2 * np.sin(np.linspace(0, np.pi / 2, 1000))) ** 6)
         return float(np.nanmean((self.values - self.curve(hertz)) ** 2) + 2 * noise**2 * response.mean())
 

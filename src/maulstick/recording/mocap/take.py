@@ -1,4 +1,4 @@
-"""A take: what motion capture saw of a pen and a canvas, whichever way it came; and its file."""
+"""Takes: motion capture of a pen and a canvas, from any source, and their files."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -9,17 +9,20 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, read_arrays, write_arrays
 
 KIND = "take"
-_UNIT_NORM = 0.01
+"""Kind of a file of arrays that holds a take."""
+
+_UNIT_NORM = 0.01  # tolerance of a quaternion's length, for rounded exports
 
 
 @dataclass(frozen=True)
 class Take:
-    """F frames in the frame of the capture system, metres and seconds; NaN where something was not seen.
+    """Motion capture of F frames, in the frame of the capture system, metres and seconds; NaN where it was not seen.
 
     times: (F,), rising.
     pen_positions: (F, 3) and pen_rotations: (F, 4), quaternions (x, y, z, w) of length 1, of the pen's rigid body.
     pen_markers: (F, M, 3), the markers on the pen in a fixed order; M is 0 where none were exported.
     canvas_markers: (F, 3, 3), the markers at three corners of the canvas, in a fixed but unknown order.
+    Raises InputError for other shapes, times that do not rise, or other quaternions.
     """
 
     times: Floats
@@ -45,7 +48,7 @@ class Take:
 
 
 def is_unit(quaternions: Floats) -> Bools:
-    """Which of the quaternions (..., 4) are of length 1, within a hundredth."""
+    """Return a mask (...) of the quaternions (..., 4) that are of length 1, within a hundredth."""
     with np.errstate(over="ignore"):
         unit: Bools = np.abs(np.linalg.norm(quaternions, axis=-1) - 1) <= _UNIT_NORM
     return unit
@@ -57,7 +60,7 @@ def write_take(take: Take, path: str | Path) -> None:
 
 
 def read_take(path: str | Path) -> Take:
-    """The take in the file at `path`. Raises InputError where there is none."""
+    """Return the take in the file at `path`. Raises InputError where there is none."""
     arrays = read_arrays(path, KIND, tuple(field.name for field in fields(Take)))
     try:
         return Take(*(array.astype(np.float64) for array in arrays.values()))

@@ -1,4 +1,4 @@
-"""The tip of the pen over time: out of poses that jump, are missing and tremble."""
+"""Path of the pen's tip, from poses with jumps, gaps and noise."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,25 +13,25 @@ from maulstick.recording.mocap.take import Take
 from maulstick.storage.arrays import Bools, Floats
 
 GAP = 0.15
-"""Seconds without the pen that are bridged."""
+"""Longest gap without a sighting of the pen that is bridged, seconds."""
 
-_JUMP = 3e-3  # metres that leaning may move the tip from one frame to the next, at least
-_OVER_USUAL = 6.0  # ... or so many times what it usually does
-_LEANING = 0.5  # metres a second that leaning may move the tip over a gap
-_GLIMPSE = 0.05  # seconds: what is seen for less between two jumps is not to be trusted
-_SUSPECT = 3  # frames beside a jump are not to be trusted either
+_JUMP = 3e-3  # metres between frames that the pen's leaning may always move the tip by ...
+_OVER_USUAL = 6.0  # ... or so many times the median movement
+_LEANING = 0.5  # metres per second that leaning may move the tip by in a gap
+_GLIMPSE = 0.05  # seconds: a shorter stretch between two jumps is left out
+_SUSPECT = 3  # frames beside a jump that are left out too
 
 
 @dataclass(frozen=True)
 class TipPath:
-    """The tip in the frame of the canvas, in each of F frames.
+    """Path of the tip in the frame of the canvas, F frames.
 
-    places: (F, 2), metres on the canvas; NaN where they are not known, as are the heights.
+    places: (F, 2), metres on the canvas; NaN where unknown, as are the heights.
     heights: (F,), metres over the plane of the canvas's markers.
-    noise: how it trembled before it was smoothed, metres RMS: along each axis of the plane, and in height.
-    hertz: from where on movement was taken for trembling: in the plane, and in height.
-    rejected, bridged, lost: how many frames were outliers, were filled from their neighbours (outliers among them),
-    and remain unknown.
+    noise: metres RMS before smoothing, along each axis of the plane, and in height.
+    hertz: cutoff of the smoothing, in the plane, and in height.
+    rejected, bridged, lost: numbers of frames that were outliers, were filled from their neighbours (outliers
+    included), and remain unknown.
     """
 
     places: Floats
@@ -44,11 +44,11 @@ class TipPath:
 
 
 def tip_path(take: Take, tip: Floats, canvas: CanvasPath) -> TipPath:
-    """The path of the tip at `tip` (3,), metres in the frame of the pen's rigid body.
+    """Return the path of the tip at `tip` (3,), metres in the frame of the pen's rigid body.
 
-    Frames in which the pen leans otherwise than just before and after are left out: a marker was taken for another.
-    Stretches of up to `GAP` without a sighting are bridged by the smoothest way: of a lift that is seen to begin and to
-    end it makes a lift. The rest is smoothed, the height apart from the place.
+    Frames in which the pen's leaning jumps are left out, since markers were confused. Gaps of up to `GAP` are bridged
+    by the smoothest path, so that a lift that is seen to begin and to end stays a lift. The rest is smoothed, the
+    height apart from the place.
 
     Raises InputError where the pen and the canvas are never seen together.
     """
@@ -75,7 +75,7 @@ def tip_path(take: Take, tip: Floats, canvas: CanvasPath) -> TipPath:
 
 
 def steady(times: Floats, offsets: Floats) -> Bools:
-    """(F,) where the way (F, k), metres, from the pen's body to its tip goes on from where it did longest."""
+    """Mask (F,) of frames whose offsets (F, k), metres, from body to tip, continue the longest steady stretch."""
     kept = np.zeros(len(times), dtype=bool)
     if len(times) < 2:
         return kept

@@ -1,1 +1,1 @@
-"""The renderer: a dense reference that is the truth, and the fast kernels that agree with it."""
+"""Renderer: a dense reference implementation, and fast kernels that are tested against it."""

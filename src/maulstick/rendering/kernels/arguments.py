@@ -1,4 +1,4 @@
-"""What both the reference and the fast kernels accept, checked in one place."""
+"""Checks of the arguments of the reference and of the fast kernels."""
 
 import torch
 from torch import Tensor
@@ -7,12 +7,12 @@ from maulstick.errors import InputError
 
 
 def plain(*tensors: Tensor) -> list[Tensor]:
-    """What the kernels read; to be checked as such, since a number may be too large or small for float32."""
+    """Return the tensors as the kernels read them, contiguous float32; check these, since a number may overflow."""
     return [x.to(torch.float32).contiguous() for x in tensors]
 
 
 def check_strokes(points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor) -> None:
-    """Refuse strokes that no kernel can draw.
+    """Check that the strokes can be drawn.
 
     points: (N, n, 2) pixels, n >= 1.  thickness: (N, n) pixels.  falloff, plateau, opacity: (N,) or (1,).
 
@@ -38,7 +38,7 @@ def check_strokes(points: Tensor, thickness: Tensor, falloff: Tensor, plateau: T
 
 
 def check_canvas(canvas: Tensor, points: Tensor, colours: Tensor, trainable: Tensor | None) -> None:
-    """Refuse a canvas, (C, H, W), colours, (N, C), or choice of strokes, (N,) bool, that do not fit together."""
+    """Check that a canvas (C, H, W), colours (N, C) and a mask `trainable` (N,) bool fit together; else InputError."""
     if canvas.ndim != 3 or canvas.numel() == 0:
         raise InputError(f"the canvas has shape {tuple(canvas.shape)}; it must be (C, H, W), none of them 0")
     if colours.shape != (points.shape[0], canvas.shape[0]):
@@ -51,7 +51,7 @@ def check_canvas(canvas: Tensor, points: Tensor, colours: Tensor, trainable: Ten
 
 
 def check_size(height: int, width: int) -> None:
-    """Refuse an image without pixels."""
+    """Check that an image has pixels. Raises InputError where it has none."""
     if height < 1 or width < 1:
         raise InputError.of_range("the image size", f"{height} x {width}", "at least 1 x 1")
 

@@ -1,8 +1,8 @@
-// The native module: prepares segments and bands, shares the bands out to threads, and chooses the instruction set.
+// Native module: prepares segments and bands, distributes the bands over threads, and chooses the instruction set.
 //
 // The canvas is cut into bands of tile_height rows. A band belongs to one thread, walks its tiles from left to right
-// and keeps gradients of its own for each stroke that crosses it; these are then added up in the order of the bands.
-// So the result does not depend on how many threads there are, or on which was faster.
+// and keeps its own gradients for each stroke that crosses it; these are then summed in the order of the bands. So the
+// result does not depend on the number of threads or on their speed.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
@@ -27,7 +27,7 @@ namespace {
 template <class T, int Dimensions>
 using Array = nb::ndarray<T, nb::ndim<Dimensions>, nb::c_contig, nb::device::cpu>;
 
-constexpr int64_t record_budget = 4 << 20;   // bytes of backward records a thread; beyond it, a tile works in chunks
+constexpr int64_t record_budget = 4 << 20;   // bytes of backward records per thread; a tile that needs more is chunked
 
 const Kernel* supported(const std::string& name) {
 #ifdef MAULSTICK_X86
@@ -61,7 +61,7 @@ void share_out(int64_t tasks, int64_t threads, Work work) {
   std::vector<std::thread> helpers;
   try {
     for (int64_t i = 1; i < std::min(threads, tasks); ++i) helpers.emplace_back(run, i);
-  } catch (const std::system_error&) {       // the system gives no more threads: fewer do the work
+  } catch (const std::system_error&) {       // the system gives no more threads: go on with fewer
   }
   run(0);
   for (std::thread& helper : helpers) helper.join();
@@ -89,13 +89,13 @@ std::vector<Segment> segments_of(const float* xy, const float* thickness, int64_
   return segments;
 }
 
-struct Bands {                               // of rows, and which strokes cross each, in order
-  std::vector<float> left, right;            // of each stroke: the columns between which it lies
-  std::vector<int32_t> first, last;          // of each stroke; empty where last < first
+struct Bands {                               // bands of rows, and the strokes that cross each, in order
+  std::vector<float> left, right;            // of each stroke: the range of its columns
+  std::vector<int32_t> first, last;          // of each stroke: the range of its bands; empty where last < first
   std::vector<int64_t> slot;                 // of each stroke: its first gradient record; one more at the end
-  std::vector<int64_t> begin;                // of each band, into ids and records; one more at the end
-  std::vector<int32_t> ids;
-  std::vector<int64_t> record;
+  std::vector<int64_t> begin;                // of each band: its first entry in ids and record; one more at the end
+  std::vector<int32_t> ids;                  // strokes, band after band
+  std::vector<int64_t> record;               // of each of these: where its gradients of this band begin
 
   Bands(const Strokes& s, int64_t height, int64_t width) {
     const int64_t bands = (height + tile_height - 1) / tile_height;
@@ -135,7 +135,7 @@ struct Bands {                               // of rows, and which strokes cross
   }
 };
 
-// The strokes of one tile out of those of its band.
+// Strokes of one tile, chosen from those of its band.
 struct TileStrokes {
   std::vector<int32_t> ids;
   std::vector<int64_t> record;
@@ -171,7 +171,7 @@ Strokes strokes_of(const std::vector<Segment>& segments, Array<const float, 3> x
           c.data(), q.data(), o.data(), trainable};
 }
 
-// Works on each tile of the canvas, band by band: visit(tile, strokes, scratch).
+// Calls visit(tile, strokes, scratch) for each tile of the canvas, band by band.
 template <class Visit>
 void each_tile(const Kernel& kernel, const Strokes& s, const Bands& bands, int64_t height, int64_t width,
                int64_t threads, bool backward, Visit visit) {
@@ -210,7 +210,7 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
             });
 }
 
-// grad_canvas: as canvas, or empty where nobody asks for it. gradients: (count, 3 points + channels + 3), see
+// grad_canvas: as canvas, or empty where it is not needed. gradients: (count, 3 points + channels + 3), see
 // gradient_size.
 void composite_backward(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
                         Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 2> colours,
@@ -239,7 +239,7 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
   }
 }
 
-// Runs visit(stroke, tile, scratch) for each stroke and each tile of its own image, a stroke to a thread.
+// Calls visit(stroke, tile, scratch) for each stroke and each tile of its own image, one stroke per thread.
 template <class Visit>
 void each_image(const Kernel& kernel, const Strokes& s, int64_t height, int64_t width, int64_t threads, Visit visit) {
   const int64_t used = std::max<int64_t>(std::min(threads, s.count), 1);

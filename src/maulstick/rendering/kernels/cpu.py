@@ -1,4 +1,4 @@
-"""The fast renderer on the CPU: same signatures, values and gradients as `reference`, in float32."""
+"""Fast renderer on the CPU: the signatures, values and gradients of `reference`, in float32."""
 
 from typing import Any
 
@@ -10,10 +10,10 @@ from maulstick.rendering.kernels import _cpu
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
 
 INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
-"""Those that this processor can run, the fastest first."""
+"""Instruction sets that this processor can run, the fastest first."""
 
 THREADS = torch.get_num_threads()
-"""As many as torch would use."""
+"""Default number of threads: as many as torch uses at its start."""
 
 
 def darkness(
@@ -77,12 +77,12 @@ def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:
 
 
 def _bare(*tensors: Tensor) -> tuple[Any, ...]:
-    """Arrays over the same memory, which the native module accepts."""
+    """Return the tensors as arrays over the same memory, which the native module accepts."""
     return tuple(x.detach().numpy() for x in tensors)
 
 
 def _split(gradients: Tensor, points: int, channels: int) -> tuple[Tensor, ...]:
-    """Gradients of points, thickness, colours, falloff, plateau, opacity out of the native module's records."""
+    """Split the native module's records into gradients of points, thickness, colours, falloff, plateau, opacity."""
     count = gradients.shape[0]
     at_points = gradients[:, : 3 * points].reshape(count, points, 3)
     colours, numbers = gradients[:, 3 * points :].split([channels, 3], dim=1)

@@ -1,7 +1,7 @@
-"""The fast renderer on a GPU: same signatures, values and gradients as `reference`, in float32, by Triton.
+"""Fast renderer on a GPU, in Triton: the signatures, values and gradients of `reference`, in float32.
 
-Segments are listed by the tiles that they may mark, so that time and memory grow with the tiles touched. Every number
-is written by one program and summed in one order: the same strokes give the same bits.
+Segments are listed by the tiles that they may mark, so that time and memory grow with the number of touched tiles.
+Every number is written by one program and summed in one order: the same strokes give the same bits.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from torch.nn.functional import pad
 from maulstick.rendering.kernels import gpu_programs as programs
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
 
-_TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value
+_TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value  # as plain integers
 
 
 def darkness(
@@ -62,10 +62,10 @@ def _numbers(points: Tensor, *numbers: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class _Lists:
-    """Which segments may mark which tiles; `programs` says what pairs and items are.
+    """Lists of the segments that may mark each tile; pairs and items are explained in `programs`.
 
-    segments: (S, 6).  starts: (S + 1,) the first slot of each segment.  slots: (P,) the place of each pair among all,
-    segment after segment; itself it stands tile after tile, as do pairs: (P,), items: (I + 1, 3) and tiles: (T + 1,).
+    segments: (S, 6).  starts: (S + 1,) first slot of each segment.  pairs: (P,), items: (I + 1, 3), tiles: (T + 1,):
+    sorted by tiles.  slots: (P,) index of each pair, in that order, in a list sorted by segments.
     """
 
     segments: Tensor
@@ -77,10 +77,10 @@ class _Lists:
 
     @classmethod
     def of(cls, points: Tensor, thickness: Tensor, height: int, width: int) -> Self:
-        """The lists for strokes (N, n) on a canvas, or on a canvas each."""
+        """Make the lists for strokes, points (N, n, 2) and thickness (N, n), pixels, on canvases of one size."""
         count, each = points.shape[0], _segments_each(points.shape[1])
         ends = torch.cat([points, thickness[..., None]], dim=2)
-        segments = torch.cat([ends[:, :each], ends[:, -each:]], dim=2).reshape(-1, 6)  # a dot's is without length
+        segments = torch.cat([ends[:, :each], ends[:, -each:]], dim=2).reshape(-1, 6)  # of length 0 for a dot
         total = count * each
         counts = segments.new_zeros(total + 1, dtype=torch.int64)
         _launch(programs.count_tiles, triton.cdiv(total, _LANES), segments, counts[1:], total, height, width)
@@ -97,15 +97,15 @@ class _Lists:
 
     @property
     def item_count(self) -> int:
-        """How often a stroke may mark a tile."""
+        """Number of items: of strokes that may mark a tile, summed over tiles."""
         return self.items.shape[0] - 1
 
     def records(self, size: int) -> Tensor:
-        """Room for the gradients of each pair."""
+        """Return a tensor of zeros (P, size) for the gradients of each pair."""
         return self.segments.new_zeros(self.pairs.shape[0], size)
 
     def sums(self, records: Tensor, count: int, points: int) -> tuple[Tensor, Tensor, Tensor]:
-        """Gradients of the points (N, n, 2), the thickness (N, n) and what else the records (P, 6 + k) hold (N, k)."""
+        """Sum records (P, 6 + k) to gradients of points (N, n, 2), thickness (N, n) and the other k numbers (N, k)."""
         each = _segments_each(points)
         of_segments = torch.segment_reduce(records, "sum", offsets=self.starts, axis=0, initial=0)
         of_segments = of_segments.reshape(count, each, records.shape[1])
@@ -115,7 +115,7 @@ class _Lists:
 
 
 def _launch(program: Any, count: int, *args: Tensor | int) -> None:
-    program[(count,)](*args, enable_fp_fusion=True)  # said, because Triton means to change its default, and warns of it
+    program[(count,)](*args, enable_fp_fusion=True)  # explicit, because Triton warns that its default will change
 
 
 def _segments_each(points: int) -> int:

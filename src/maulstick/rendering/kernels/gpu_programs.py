@@ -1,18 +1,19 @@
-"""What runs on the GPU, in Triton's language: lists of tiles, and the two operations forwards and backwards.
+"""Programs that run on the GPU, in Triton's language: lists of tiles, and the two operations forwards and backwards.
 
-A tile is TILE x TILE pixels and one program's work. A **pair** is a segment and a tile that it may mark; an **item** is
-all pairs of one stroke in one tile, in order. `gpu.py` prepares the tensors and says what each of them holds:
+A tile is TILE x TILE pixels, the work of one program. A **pair** is a segment and a tile that it may mark; an **item**
+is all pairs of one stroke in one tile, in order. `gpu.py` prepares the tensors:
 
-segments: (S, 6) x, y, thickness at the start, then at the end.  strokes: (N, 3 + C) c, q, o, then the colour.
-pairs: (P,) the segment of each.  items: (I + 1, 3) first pair, stroke, tile.  tiles: (T + 1,) the first item of each.
+segments: (S, 6) x, y, thickness at the start, then at the end.  strokes: (N, 3 + C) falloff c, plateau q, opacity o,
+then the colour.  pairs: (P,) segment of each.  items: (I + 1, 3) first pair, stroke, tile.
+tiles: (T + 1,) first item of each.
 records: (P, 9 + C) gradients of a pair's segment and, in the first pair of an item, of the stroke's numbers and colour.
 """
 
 import triton
 import triton.language as tl
 
-TILE = tl.constexpr(16)
-PIXELS = tl.constexpr(256)
+TILE = tl.constexpr(16)  # pixels a side
+PIXELS = tl.constexpr(256)  # of a tile: TILE * TILE
 LANES = tl.constexpr(128)  # segments that one program lists
 
 
@@ -24,7 +25,7 @@ def _ends(segments, segment):
 
 @triton.jit
 def _span(low, high, size):
-    """The first and last tile between low and high; last < first where there is none. NaN hides nothing."""
+    """Return the first and last tile between low and high; last < first where there is none. NaN skips no tile."""
     outside = (high < 0) | (low > size)
     low = tl.where(low > 0, tl.where(low < size, low, size), 0.0)
     high = tl.where(high < size - 0.5, high, size - 0.5)
@@ -40,7 +41,7 @@ def _rows(uy, vy, reach, height):
 
 @triton.jit
 def _columns(row, ux, uy, vx, vy, reach, width):
-    """The tiles of a row through which a segment passes, widened by its reach."""
+    """Return the first and last tile of a row through which a segment passes, widened by its reach."""
     wx, wy = vx - ux, vy - uy
     sloped = wy != 0
     slope = tl.where(sloped, wy, 1.0)
@@ -55,7 +56,7 @@ def _columns(row, ux, uy, vx, vy, reach, width):
 
 @triton.jit
 def count_tiles(segments, counts, count, height, width):
-    """counts: (S,) in how many tiles each segment may leave a mark."""
+    """Count the tiles in which each segment may leave a mark, into counts: (S,)."""
     segment = tl.program_id(0) * LANES + tl.arange(0, LANES)
     ux, uy, u, vx, vy, v = _ends(segments, tl.minimum(segment, count - 1))
     reach = tl.maximum(u, v)
@@ -70,7 +71,7 @@ def count_tiles(segments, counts, count, height, width):
 
 @triton.jit
 def list_tiles(segments, starts, keys, count, height, width):
-    """keys: (P,) tile * S + segment of each pair, segment after segment; starts: (S,) where each segment's begin."""
+    """Write tile * S + segment of each pair into keys: (P,), sorted by segments; starts: (S,) first key of each."""
     segment = tl.program_id(0) * LANES + tl.arange(0, LANES)
     known = tl.minimum(segment, count - 1)
     ux, uy, u, vx, vy, v = _ends(segments, known)
@@ -91,7 +92,7 @@ def list_tiles(segments, starts, keys, count, height, width):
 
 @triton.jit
 def _pixels(tile, height, width):
-    """Of each pixel: the centre, the place in an image, and whether it is in there."""
+    """Return for each pixel of a tile its centre x and y, its index in an image, and whether it lies inside."""
     across = tl.cdiv(width, TILE)
     pixel = tl.arange(0, PIXELS)
     column = tile % across * TILE + pixel % TILE
@@ -102,7 +103,7 @@ def _pixels(tile, height, width):
 
 @triton.jit
 def _foot(segments, segment, x, y):
-    """Where a segment is nearest to each pixel: T, free and clamped, the offset from there, the thickness there."""
+    """Find the point of a segment nearest to each pixel: T, free and clamped, offset, thickness there, then slopes."""
     ux, uy, u, vx, vy, v = _ends(segments, segment)
     wx, wy = vx - ux, vy - uy
     squared_length = wx * wx + wy * wy
@@ -117,14 +118,14 @@ def _foot(segments, segment, x, y):
 
 @triton.jit
 def _cover(segments, pairs, first, last, x, y):
-    """(distance / thickness)^2 of the nearest segment, at most 2, and its pair; the first wins a tie."""
+    """Return (distance / thickness)^2 of the nearest segment, at most 2, and its pair; the first wins a tie."""
     square = tl.full([PIXELS], 2.0, tl.float32)
     owner = tl.full([PIXELS], -1, tl.int32)
     for pair in range(first, last):
         _, _, ex, ey, thickness, _, _, _, _ = _foot(segments, tl.load(pairs + pair), x, y)
         squared = thickness * thickness
-        marks = (thickness > 0) & (squared > 0)  # thinner than float32 can square is thinner than any pixel
-        # Division and root as IEEE has them, so that on a kink the same side is chosen as by the reference.
+        marks = (thickness > 0) & (squared > 0)  # a thickness whose square underflows leaves no mark
+        # Division and root are rounded as in IEEE 754, so that a kink has the same side as in the reference.
         here = tl.div_rn(ex * ex + ey * ey, tl.where(marks, squared, 1.0))
         nearer = marks & (here < square)
         square = tl.where(nearer, here, square)
@@ -134,7 +135,7 @@ def _cover(segments, pairs, first, last, x, y):
 
 @triton.jit
 def _darken(square, stroke):
-    """Darkness, ratio, base and its binary logarithm; the base is 1 on the plateau and outside, where nothing moves."""
+    """Return darkness, ratio, base and its binary logarithm; the base is 1 on the plateau and outside the mark."""
     c, q, o = tl.load(stroke), tl.load(stroke + 1), tl.load(stroke + 2)
     ratio = tl.sqrt_rn(tl.where(square < 1, square, 1.0))
     ramp = tl.div_rn(1 - ratio, 1 - q)
@@ -148,7 +149,7 @@ def _darken(square, stroke):
 def _add_gradients(
     record, size, slots, segments, pairs, first, last, stroke, x, y, owner, value, ratio, base, log, grad
 ):
-    """Write the gradients of an item's segments, and of its stroke's numbers; grad: of each pixel's darkness."""
+    """Write the gradients of an item's segments and of its stroke's numbers; grad: that of each pixel's darkness."""
     c, q, o = tl.load(stroke), tl.load(stroke + 1), tl.load(stroke + 2)
     weighted = grad * value
     grad_base = tl.where(base < 1, weighted * c / base, 0.0)
@@ -162,11 +163,11 @@ def _add_gradients(
         mine = (owner == pair) & (ratio < 1)
         thickness = tl.where(mine, thickness, 1.0)
         grad_thickness = tl.where(mine, -grad_ratio * ratio / thickness, 0.0)
-        # The distance moves against the foot of the perpendicular, in which T itself cancels out ...
+        # In the distance to the foot of the perpendicular, the derivative with respect to T is 0 ...
         apart = mine & (ratio > 0)
         per_distance = tl.where(apart, -grad_ratio / (tl.where(apart, ratio, 1.0) * thickness * thickness), 0.0)
         foot_x, foot_y = per_distance * ex, per_distance * ey
-        # ... but T chooses the thickness, wherever it is not clamped.
+        # ... but the thickness depends on T wherever T is not clamped.
         moves = (free > 0) & (free < 1) & (grad_thickness != 0)
         grad_t = tl.where(moves, grad_thickness * (growth * inverse), 0.0)
         end_x, end_y = grad_t * (ex - t * wx), grad_t * (ey - t * wy)
@@ -181,7 +182,7 @@ def _add_gradients(
 
 @triton.jit
 def darkness(images, segments, strokes, pairs, items, height, width):
-    """images: (N, H, W), zero where no item is; one program an item."""
+    """Draw one item per program into images: (N, H, W), which must be 0 before."""
     item = items + tl.program_id(0) * 3
     stroke = tl.load(item + 1)
     x, y, place, inside = _pixels(tl.load(item + 2), height, width)
@@ -192,7 +193,7 @@ def darkness(images, segments, strokes, pairs, items, height, width):
 
 @triton.jit
 def darkness_backward(grad_images, records, slots, segments, strokes, pairs, items, height, width):
-    """grad_images: (N, H, W); one program an item."""
+    """Write the gradients of one item per program into records; grad_images: (N, H, W)."""
     item = items + tl.program_id(0) * 3
     first, last, stroke = tl.load(item), tl.load(item + 3), tl.load(item + 1)
     x, y, place, inside = _pixels(tl.load(item + 2), height, width)
@@ -205,7 +206,7 @@ def darkness_backward(grad_images, records, slots, segments, strokes, pairs, ite
 
 @triton.jit
 def composite(canvas, out, segments, strokes, pairs, items, tiles, channels, height, width, CHANNELS: tl.constexpr):
-    """canvas, out: (C, H, W); one program a tile. CHANNELS: C rounded up to a power of two."""
+    """Paint one tile per program. canvas, out: (C, H, W).  CHANNELS: C rounded up to a power of two."""
     x, y, place, inside = _pixels(tl.program_id(0), height, width)
     channel = tl.arange(0, CHANNELS)
     known = channel < channels
@@ -241,10 +242,13 @@ def composite_backward(
     width,
     CHANNELS: tl.constexpr,
 ):
-    """canvas, grad_out, grad_canvas: (C, H, W); above: (I, PIXELS), scratch; trainable: (N,); one program a tile.
+    """Write the gradients of one tile per program into grad_canvas and records.
 
-    The gradient of an item's darkness is sum(grad_out * above * (colour - beneath)): `above` is what the later strokes
-    let through and is found on the way back, `beneath` is what the earlier ones painted and is found on the way forth.
+    canvas, grad_out, grad_canvas: (C, H, W).  above: (I, PIXELS), scratch.  trainable: (N,).
+
+    The gradient of an item's darkness is sum(grad_out * above * (colour - beneath)): `above` is the share that later
+    strokes let through, found from the last item to the first; `beneath` is what earlier strokes painted, found from
+    the first to the last.
     """
     x, y, place, inside = _pixels(tl.program_id(0), height, width)
     channel = tl.arange(0, CHANNELS)
@@ -264,7 +268,7 @@ def composite_backward(
         through *= 1 - value
     grad = tl.load(grad_out + place, mask=inside, other=0.0)
     tl.store(grad_canvas + place, grad * through[None, :], mask=inside)
-    tl.debug_barrier()  # the threads that read `above` need not be those that wrote it
+    tl.debug_barrier()  # other threads read `above` than wrote it
 
     beneath = tl.load(canvas + place, mask=inside, other=0.0)
     size = 9 + channels

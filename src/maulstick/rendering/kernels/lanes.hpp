@@ -1,5 +1,5 @@
-// A row of LANES numbers, in GCC's and Clang's vector extension: each operator works on all of them at once. Included by
-// tiles.cpp alone, once per instruction set; the unnamed namespace keeps each copy to itself.
+// Vectors of LANES numbers, in GCC's and Clang's vector extension: each operator works on all of them at once. Only
+// tiles.cpp includes this, once per instruction set; the unnamed namespace keeps the copies apart.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -48,8 +48,8 @@ inline Floats lane_numbers() {
   return x;
 }
 
-// Natural logarithm for positive, normal x, to one unit in the last place or so: exponent out, then a polynomial in
-// the mantissa (the coefficients of Cephes' logf).
+// Natural logarithm of positive, normal x, to about one unit in the last place: the exponent apart, a polynomial in the
+// mantissa (with the coefficients of Cephes' logf).
 inline Floats natural_log(Floats x) {
   Ints bits = (Ints)x;
   Ints exponent = (bits >> 23) - 126;
@@ -74,7 +74,7 @@ inline Floats natural_log(Floats x) {
   return m + y + e * 0.693359375f;
 }
 
-// e to the x for x <= 0 (Cephes' expf); 0 below -87.
+// e to the power of x, for x <= 0 (Cephes' expf); 0 below -87.
 inline Floats exponential(Floats x) {
   Ints vanishes = x < all(-87.0f);
   x = larger(x, all(-87.0f));

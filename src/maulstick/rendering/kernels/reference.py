@@ -1,4 +1,4 @@
-"""The plain dense renderer: every pixel against every segment. Slow, and the truth for every test (design §4)."""
+"""Reference renderer: every pixel against every segment. It is slow; all tests compare with it (docs/equations.md)."""
 
 import torch
 from torch import Tensor
@@ -9,11 +9,11 @@ from maulstick.rendering.kernels.arguments import check_canvas, check_size, chec
 def darkness(
     points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, *, height: int, width: int
 ) -> Tensor:
-    """Draw each stroke alone on an image of its own (paper: Traj2Stroke Model; design §4, §5).
+    """Draw each stroke on an image of its own (paper: Traj2Stroke Model; docs/equations.md).
 
     points: (N, n, 2) pixels from the upper left corner; the centre of the first pixel is (0.5, 0.5).
     thickness: (N, n) half-width in pixels; where it is 0 or less there is no mark.
-    falloff, plateau, opacity: falloff, plateau and opacity, (N,) or (1,).
+    falloff, plateau, opacity: (N,) or (1,), the paper's c, and q and o beyond the paper.
 
     Returns (N, height, width) in [0, 1], in the points' dtype. Raises InputError for what cannot be drawn.
     """
@@ -42,7 +42,7 @@ def _darkness_of_one(
     squared_length = w.square().sum(-1)
     has_length = squared_length > 0
     projection = ((grid - u) * w).sum(-1) / torch.where(has_length, squared_length, 1.0)
-    between = (projection > 0) & (projection < 1)  # at an end T stands still
+    between = (projection > 0) & (projection < 1)  # at an end T is constant
     T = torch.where(between, projection, projection.detach().clamp(0, 1))  # (n-1, H, W), the signed projection
     offset = grid - (u + T[..., None] * w)
     squared_distance = offset.square().sum(-1)
@@ -69,10 +69,10 @@ def composite(
     *,
     trainable: Tensor | None = None,
 ) -> Tensor:
-    """Paint all strokes onto one canvas, in order (paper: Stroke Composition; design §4).
+    """Paint all strokes onto one canvas, in order (paper: Stroke Composition; docs/equations.md).
 
     canvas: (C, H, W), any number of channels.  colours: (N, C).  The rest as in `darkness`.
-    trainable: (N,) bool, the strokes that get gradients; all of them when left out.
+    trainable: (N,) bool, strokes that get gradients; all of them by default.
 
     Returns the painted canvas (C, H, W). Raises InputError for what cannot be drawn.
     """

@@ -1,4 +1,4 @@
-"""The fast renderer for wherever the tensors are: on a GPU `gpu`, elsewhere `cpu`."""
+"""Fast renderer for the tensors' device: `gpu` on a GPU, else `cpu`."""
 
 from types import ModuleType
 
@@ -43,9 +43,9 @@ def composite(
 
 
 def kernels_for(device: torch.device) -> ModuleType:
-    """The module that renders there."""
+    """Return the module that renders on this device."""
     if device.type != "cuda":
         return cpu
-    from maulstick.rendering.kernels import gpu  # needs Triton, which no machine without a GPU has to have
+    from maulstick.rendering.kernels import gpu  # needs Triton, which may be missing where there is no GPU
 
     return gpu

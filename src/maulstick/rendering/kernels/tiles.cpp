@@ -1,8 +1,8 @@
-// Coverage, composition and their gradients on one tile. Every operation works on rows of LANES pixels.
+// Coverage, composition and their gradients on one tile. Every operation works on blocks of LANES pixels of a row.
 //
-// Per stroke a tile keeps, for each pixel, the square of distance / thickness of the nearest segment (design §4: the
-// maximum of darkness is the minimum of that ratio) and which segment it was. Blocks of LANES pixels that no segment
-// comes near are never touched, nor initialised.
+// Per stroke a tile keeps, for each pixel, the square of distance / thickness of the nearest segment (the maximum of
+// darkness over segments, docs/equations.md, is the minimum of that ratio) and the index of that segment. Blocks that
+// no segment comes near are neither touched nor initialised.
 #include "tiles.hpp"
 #include "lanes.hpp"
 
@@ -15,10 +15,10 @@ constexpr int tile_blocks = tile_pixels / LANES;
 struct Coverage {                     // of one stroke over one tile
   alignas(64) float square[tile_pixels];   // (distance / thickness)^2
   alignas(64) int32_t segment[tile_pixels];
-  uint32_t touched[tile_height];      // a bit per block of LANES pixels
+  uint32_t touched[tile_height];      // one bit per block of LANES pixels
 };
 
-// Where the segment, widened by its reach, crosses the row at y: columns [left, right].
+// Finds the columns [left, right] in which the segment, widened by its reach, crosses the row at y.
 inline bool crossing(const Segment& s, float y, float* left, float* right) {
   float from = 0, to = 1;
   if (s.wy != 0) {
@@ -46,7 +46,7 @@ inline void cover_row(Coverage& cover, const Segment& s, int32_t number, Tile ti
     Floats ex = dx - t * s.wx, ey = dy - t * s.wy;
     Floats thickness = s.thickness + t * s.growth;
     Floats square = (ex * ex + ey * ey) / (thickness * thickness);
-    square = thickness > all(0.0f) ? smaller(square, all(2.0f)) : all(2.0f);   // 2: no mark; NaN is 2 too
+    square = thickness > all(0.0f) ? smaller(square, all(2.0f)) : all(2.0f);   // 2: no mark, also for NaN
     if (cover.touched[row] >> block & 1) {
       Floats before = load(cover.square + at);
       Ints nearer = square < before;
@@ -75,7 +75,7 @@ void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile
     const float top = smaller(s.uy, s.uy + s.wy) - s.reach, bottom = larger(s.uy, s.uy + s.wy) + s.reach;
     if (left > x1 || right < x0 || top > y1 || bottom < y0) continue;
     const int first = int(larger(top - y0, 0.0f)), last = int(smaller(bottom - y0, tile.height - 0.5f));
-    const bool narrow = __builtin_fabsf(s.wx) < 2 * LANES;       // its box is as good as its outline
+    const bool narrow = __builtin_fabsf(s.wx) < 2 * LANES;       // its box is as tight as its outline
     for (int row = first; row <= last; ++row) {
       float a = left, b = right;
       const float y = y0 + row + 0.5f;
@@ -86,7 +86,7 @@ void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile
 
 struct Darkness { Floats value, ratio, base, log_base; };
 
-// Darkness of a block from the squared ratio; `log_base` is 0 on the plateau, where nothing moves.
+// Darkness of a block from the squared ratio; `log_base` is 0 on the plateau, where no gradient flows.
 inline Darkness darken(Floats square, float c, float inverse_ramp, float o) {
   Darkness d;
   Ints inside = square < all(1.0f);
@@ -109,7 +109,7 @@ inline void each_block(const Coverage& cover, int rows, Visit visit) {
     }
 }
 
-// The gradients of one stroke over one tile, summed over pixels in a fixed order.
+// Gradients of one stroke over one tile, summed over pixels in a fixed order.
 class StrokeGradient {
  public:
   StrokeGradient(const Strokes& strokes, int64_t id, Tile tile, float* record)
@@ -117,7 +117,7 @@ class StrokeGradient {
         rest_(record + 3 * strokes.points), c_(strokes.c[id]), inverse_ramp_(1 / (1 - strokes.q[id])),
         o_(strokes.o[id]), grad_c_{}, grad_q_{}, grad_o_{} {}
 
-  // grad: gradient of the loss with respect to the darkness of this block.
+  // Adds the gradients of a block; grad: gradient of the loss with respect to its darkness.
   void add(int at, Floats grad, const Darkness& d, Ints owner) {
     Floats weighted = grad * d.value;
     grad_o_ += weighted;
@@ -158,11 +158,11 @@ class StrokeGradient {
     Floats t = smaller(larger(free, all(0.0f)), all(1.0f));
     Floats ex = dx - t * s.wx, ey = dy - t * s.wy;
     Floats thickness = s.thickness + t * s.growth;
-    // ratio = distance / thickness;  distance moves against the foot of the perpendicular (t itself cancels out there)
+    // ratio = distance / thickness; in the distance to the foot of the perpendicular, the derivative by t is 0 ...
     Floats per_distance = ratio > all(0.0f) ? grad_ratio / (ratio * thickness * thickness) : all(0.0f);
     Floats foot_x = -per_distance * ex, foot_y = -per_distance * ey;
     Floats grad_thickness = thickness > all(0.0f) ? -grad_ratio * ratio / thickness : all(0.0f);
-    // ... but t chooses the thickness, wherever it is not clamped
+    // ... but the thickness depends on t wherever t is not clamped
     Ints moves = (free > all(0.0f)) & (free < all(1.0f));
     Floats grad_t = moves ? grad_thickness * (s.growth * s.inverse_squared_length) : all(0.0f);
     Floats end_x = grad_t * (dx - 2 * t * s.wx), end_y = grad_t * (dy - 2 * t * s.wy);
@@ -214,8 +214,8 @@ void paint(float* canvas, Coverage& cover, const Strokes& s, int64_t id, Tile ti
   });
 }
 
-// The scratch of a thread: a tile of canvas and of its gradient, the coverage of one stroke, and for the strokes of
-// one chunk a record per block: what the backward walk needs (darkness, owners, the canvas beneath).
+// Layout of a thread's scratch: a tile of the canvas and of its gradient, the coverage of one stroke, and for the
+// strokes of one chunk one record per block with what the backward pass needs: darkness, owners, the canvas beneath.
 struct Room {
   Coverage* cover;
   float *canvas, *gradient, *checkpoints, *records;
@@ -315,7 +315,7 @@ void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Til
   const int64_t chunks = (count + scratch.chunk - 1) / scratch.chunk;
   const int64_t image = Room::aligned(4 * tile_pixels * s.channels) / 4;
   Room room(scratch, s.channels, chunks);
-  // Unused lanes at the right and lower edge of the canvas stay 0, so that they add nothing.
+  // Unused lanes at the right and lower edge of the canvas stay 0, so that they add nothing to the sums.
   std::memset(room.canvas, 0, 4 * tile_pixels * s.channels);
   std::memset(room.gradient, 0, 4 * tile_pixels * s.channels);
   copy_in(room.canvas, canvas, tile, s.channels, height, width);

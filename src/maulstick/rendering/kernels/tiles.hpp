@@ -1,28 +1,28 @@
-// What cpu.cpp asks of tiles.cpp. tiles.cpp is compiled once per instruction set; cpu.cpp picks the
-// widest that this processor has. Only plain pointers cross this line: a standard-library template
-// compiled for AVX2 must not be the copy that the linker keeps for everybody.
+// Interface between cpu.cpp and tiles.cpp. tiles.cpp is compiled once per instruction set; cpu.cpp picks the widest one
+// that this processor has. Only plain pointers cross this interface: the linker keeps one copy of a standard-library
+// template, and that must not be one compiled for AVX2.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 
 namespace maulstick {
 
-constexpr int tile_height = 16;
-constexpr int tile_width = 64;
+constexpr int tile_height = 16;   // pixels; also the rows of a band
+constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `touched` has bits for
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
   float inverse_squared_length;   // 0 for a segment without length
-  float thickness, growth;        // half-width at u, and how much larger it is at the end
-  float reach;                    // the larger half-width of the two ends; 0: leaves no mark
+  float thickness, growth;        // half-width at u, and its increase towards the end
+  float reach;                    // the larger half-width of the two ends; no mark where it is 0 or less
 };
 
 struct Strokes {
   int64_t count, points, segments, channels;
   const Segment* segment;         // (count, segments)
   const float* colours;           // (count, channels)
-  const float *c, *q, *o;         // (count,)
-  const uint8_t* trainable;       // (count,), or null: all of them
+  const float *c, *q, *o;         // (count,): falloff, plateau, opacity
+  const uint8_t* trainable;       // (count,), or null for all
 };
 
 // One gradient record per stroke (and band): x, y, thickness of each point, then the colour, c, q, o.
@@ -33,7 +33,7 @@ struct Tile { int x, y, width, height; };   // pixels; at most tile_width x tile
 // Memory of one thread, reused for every tile.
 struct Scratch {
   char* bytes;
-  int64_t chunk;                  // strokes whose coverage is remembered at once
+  int64_t chunk;                  // number of strokes whose records are kept at once
 };
 
 struct Kernel {
@@ -42,12 +42,12 @@ struct Kernel {
   // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
   void (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                     const float* canvas, float* out, Scratch);
-  // The same backwards: reads the gradient of `out`, writes that of `canvas` (unless null), adds to the record of
-  // each stroke (`record[k]` floats after `gradients`).
+  // Backward pass: reads the gradient of `out`, writes that of `canvas` (unless null), and adds to the record of each
+  // stroke, which begins at gradients + record[k].
   void (*composite_backward)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                              const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
                              const int64_t* record, Scratch);
-  // One stroke's own darkness image (H, W), and its gradient.
+  // Draws one stroke's own darkness image (H, W), and adds its gradient to the stroke's record.
   void (*darkness)(const Strokes&, int64_t id, Tile, int64_t width, float* out, Scratch);
   void (*darkness_backward)(const Strokes&, int64_t id, Tile, int64_t width, const float* grad_out, float* gradient,
                             Scratch);
