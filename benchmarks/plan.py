@@ -32,7 +32,7 @@ from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
 
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
+from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.objectives import Tone
@@ -67,7 +67,7 @@ def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
         planned = plan(problem, options, schedule=PUBLISHED, start=start)
     else:
         planned = plan(problem, options)
-    return as_painting(planned, layout, BRUSH, style, making(options))
+    return as_painting(planned, layout, BRUSH, style, provenance_of(options))
 
 
 def stray(painting: Painting, layout: Layout) -> int:

@@ -30,7 +30,7 @@ from maulstick.ordering.sequence import sequenced
 from maulstick.ordering.tour import pen_up, tour
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, making, problem_of
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.style import load_style
@@ -48,7 +48,9 @@ def planned(strokes: int, style_name: str, brush_name: str, paints: int | None) 
     layout, brush = laid_out("astronaut", 512), load_brush(brush_name)
     style = load_style(style_name, layout.canvas)
     options = PlannerSettings(strokes=strokes, exact=True, paints=paints, steps=STEPS)
-    return as_painting(plan(problem_of(layout, brush, style, options), options), layout, brush, style, making(options))
+    return as_painting(
+        plan(problem_of(layout, brush, style, options), options), layout, brush, style, provenance_of(options)
+    )
 
 
 def ends_of(painting: Painting) -> np.ndarray:

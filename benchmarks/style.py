@@ -29,7 +29,7 @@ from photographs import BRUSH, laid_out
 from published import published_vae
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
-from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
+from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.strokes.strokes import Strokes
@@ -257,7 +257,7 @@ def _planned(
         style = replace(style, max_mean_cost=max_mean_cost)
     layout, options = laid_out("astronaut", 256), PlannerSettings(seed=seed)
     planned = plan(problem_of(layout, BRUSH, style, options), options)
-    painting = as_painting(planned, layout, BRUSH, style, making(options))
+    painting = as_painting(planned, layout, BRUSH, style, provenance_of(options))
     if likeness is not None:
         metrics = metrics_of(painting, layout)
         assert metrics is not None

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Painting, Sheet
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of
+from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
@@ -100,7 +100,7 @@ def paint(way: str, layout: Layout, options: PlannerSettings) -> Painting:
         planned = plan(problem, options)
     if way == "bezier":
         planned = replace(planned, strokes=evenly_pressed(planned.strokes))
-    return as_painting(planned, layout, brush, style, making(options))
+    return as_painting(planned, layout, brush, style, provenance_of(options))
 
 
 def main() -> None:

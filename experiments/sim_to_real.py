@@ -41,7 +41,7 @@ from maulstick.painting.metrics import compare
 from maulstick.painting.painting import Painting, Sheet, write_painting
 from maulstick.painting.picture import encode_png, scaled
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import as_painting, making, problem_of
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import lay_out_for
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
@@ -165,7 +165,9 @@ class Study:
         style = load_style("loops", layout.canvas)
         options = PlannerSettings(self.trial.strokes, paints=6, steps=self.trial.steps)
         planned = plan(problem_of(layout, brush, style, options), options)
-        made = making(options, "astronaut.png", None, {"style": "loops", "fit": "cover", "px": self.trial.pixels})
+        made = provenance_of(
+            options, "astronaut.png", None, {"style": "loops", "fit": "cover", "px": self.trial.pixels}
+        )
         return sequenced(as_painting(planned, layout, brush, style, made), (0.0, 0.0))
 
     def painted(self, painting: Painting, seed: int) -> Image:

@@ -1,6 +1,7 @@
 """For all tests: with MAULSTICK_NO_SKIPS=1, as on the machine that decides (.ci/run), a skipped test has failed."""
 
 import os
+import signal
 from collections.abc import Generator
 from typing import TypeVar
 
@@ -48,3 +49,14 @@ def _nobodys_data(tmp_path_factory: pytest.TempPathFactory) -> Generator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _hears_ctrl_c() -> Generator[None]:
+    """Ctrl-C arrives here and in the processes that tests start, even if all this was started by ``nohup … &``.
+
+    A shell without job control ignores it for what runs in its background, and a process inherits what is ignored.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -12,6 +12,7 @@ from maulstick.calibration.collect import collect, spread_apart, trials_of
 from maulstick.calibration.eye import Eye
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.camera_loop import practice, room_of
+from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet, write_painting
 from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import Canvas
@@ -19,7 +20,7 @@ from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import SimulatedEasel
-from maulstick.robot.simulated.sheets import StampedSheet
+from maulstick.robot.simulated.sheets import ModelSheet
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Floats
 from maulstick.style import load_style
@@ -231,7 +232,8 @@ OFFSET = (0.6e-3, -0.4e-3)
 def test_what_is_collected_on_the_easel_tells_where_strokes_land(tmp_path: Path) -> None:
     side, like = 0.16, nominal("fineliner")
     painting = practice(load_style("loops", Canvas(side, side, 1.0)), like, Sheet(width=side, height=side), 12)
-    ink = StampedSheet(Canvas(side, side, 6000), (1.2e-3, 1.2e-3), 2e-3)
+    pen = Brush(name="pen", source="a test", alpha=0, beta=1.2e-3, plateau=0.95, depth=(0, 2e-3))
+    ink = ModelSheet(Canvas(side, side, 6000), pen)
     robot = SimulatedEasel(ink, offset=OFFSET)
     tags = TagFrame(side, side)
     camera = SimulatedCamera(ink.image, ink.canvas, np.random.default_rng(0), tags=tags)

@@ -6,9 +6,10 @@ from skimage.color import deltaE_ciede2000, rgb2lab
 
 from maulstick.calibration.chart import CHART, GREY_CARD, with_chart, with_grey_card
 from maulstick.calibration.colour import Colours, Whites, lamp_of, read_colours, whites_of, write_colours
-from maulstick.colour.srgb import Image, colours_of, light_of
+from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError
 from maulstick.robot.simulated.camera import Optics
+from maulstick.storage.arrays import Image
 from tests.support.calibration.photo_studio import (
     CANVAS,
     CHART_CORNERS,

@@ -219,9 +219,9 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 
 @pytest.fixture
 def arm(monkeypatch: pytest.MonkeyPatch) -> Recorder:
-    """The machine that is meant by any word."""
+    """The machine that any spec names."""
     robot = Recorder()
-    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda word, easel: robot)
+    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda spec, easel: robot)
     return robot
 
 
@@ -275,7 +275,7 @@ def test_corners_that_do_not_fit_the_sheet_are_refused(terminal: int, arm: Recor
 def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its paper lies 20 mm high, and it starts at (300, 0, 100) mm."""
     arm = Feeling(0.02)
-    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda word, easel: arm)
+    monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda spec, easel: arm)
     near, pressure = "1" + 7 * LOWER + "\r", "1" + 3 * LOWER + "2" + 2 * LOWER + "\r"
     keys = [near, "1" + 10 * RIGHT + 2 * LOWER + "\r", "1" + 6 * DOWN + 2 * LOWER + "\r"]
     os.write(terminal, "".join([*keys, "1" + 10 * LEFT + 2 * LOWER + "\r", pressure]).encode())

@@ -12,7 +12,7 @@ from tests.cli.conftest import run
 from tests.robot.test_export import places_of
 from tests.support.nominal import nominal
 from tests.support.robot.small_paintings import HEIGHT, SIX, line, painting_of
-from tests.support.robot.trays import WORDS
+from tests.support.robot.trays import TRAY_JSON
 from tests.support.tolerances import GCODE_METRES, HPGL_METRES
 
 ROUND = SIX.model_copy(
@@ -82,7 +82,7 @@ def test_gcode_goes_where_the_easel_says(here: Path) -> None:
 
 
 def test_gcode_visits_the_tray_beside_the_sheet() -> None:
-    Path("tray.json").write_text(json.dumps(WORDS))
+    Path("tray.json").write_text(json.dumps(TRAY_JSON))
     places = places_of(exported("--tray", "tray.json"))
     assert places[1:, 0].max() > 0.12
 
@@ -172,6 +172,6 @@ def test_a_tray_has_no_place_in_hpgl() -> None:
     brush = nominal("round")
     lifted = Brush.model_validate({**brush.model_dump(), "alpha": 0.0, "depth": (0.0, 0.0)})
     write_painting(ROUND.model_copy(update={"brushes": {"round": lifted}}), Path("painting.json"))
-    Path("tray.json").write_text(json.dumps(WORDS))
+    Path("tray.json").write_text(json.dumps(TRAY_JSON))
     ran = run("export", "painting.json", "--format", "hpgl", "--tray", "tray.json")
     assert ran.mistake == "HPGL knows pens and no wells; leave out the tray, or export gcode"

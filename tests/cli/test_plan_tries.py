@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli.plan import tries
-from maulstick.jobs.plan.options import state_files
+from maulstick.jobs.plan.request import state_files
 from maulstick.painting.painting import Painting, Provenance, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 

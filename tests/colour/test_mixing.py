@@ -5,9 +5,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from skimage.color import deltaE_ciede2000, rgb2lab
 
-from maulstick.colour.mixing import Floats, Recipe, mixed_colours, mixing_advice
+from maulstick.colour.mixing import Recipe, mixed_colours, mixing_advice
 from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 from tests.support.tolerances import MIXED
 
 COLOUR = {paint.name: paint.colour for paint in USUAL_PAINTS}

@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from skimage.color import rgb2lab
 
-from maulstick.colour.palette import Floats, lightness, mix_paints, nearest_paint, parse_colour, swatches
+from maulstick.colour.palette import lightness, mix_paints, nearest_paint, parse_colour, swatches
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 
 FOUR = np.array([[1.0, 1.0, 0.9], [0.9, 0.3, 0.2], [0.1, 0.4, 0.7], [0.05, 0.05, 0.05]])
 SRGB_ROUND_TRIP = 1e-3  # of going to CIELAB and back, as scikit-image has it

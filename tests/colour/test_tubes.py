@@ -50,9 +50,9 @@ def test_spreadsheets_marks_blank_lines_and_names_of_colours_are_understood(tmp_
         (",#ffffff\n", ", line 1: the name must have 1 to 80 printable characters"),
         ("a\u202eb,#ffffff\n", ", line 1: the name must have 1 to 80 printable characters"),
         (f"{'a' * 81},white\n", ", line 1: the name must have 1 to 80 printable characters"),
-        ("name,colour\n", " has no paints; write one a line, as in: ultramarine,#2a2f8f"),
-        (" \n", " has no paints; write one a line, as in: ultramarine,#2a2f8f"),
-        ("[]", " has no paints; write one a line, as in: ultramarine,#2a2f8f"),
+        ("name,colour\n", " has no paints; write one per line, as in: ultramarine,#2a2f8f"),
+        (" \n", " has no paints; write one per line, as in: ultramarine,#2a2f8f"),
+        ("[]", " has no paints; write one per line, as in: ultramarine,#2a2f8f"),
         ("\n".join(f"p{i},#ffffff" for i in range(257)), " has more than 256 paints; leave out those that are not at"),
         (f"{'a' * 200_000},white\n", ", line 1: field larger than field limit (131072); write name,colour"),
         ('[{"name": "a", "colour": "octarine"}]', ", entry 1: 'octarine' is not a colour; write"),
@@ -63,7 +63,7 @@ def test_spreadsheets_marks_blank_lines_and_names_of_colours_are_understood(tmp_
         ),
         ('{"a": "#ffffff"}', " is not a list of paints: the file: Input should be a valid array"),
         ("[" * 100_000, " is not a list of paints: the file: Invalid JSON: recursion limit exceeded"),
-        ("a,red\0", " is not text; write a paint a line, as in: ultramarine,#2a2f8f"),
+        ("a,red\0", " is not text; write one paint per line, as in: ultramarine,#2a2f8f"),
     ],
 )
 def test_a_file_with_a_fault_is_refused_by_its_line(tmp_path: Path, content: str, text: str) -> None:
@@ -77,7 +77,7 @@ def test_a_file_with_a_fault_is_refused_by_its_line(tmp_path: Path, content: str
 
 def test_a_file_that_is_binary_huge_or_not_there_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n")
-    with pytest.raises(InputError, match=r"a\.png is not text; write a paint a line"):
+    with pytest.raises(InputError, match=r"a\.png is not text; write one paint per line"):
         read_paints(tmp_path / "a.png")
     with (tmp_path / "huge.csv").open("wb") as file:
         file.truncate(2**34)  # a hole: it takes no disk

@@ -323,7 +323,7 @@ def of_point(*point: float) -> Damage:
         (lambda p: p["sheet"].update(width=0), "sheet.width: Input should be greater than 0 (got 0)"),
         (lambda p: p["sheet"].update(width="wide"), "sheet.width: Input should be a valid number (got 'wide')"),
         (lambda p: p["sheet"].update(paper=[1, 1]), "sheet.paper[2]: Field required"),
-        (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the canvas; it must"),
+        (lambda p: p.update(area=[0.1, 0, 0.2, 0.1]), "area: [0.1, 0.0, 0.2, 0.1] does not lie on the sheet; it must"),
         (
             of_picture("no base64!"),
             "sheet.picture: Value error, it is not base64; embed a PNG in base64 (got 'no base64",
@@ -369,7 +369,7 @@ def of_point(*point: float) -> Damage:
         (of_stroke(2, id=-1), "strokes[2].id: Input should be greater than or equal to 0 (got -1)"),
         (of_stroke(0, colour="red"), "strokes[0].colour: Extra inputs are not permitted (got 'red')"),
         (of_stroke(0, trajectory=[]), "strokes[0].trajectory: Tuple should have at least 1 item"),
-        (of_stroke(1, speed=[0.1]), "strokes[1]: Value error, there are 1 speeds for 2 points; give one a point"),
+        (of_stroke(1, speed=[0.1]), "strokes[1]: Value error, there are 1 speeds for 2 points; give one per point"),
         (of_stroke(1, speed=[0.1, 0]), "strokes[1].speed[1]: Input should be greater than 0 (got 0)"),
         (lambda p: p["strokes"][0]["style"].pop("code"), "strokes[0].style.code: Field required"),
         (of_point(0, 0), "strokes[0].trajectory[3][2]: Field required"),

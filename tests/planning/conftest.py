@@ -11,9 +11,9 @@ from torch import Tensor
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.objectives import Tone
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
 from tests.support.nominal import nominal
 

@@ -11,13 +11,13 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour, read_painting, write_painting
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import Image as Picture
-from maulstick.planning.from_picture import as_painting, making, metrics_of, problem_of, with_metrics
+from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.preview import preview
+from maulstick.storage.arrays import Image as Picture
 from maulstick.strokes import strokes
 from maulstick.style import load_style
 from tests.planning.conftest import QUICK, options
@@ -31,7 +31,7 @@ LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in ord
 def painted(layout: Layout, brush: Brush, wanted: PlannerSettings = QUICK) -> Painting:
     style = load_style("free", layout.canvas)
     problem = problem_of(layout, brush, style, wanted, NO_NETWORK)
-    return as_painting(plan(problem, wanted), layout, brush, style, making(wanted, "a.jpg"))
+    return as_painting(plan(problem, wanted), layout, brush, style, provenance_of(wanted, "a.jpg"))
 
 
 def likeness(painting: Painting, layout: Layout) -> Metrics:
@@ -142,7 +142,7 @@ def test_the_file_tells_how_the_painting_was_made(painting: Painting, layout: La
 
 def test_making_holds_every_option_and_more() -> None:
     digest = hashlib.sha256(b"a picture").hexdigest()
-    made = making(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, {"size": "20x16cm"})
+    made = provenance_of(options(palette=((0.5, 0.0, 0.25),)), "a.jpg", digest, {"size": "20x16cm"})
     assert isinstance(made, Provenance)
     assert made.image_sha256 == digest
     assert made.options == {
@@ -232,7 +232,7 @@ def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, rou
     style = load_style("free", layout.canvas)
     planned = plan(problem_of(layout, round_brush, style, wanted, NO_NETWORK), wanted)
     names = {hex_colour((0.2, 0.2, 0.4)): "dusk"}
-    found = as_painting(planned, layout, round_brush, style, making(wanted), names)
+    found = as_painting(planned, layout, round_brush, style, provenance_of(wanted), names)
     assert {paint.colour: paint.name for paint in found.paints} == {(0.9, 0.8, 0.7): None, (0.2, 0.2, 0.4): "dusk"}
 
 

@@ -5,8 +5,8 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import encode_png
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.layout import lay_out_for
+from maulstick.storage.arrays import Image as Picture
 from tests.support.nominal import nominal
 from tests.support.tolerances import FILE_METRES
 

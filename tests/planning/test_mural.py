@@ -16,7 +16,7 @@ from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
 from maulstick.planning import stroke_canvas as stroke_canvas
 from maulstick.planning import stroke_effects as worth
-from maulstick.planning.from_picture import as_painting, making, problem_of
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
@@ -65,7 +65,7 @@ def planned_as(
 
 def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> NDArray[np.float32]:
     """(H, W)."""
-    painting = as_painting(planned, layout, brush, STYLE, making(FINE))
+    painting = as_painting(planned, layout, brush, STYLE, provenance_of(FINE))
     return np.square(preview(painting, layout.canvas) - layout.target).mean(axis=2)
 
 

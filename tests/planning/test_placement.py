@@ -5,9 +5,10 @@ import pytest
 import torch
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.from_picture import Image as Picture
-from maulstick.planning.placement import Floats, Places, detail, find_places, ink_density, start_strokes
+from maulstick.planning.placement import Places, detail, find_places, ink_density, start_strokes
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
+from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.free import FreeStyle

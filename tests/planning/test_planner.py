@@ -9,7 +9,6 @@ from maulstick.colour.palette import lightness
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.planning import planner
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
@@ -17,6 +16,7 @@ from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
+from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
 from maulstick.style.free import FreeStyle
 from tests.planning.conftest import QUICK, mse, options, problem

@@ -8,10 +8,10 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.state import KIND, State, read_state, write_state
+from maulstick.storage.arrays import Image as Picture
 from maulstick.storage.arrays import write_arrays
 from tests.planning.conftest import options, problem
 from tests.support.planning.network_losses import Shifted

@@ -5,10 +5,10 @@ import torch
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.planner import PlanProgress, plan
 from maulstick.planning.problem import PlanningProblem, Weighted
 from maulstick.planning.surrogate import Surrogate
+from maulstick.storage.arrays import Image as Picture
 from tests.planning.conftest import mse, options, problem
 from tests.planning.test_planner import rendered
 from tests.support.planning.network_losses import Shifted

@@ -5,8 +5,8 @@ from maulstick.errors import InputError
 from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import encode_png, lay_out
 from maulstick.painting.raster import Canvas
-from maulstick.planning.from_picture import Image as Picture
 from maulstick.planning.mural.windows import Mural, Windows, enlarged
+from maulstick.storage.arrays import Image as Picture
 from tests.support.tolerances import FLOAT32_VALUE
 
 

@@ -91,12 +91,32 @@ def test_any_number_of_strokes_has_a_sheet_and_a_map(strokes: int) -> None:
             assert near(part, COLOURS[0]).any()
 
 
+def alike(style: Exemplar, metres: float) -> Exemplar:
+    """Its hand drew one stroke six times, but for so much."""
+    hand = style.hand
+    paths = np.repeat(hand.paths[:1], 6, axis=0)
+    paths[:, 1:-1] += np.random.default_rng(0).uniform(-metres, metres, paths[:, 1:-1].shape)
+    return replace(style, hand=Hand(paths, hand.pressure[:6], hand.speeds[:6]))
+
+
 def test_strokes_that_are_all_the_same_have_a_sheet_and_a_map(circles: Exemplar) -> None:
-    hand = circles.hand
-    same = Hand(np.repeat(hand.paths[:1], 6, axis=0), hand.pressure[:6], hand.speeds[:6])
-    style = replace(circles, hand=same)
+    style = alike(circles, 0.0)
     for png in (style_plot(style, "", PX), latent_map([style], "", PX)):
         assert near(parts(pixels(png))[0], COLOURS[0]).any()
+
+
+@pytest.mark.parametrize("metres", [0.0, 1e-18, 1e-15, 1e-12])
+def test_strokes_that_only_rounding_tells_apart_lie_in_the_middle_of_a_map(circles: Exemplar, metres: float) -> None:
+    assert places_of([alike(circles, metres)]).places.tolist() == [[0.0, 0.0]] * 6
+
+
+@pytest.mark.parametrize("metres", [1e-8, 1e-6])
+def test_strokes_that_are_nearly_the_same_have_a_place_each_on_a_map(circles: Exemplar, metres: float) -> None:
+    style = alike(circles, metres)
+    places = places_of([style]).places
+    assert np.ptp(places, axis=0) == pytest.approx([1, 1])
+    assert len(np.unique(places, axis=0)) == 6
+    assert near(parts(pixels(latent_map([style], "", PX)))[0], COLOURS[0]).any()
 
 
 def test_a_map_keeps_the_strokes_of_a_hand_together(circles: Exemplar, zigzags: Exemplar) -> None:

@@ -10,8 +10,9 @@ from maulstick.errors import InputError, MachineError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.check import check_robot
 from maulstick.robot.simulated.easel import ARM, SimulatedEasel
-from maulstick.robot.simulated.sheets import StampedSheet
+from maulstick.robot.simulated.sheets import ModelSheet
 from maulstick.storage.arrays import Floats
+from tests.support.nominal import nominal
 from tests.support.robot.obedient_robot import EASEL, LIMITS, Obedient
 
 MIDDLE = (0.05, 0.05)
@@ -145,7 +146,7 @@ def test_a_trial_that_does_not_fit_the_limits_is_refused_before_the_machine_is_e
 
 
 def test_a_machine_with_a_usual_place_needs_no_more_than_itself() -> None:
-    sheet = StampedSheet(Canvas(0.1, 0.1, 1000), (1e-3, 2e-3), 2e-3)
+    sheet = ModelSheet(Canvas(0.1, 0.1, 1000), nominal("marker"))
     assert [check.name for check in check_robot(SimulatedEasel(sheet, limits=ARM, pace=1)) if not check.passed] == []
     with pytest.raises(InputError, match="it stands nowhere"):
         check_robot(Obedient())

@@ -2,7 +2,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
@@ -134,6 +134,15 @@ def a_machine(draw: st.DrawFn) -> Limits:
     turn=st.floats(-3.2, 3.2),
     seed=st.integers(0, 2**32 - 1),
     reach=st.floats(0, 0.2),
+)
+@example(  # a thousandth of a last digit below a round feed
+    limits=LIMITS.model_copy(update={"speed": 0.1860283318547222, "climb": 0.5}),
+    dialect="grbl",
+    pen=None,
+    corner=(0.0, 0.0, 0.0),
+    turn=0.0,
+    seed=0,
+    reach=0.0,
 )
 def test_whatever_strokes_easel_and_pen_nothing_beyond_the_limits_is_written(
     limits: Limits,

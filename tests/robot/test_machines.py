@@ -8,32 +8,32 @@ from maulstick.robot.machines import SPECS, machine
 from maulstick.robot.robot import Robot
 
 
-@pytest.mark.parametrize("word", ["", ":", "robot", "grble:/dev/ttyUSB0", "GRBL:/dev/ttyUSB0", "10.0.0.1"])
-def test_a_word_that_names_no_machine_is_refused_with_those_that_do(word: str) -> None:
+@pytest.mark.parametrize("spec", ["", ":", "robot", "grble:/dev/ttyUSB0", "GRBL:/dev/ttyUSB0", "10.0.0.1"])
+def test_a_spec_that_names_no_machine_is_refused_with_those_that_do(spec: str) -> None:
     with pytest.raises(InputError) as caught:
-        machine(word, None)
-    assert str(caught.value) == f"there is no machine {word!r}; there are: {SPECS}"
+        machine(spec, None)
+    assert str(caught.value) == f"there is no machine {spec!r}; there are: {SPECS}"
 
 
-@pytest.mark.parametrize("word", ["grbl", "grbl:", "xarm", "franka:", "ur"])
-def test_a_machine_whose_place_is_not_said_is_refused(word: str) -> None:
+@pytest.mark.parametrize("spec", ["grbl", "grbl:", "xarm", "franka:", "ur"])
+def test_a_machine_whose_place_is_not_said_is_refused(spec: str) -> None:
     with pytest.raises(InputError, match=r"does not say where the machine is; there are: "):
-        machine(word, None)
+        machine(spec, None)
 
 
-@pytest.mark.parametrize("word", ["grbl:/dev/null/none", "axidraw:/dev/null/none"])
-def test_a_plotter_is_not_connected_before_it_is_entered(word: str) -> None:
-    robot = machine(word, None)
+@pytest.mark.parametrize("spec", ["grbl:/dev/null/none", "axidraw:/dev/null/none"])
+def test_a_plotter_is_not_connected_before_it_is_entered(spec: str) -> None:
+    robot = machine(spec, None)
     assert isinstance(robot, Robot)
     with pytest.raises(MaulstickError) as caught:
         robot.__enter__()
     assert "\n" not in str(caught.value)
 
 
-def test_all_words_but_the_simulators_name_machines() -> None:
-    for word in SPECS.split(", "):
-        if not word.startswith("sim"):
-            assert isinstance(machine(word.replace("IP", "192.0.2.1"), None), Robot)
+def test_all_specs_but_the_simulators_name_machines() -> None:
+    for spec in SPECS.split(", "):
+        if not spec.startswith("sim"):
+            assert isinstance(machine(spec.replace("IP", "192.0.2.1"), None), Robot)
 
 
 def test_naming_machines_loads_none_of_what_drives_them() -> None:

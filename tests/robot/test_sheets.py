@@ -3,11 +3,18 @@ from typing import NoReturn
 
 import numpy as np
 import pytest
+import torch
+from numpy.testing import assert_allclose
 
 from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
+from maulstick.rendering.kernels.reference import composite
+from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.robot.simulated import sheets
-from maulstick.robot.simulated.sheets import Image, InkedSheet, MyPaintSheet, StampedSheet, sheet_for
+from maulstick.robot.simulated.sheets import InkedSheet, ModelSheet, MyPaintSheet, sheet_for
+from maulstick.storage.arrays import Image
+from tests.support import tolerances
 from tests.support.nominal import nominal
 from tests.support.robot.small_paintings import BLUE, RED
 
@@ -15,8 +22,11 @@ CANVAS = Canvas(0.03, 0.02, 5000)
 ROW = np.array([[0.006, 0.01, 0.5], [0.024, 0.01, 0.5]])
 
 
-def stamped() -> InkedSheet:
-    return StampedSheet(CANVAS, (0.5e-3, 1.5e-3), 8e-3)
+HARD = Brush(name="hard", source="a test", alpha=1e-3, beta=0.5e-3, plateau=0.98, depth=(0, 8e-3))
+
+
+def modelled() -> InkedSheet:
+    return ModelSheet(CANVAS, HARD)
 
 
 def mypaint() -> InkedSheet:
@@ -26,7 +36,7 @@ def mypaint() -> InkedSheet:
         pytest.skip(str(error))
 
 
-both = pytest.mark.parametrize("sheet", [stamped, mypaint])
+both = pytest.mark.parametrize("sheet", [modelled, mypaint])
 
 
 def height_of_mark(image: Image, x: float) -> float:
@@ -71,37 +81,41 @@ def test_what_is_drawn_off_the_sheet_leaves_nothing(sheet: Callable[[], InkedShe
 
 
 def test_a_point_is_a_dot() -> None:
-    paper = stamped()
+    paper = modelled()
     paper.draw(np.array([[0.015, 0.01, 0.5]]), (0, 0, 0))
     paper.draw(np.array([[0.015, 0.01, 0.5]] * 3), (0, 0, 0))
     assert 0 < height_of_mark(paper.image(), 0.015) < 0.004
 
 
-def test_a_stamped_mark_is_as_wide_as_was_said() -> None:
-    paper = stamped()
+def test_a_modelled_mark_is_as_wide_as_its_brush() -> None:
+    paper = modelled()
     paper.draw(ROW, (0, 0, 0))
     assert height_of_mark(paper.image(), 0.015) == pytest.approx(2e-3, abs=2 / CANVAS.pixels_per_metre)
 
 
 def test_an_image_that_was_taken_is_not_drawn_on_later() -> None:
-    paper = stamped()
+    paper = modelled()
     before = paper.image()
     paper.draw(ROW, RED)
     assert np.all(before == 1)
 
 
-def test_where_libmypaint_is_missing_marks_are_stamped_with_another_width_than_the_brushs(
+def test_where_libmypaint_is_missing_the_brush_model_draws_what_the_planner_sees(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def missing(_: Canvas) -> NoReturn:
         raise InputError("libmypaint is not installed")
 
-    monkeypatch.setattr(sheets, "Paper", missing)
-    paper = sheet_for(nominal("round"), CANVAS)
-    assert isinstance(paper, StampedSheet)
-    paper.draw(ROW, (0, 0, 0))
-    width = height_of_mark(paper.image(), 0.015)
-    assert width == pytest.approx(2 * 0.9 * 0.004, abs=3 / CANVAS.pixels_per_metre)
+    monkeypatch.setattr(sheets, "MyPaintPaper", missing)
+    brush = nominal("round").model_copy(update={"nib": (0.2, 0.1), "faint": 0.5, "opacity": 0.8, "lag": 1e-3})
+    paper = sheet_for(brush, CANVAS)
+    assert isinstance(paper, ModelSheet)
+    bent = np.array([[0.006, 0.01, 0.1], [0.015, 0.012, 0.3], [0.024, 0.005, 0.2]])
+    paper.draw(bent, RED)
+    marks = Traj2Stroke.of([brush]).bare(torch.tensor(bent[None], dtype=torch.float32), CANVAS.pixels_per_metre)
+    numbers = marks.falloff, marks.plateau, marks.opacity
+    expected = composite(torch.ones(3, 100, 150), marks.points, marks.thickness, torch.tensor([RED]), *numbers)
+    assert_allclose(paper.image(), expected.permute(1, 2, 0).numpy(), atol=2e-5, rtol=0)
 
 
 @pytest.mark.parametrize("brush", ["fineliner", "marker", "round"])

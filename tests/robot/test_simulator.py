@@ -18,8 +18,8 @@ from maulstick.robot.journal import Journal
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, routine, seconds_of
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
-from maulstick.robot.simulated.sheets import Colour, Image, InkedSheet
-from maulstick.storage.arrays import Floats
+from maulstick.robot.simulated.sheets import Colour, InkedSheet
+from maulstick.storage.arrays import Floats, Image
 from tests.support.nominal import nominal
 from tests.support.robot.small_paintings import BLUE, RED, SIX, line, painting_of
 from tests.support.robot.trays import TRAY

@@ -8,7 +8,7 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.robot.tray import Well, read_tray
 from tests.support.robot.small_paintings import SIX
-from tests.support.robot.trays import TRAY, WORDS
+from tests.support.robot.trays import TRAY, TRAY_JSON
 
 
 def fault(tmp_path: Path, content: str) -> str:
@@ -20,7 +20,7 @@ def fault(tmp_path: Path, content: str) -> str:
 
 
 def test_a_tray_is_read_from_its_file(tmp_path: Path) -> None:
-    (tmp_path / "tray.json").write_text(json.dumps(WORDS))
+    (tmp_path / "tray.json").write_text(json.dumps(TRAY_JSON))
     assert read_tray(tmp_path / "tray.json") == TRAY
 
 
@@ -40,7 +40,7 @@ def test_a_tray_is_read_from_its_file(tmp_path: Path) -> None:
     ],
 )
 def test_a_file_that_is_no_tray_is_refused_with_the_field(tmp_path: Path, change: dict[str, Any], said: str) -> None:
-    assert said in fault(tmp_path, json.dumps({**WORDS, **change}))
+    assert said in fault(tmp_path, json.dumps({**TRAY_JSON, **change}))
 
 
 def test_a_file_that_is_not_json_is_refused(tmp_path: Path) -> None:

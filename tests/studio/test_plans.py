@@ -5,12 +5,14 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from skimage.data import data_dir
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanRequest
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plans import Phase, Plan, Plans
@@ -18,33 +20,12 @@ from maulstick.studio.workers.planner import TARGET, order_frame
 
 _PATIENCE = 120.0
 LONG = 100_000
-JOB = PlanRequest(
-    photo=Path(data_dir) / "astronaut.png",
-    text=None,
-    look=None,
-    weigh={"tone": 1.0},
-    clip=None,
-    clip_weights=None,
-    clip_layers=None,
-    size="80x80mm",
-    paper="white",
-    canvas=None,
-    fit="contain",
-    strokes=20,
-    exact=False,
-    paints=3,
-    ink=None,
-    paints_from=None,
-    brush="round",
-    pressure=None,
-    style="free",
-    steps=20,
-    ask_every=10,
-    px=48,
-    seed=0,
-    tries=1,
-    frames=None,
-)
+OPTIONS = PlanOptions(weights={"tone": 1.0}, size="80x80mm", strokes=20, paints=3, steps=20, px=48)
+REQUEST = PlanRequest(Path(data_dir) / "astronaut.png", OPTIONS)
+
+
+def request_with(**changes: Any) -> PlanRequest:
+    return replace(REQUEST, options=replace(OPTIONS, **changes))
 
 
 @pytest.fixture
@@ -62,7 +43,7 @@ async def until(condition: Callable[[], bool]) -> None:
 def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Folder) -> None:
     async def plan() -> Plan:
         plans = Plans(folder)
-        plan = plans.add(JOB)
+        plan = plans.add(REQUEST)
         assert plans.doing == "planning data"
         await until(lambda: not plan.is_busy)
         await until(lambda: not plans.doing)
@@ -82,7 +63,7 @@ def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Fo
 def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_opened_later(folder: Folder) -> None:
     async def stop() -> Plan:
         plans = Plans(folder)
-        plan = plans.add(replace(JOB, steps=LONG))
+        plan = plans.add(request_with(steps=LONG))
         await until(lambda: plan.seen > 1)
         plans.stop(plan)
         assert plan.phase is Phase.STOPPING
@@ -114,7 +95,7 @@ def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_open
 def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None:
     async def plan() -> Plan:
         plans = Plans(folder)
-        plan = plans.add(replace(JOB, steps=2000))
+        plan = plans.add(request_with(steps=2000))
         await until(lambda: plan.seen > 1)
         assert set(plan.curve[-1][1]) == {"tone"}
         plans.weigh(plan, {"tone": 1.0, "edges": 1.0, "likeness": 0.5})
@@ -129,7 +110,7 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None
         return plan
 
     made = asyncio.run(plan())
-    assert made.asked.weigh == {"tone": 0.5}
+    assert made.asked.options.weights == {"tone": 0.5}
     assert json.loads((made.folder / "job.json").read_bytes())["weigh"] == {"tone": 0.5}
     assert read_painting(made.folder / "painting.json").provenance.options["weights"] == {"tone": 0.5}
 
@@ -137,7 +118,7 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None
 def test_a_plan_that_cannot_be_says_why_and_can_be_thrown_away_and_taken_back(folder: Folder) -> None:
     async def fail() -> None:
         plans = Plans(folder)
-        plan = plans.add(replace(JOB, style="nobody"))
+        plan = plans.add(request_with(style="nobody"))
         with pytest.raises(InputError, match="data is being planned; stop it first"):
             plans.throw_away(plan)
         await until(lambda: not plan.is_busy)
@@ -159,7 +140,7 @@ def test_plans_take_turns_and_one_that_waits_can_be_taken_out(folder: Folder, mo
 
     async def wait() -> None:
         plans = Plans(folder)
-        first, second, third = (plans.add(JOB) for _ in range(3))
+        first, second, third = (plans.add(REQUEST) for _ in range(3))
         assert [plan.phase for plan in (first, second, third)] == [Phase.PLANNING, Phase.WAITING, Phase.WAITING]
         assert [plan.name for plan in (first, second, third)] == ["data", "data-2", "data-3"]
         assert plans.doing == "planning 3 pictures"

@@ -1,31 +1,25 @@
 """The machine of the studio without its page: real processes, the simulated easel, and a Grbl on a pseudo-terminal."""
 
-import ast
 import asyncio
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from itertools import chain
 from pathlib import Path
 
 import pytest
 
-import maulstick
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.session import PaintRequest, rehearse
 from maulstick.painting.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.studio.state import machine_names as run_words
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.machine_names import on_the_page
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run
 from maulstick.studio.workers.desk import Desk
@@ -371,13 +365,13 @@ def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old
     painting = put_plan(tmp_path, "lines")
     with Journal.open(journal_of(painting)) as journal:
         journal.revise(painting)
-        journal.tell(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words)
+        journal.write_options(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json())
     assert rehearse(PaintRequest(painting, PaintOptions(robot="sim", tray=None), resume=True)).strokes == STROKES
     for asked, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
         with pytest.raises(InputError, match=tray):
             rehearse(PaintRequest(painting, asked, resume=True))
     after = PaintOptions(robot="sim", tray=None).after(
-        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).words
+        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json()
     )
     assert (after.tray, after.speed) == (None, 0.01)
 
@@ -398,55 +392,3 @@ def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
             assert status.painted >= 1
 
     asyncio.run(paint())
-
-
-SENTENCES_MADE_ELSEWHERE = (
-    str(InputError.of_range("--speed", 0, "from 0.1 to 10000 mm/s")),
-    str(InputError.of_range("--replan", -1, "at least 1 stroke, or 0 for never again")),
-)
-
-
-def sentences_of(file: Path) -> Iterator[str]:
-    """What its strings say, with an x for whatever stands between braces."""
-    for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.JoinedStr):
-            yield "".join(str(part.value) if isinstance(part, ast.Constant) else "x" for part in node.values)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield node.value
-
-
-@pytest.mark.parametrize("pattern", [pattern for pattern, _ in run_words._ON_THE_PAGE])
-def test_whatever_the_page_says_otherwise_is_said_somewhere(pattern: str) -> None:
-    source = Path(maulstick.__file__).parent
-    files = [file for folder in ("robot", "jobs/run") for file in (source / folder).rglob("*.py")] + [
-        source / "brush" / "pressure.py"
-    ]
-    said = chain(SENTENCES_MADE_ELSEWHERE, *map(sentences_of, filter(Path.is_file, files)))
-    assert any(re.search(pattern, sentence) for sentence in said)
-
-
-@pytest.mark.parametrize(
-    ("elsewhere", "here"),
-    [
-        ("the line went silent; then go on with maulstick paint ... --resume", "the line went silent; then “Go on where"),
-        (
-            "the journal's words are damaged: x; start again with --restart",
-            "the journal's words are damaged: x; “Start again",
-        ),
-        (
-            "no AxiDraw is plugged in; connect it, or name its port: axidraw:PORT",
-            "no AxiDraw is plugged in; connect it, or",
-        ),
-        (
-            "another maulstick drives grbl:/dev/ttyUSB0; wait",
-            "another Maulstick drives Pen plotter with Grbl at /dev/ttyUSB0",
-        ),
-        ("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH", "planning again needs"),
-        ("an arm must be told where the sheet lies; run: maulstick calibrate touch --robot ...", "an arm must be told"),
-        ("what says nothing of the command line", "what says nothing of the command line"),
-    ],
-)
-def test_the_page_does_not_speak_like_the_command_line(elsewhere: str, here: str) -> None:
-    said = on_the_page(elsewhere)
-    assert said.startswith(here)
-    assert [word for word in ("--", "PORT", "PATH", "maulstick paint") if word in said] == []

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maulstick.painting.painting import Painting, Sheet
-from maulstick.planning.from_picture import as_painting, making, problem_of
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import lay_out_for
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
@@ -32,5 +32,5 @@ def planned() -> Painting:
     layout = lay_out_for(picture(), sheet, brush, "contain", PIXELS)
     style = load_style("loops", layout.canvas)
     options = PlannerSettings(STROKES, exact=True, paints=2, steps=STEPS)
-    made = making(options, more={"style": "loops", "fit": "contain", "px": PIXELS, "weights": {"tone": 1.0}})
+    made = provenance_of(options, more={"style": "loops", "fit": "contain", "px": PIXELS, "weights": {"tone": 1.0}})
     return as_painting(plan(problem_of(layout, brush, style, options), options), layout, brush, style, made)

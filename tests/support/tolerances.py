@@ -24,6 +24,8 @@ FLOAT32_ROUND_TRIP = 5e-6
 LEAST_SPLINE = 1e-6  # metres: a shape whose spline is shorter than this is known to no better
 DESCRIPTION = 1e-8  # of turning, of a path that was placed elsewhere: rounding over its shortest step
 
+NATS = 1e-10  # of a cost at a centre, in float64: the square of no distance, from terms of 1e5 that cancel
+
 LEEWAY = 1.1  # of what a style allows, at the end of a plan of a few steps, whose weights had little time to settle
 
 # Golden pictures, in steps of 255: rounding may differ by processor, nothing more.

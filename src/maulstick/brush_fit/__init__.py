@@ -1,1 +1,1 @@
-"""Fitting a brush to photographs of strokes that were drawn one at a time."""
+"""Fits of a brush to photographs of strokes that were drawn one at a time."""

@@ -1,4 +1,4 @@
-"""How sure the numbers of a fitted brush are."""
+"""Standard errors of the numbers of a fitted brush."""
 
 from collections.abc import Callable
 
@@ -9,13 +9,14 @@ from maulstick.brush_fit.descent import Unknowns, descend
 from maulstick.brush_fit.mosaic import Mosaic
 
 GROUPS, STEPS = 8, 30
+"""Groups of the jackknife, and steps of descent without each."""
 
 
 def standard_errors(mosaic: Mosaic, found: Unknowns, progress: Callable[[], None]) -> dict[str, Tensor]:
-    """Standard errors (k,) of the numbers that were sought, and of opacity, in metres or shares.
+    """Standard errors (k,) of the fitted numbers, and of opacity, in metres or shares.
 
-    A jackknife over groups of strokes, which are the independent observations: what the numbers become without each
-    group in turn. `progress` is called `GROUPS` * `STEPS` times.
+    They come from a jackknife: the numbers are fitted again without each group of strokes in turn, since strokes are
+    the independent observations. `progress` is called at most `GROUPS` * `STEPS` times.
     """
     groups = torch.arange(len(mosaic)) % min(GROUPS, len(mosaic))
     kept = [groups != group for group in groups.unique()]

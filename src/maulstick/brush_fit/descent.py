@@ -1,4 +1,4 @@
-"""The numbers of one brush, found by gradient descent together with what differs from stroke to stroke."""
+"""Gradient descent to the numbers of one brush, together with each stroke's own offset and opacity."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,25 +14,25 @@ from maulstick.painting.brush import CURVE_PRESSURES
 from maulstick.rendering.traj2stroke import Traj2Stroke
 
 PAPER = ("scale", "alpha", "beta", "falloff")
-"""The paper's numbers but for b, which is the middle of all strokes' own places."""
+"""Names of the paper's numbers, except b, which is the median of the strokes' own offsets."""
 
 ADDITIONS = ("plateau", "curve", "lag", "nib")
-"""What may be added to the paper's brush; a lag brings a touch along."""
+"""Names of what may be added to the paper's brush; a lag comes with a touch."""
 
-_LEAST_C = 0.15  # below it a mark is as good as hard-edged, and no gradient finds its width any more
-_RATE = 0.04
-_WARM_UP = 0.15  # of the steps
-_OFTEN = 25  # steps
-_TURN = 0.3  # of the logarithm of opacity, at once
-_PUREST = 1e-3  # of a colour, from black or white
+_LEAST_C = 0.15  # least falloff: below it a mark is nearly hard-edged, and no gradient finds its width any more
+_RATE = 0.04  # highest learning rate, in the units of `Unknowns`
+_WARM_UP = 0.15  # share of the steps in which the learning rate rises
+_OFTEN = 25  # steps between searches along opacity and colour
+_TURN = 0.3  # largest change of the logarithm of opacity in one search
+_PUREST = 1e-3  # least distance of a colour from black and white, which have infinite logits
 
 
 @dataclass(frozen=True)
 class Unknowns:
-    """All that is sought, in units in which a step of one size suits each.
+    """Unknowns of a fit, scaled so that one step size suits all of them.
 
-    unit: metres, about the half-width of the mark.  brush: name -> (k,) raw numbers, of those that are not neutral.
-    place: (N, 2) how far each stroke lies beside where it was commanded, in units.  ink: (N,) log of its opacity.
+    unit: metres, about the half-width of the mark.  brush: raw numbers (k,) by name, of those that are not neutral.
+    place: (N, 2) offset of each stroke from its commanded place, in units.  ink: (N,) log of each stroke's opacity.
     colour: (C,) logits, or None where full ink is 1 as in darkness images.
     """
 
@@ -43,11 +43,11 @@ class Unknowns:
     colour: Tensor | None
 
     def adding(self, additions: Iterable[str]) -> "Unknowns":
-        """The same with some of `ADDITIONS`, near their neutral values."""
+        """Return the unknowns with some of `ADDITIONS`, near their neutral values."""
         return replace(self, brush={**self.brush, **{k: v for name in additions for k, v in _FIRST[name].items()}})
 
     def each(self, change: Callable[[Tensor], Tensor]) -> "Unknowns":
-        """The same with every tensor changed alike."""
+        """Return the unknowns with `change` applied to every tensor."""
         return Unknowns(
             self.unit,
             {name: change(raw) for name, raw in self.brush.items()},
@@ -57,14 +57,14 @@ class Unknowns:
         )
 
     def numbers(self) -> dict[str, Tensor]:
-        """The brush's numbers (k,) in metres and shares, neutral ones too."""
+        """Return all numbers (k,) of the brush by name, in metres and shares, neutral ones too."""
         return {
             name: _MEANING[name](self.brush[name], self.unit) if name in self.brush else neutral
             for name, neutral in _NEUTRAL.items()
         }
 
     def ink_colour(self) -> Tensor:
-        """(C,) of full ink."""
+        """Return the colour (C,) of full ink."""
         return torch.ones(1) if self.colour is None else self.colour.sigmoid()
 
 
@@ -101,7 +101,7 @@ _NEUTRAL = {
 
 
 def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -> Traj2Stroke:
-    """One brush a stroke: the numbers (N, k) of each, its place (N, 2) in metres and its opacity (N,)."""
+    """Return one brush per stroke from the numbers (N, k), offsets (N, 2) in metres and opacities (N,)."""
     alone = {name: numbers[name][:, 0] for name in ("alpha", "beta", "falloff", "plateau", "lag")}
     several = {name: numbers[name] for name in ("scale", "curve", "touch", "nib")}
     solid = torch.ones(len(place))
@@ -109,9 +109,9 @@ def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -
 
 
 def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
-    """The photographs (C, H, W) that the unknowns predict; only strokes (N,) that are `taught` teach the brush.
+    """Return the photographs (C, H, W) that the unknowns predict; strokes `taught` (N,) give gradients of the brush.
 
-    The others still find their own place and ink, so what is left of their errors is the brush's.
+    The other strokes still find their own place and ink, so that their remaining error is the brush's.
     """
     count = len(mosaic)
 
@@ -125,7 +125,7 @@ def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
 
 
 def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progress: Callable[[], None]) -> Unknowns:
-    """The unknowns after so many steps of Adam down the weighted L1 of the paper."""
+    """Return the unknowns after `steps` steps of Adam on the weighted L1 of the paper."""
     unknowns = start.each(lambda tensor: tensor.detach().clone().requires_grad_())
     leaves = [*unknowns.brush.values(), unknowns.place, unknowns.ink]
     leaves += [] if unknowns.colour is None else [unknowns.colour]
@@ -136,7 +136,7 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
         mosaic.loss(stamped(mosaic, unknowns, taught)).backward()
         optimiser.step()
         with torch.no_grad():
-            unknowns.ink.clamp_(max=0)  # beyond full ink no gradient would lead back
+            unknowns.ink.clamp_(max=0)  # beyond full ink the gradient is 0
             if unknowns.colour is not None and step % _OFTEN == 0:
                 _see_through(mosaic, unknowns, unknowns.colour, taught)
         schedule.step()
@@ -145,9 +145,9 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
 
 
 def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor, taught: Tensor) -> None:
-    """All strokes paler and their ink darker, or the reverse, as suits best what shines through where they cross.
+    """Make all strokes paler and their ink darker, or the reverse, by a line search on what shows where they cross.
 
-    On bare paper both look alike, so that each number alone, which is all that the gradient sees, is best as it is.
+    On bare paper the two changes cancel, so that the gradient, which sees each number alone, does not find this.
     """
     ink, seen = unknowns.ink.clone(), colour.sigmoid()
     bare = mosaic.before[:, mosaic.counts > 0].median(dim=1).values

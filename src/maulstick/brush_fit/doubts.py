@@ -1,4 +1,4 @@
-"""What a fit's trials cannot tell, in words."""
+"""Warnings about what a fit's trials cannot determine."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,12 +10,15 @@ from maulstick.brush_fit.evidence import ENOUGH
 from maulstick.brush_fit.initialise import has_pressures
 from maulstick.storage.arrays import Floats
 
-_WIDTH = 0.1  # of the widest mark
-_SCALE = 0.03
+_WIDTH = 0.1  # share of the widest half-width: a larger standard error of alpha gets a warning
+_SCALE = 0.03  # a larger standard error of m_x or m_y gets a warning
 
 
 def doubts(paths: Sequence[Floats], found: Unknowns, errors: Mapping[str, Tensor], opaque: bool) -> tuple[str, ...]:
-    """A sentence for each number that these strokes leave open; `opaque`: the ink was taken to be so."""
+    """Return a sentence for each number that these strokes (n, 3) leave open.
+
+    errors: standard errors by name, in metres or shares.  opaque: whether the ink was assumed to be opaque.
+    """
     said = []
     pressure = np.array([path[:, 2] for path in paths])
     if len(paths) < ENOUGH:

@@ -1,4 +1,4 @@
-"""From trials to windows: how far around the paths to look, how finely, and which trials cannot be used."""
+"""Windows of trials: their size and resolution, and the trials that cannot be used."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,21 +9,21 @@ from maulstick.brush_fit.window import Window, extent, look
 from maulstick.errors import InputError
 
 FEWEST = 5
-"""Strokes, below which nothing can be fitted."""
+"""Least number of strokes that a brush can be fitted to."""
 
 ENOUGH = 20
-"""Strokes, from which some can be held out, or halves compared."""
+"""Least number of strokes of which some can be held out, or halves compared."""
 
-_SAMPLE = 12  # trials that are looked at first
-_FAR = 15e-3  # metres around these
-_LARGER, _MORE = 1.25, 1.5e-3  # metres; windows than the marks in them
-_MOST, _MOST_A_STROKE = 9e6, 1e4  # values of pixels in all windows together, and in one; finer photographs are reduced
+_SAMPLE = 12  # trials from which the size of all windows is found
+_FAR = 15e-3  # metres around the paths of these
+_LARGER, _MORE = 1.25, 1.5e-3  # factor and metres by which windows are larger than the marks in them
+_MOST, _MOST_PER_STROKE = 9e6, 1e4  # pixel values in all windows, and in one; finer photographs are reduced
 
 
 def read_windows(
     trials: Sequence[Trial] | Trials, pixels_per_metre: float, progress: Callable[[str, int, int], None]
 ) -> tuple[list[Window], list[str], float]:
-    """Windows just large enough for their strokes, a sentence for each trial that has none, and pixels per metre.
+    """Return windows just large enough for their strokes, a sentence per unusable trial, and the pixels per metre.
 
     Raises InputError where fewer than five trials can be used.
     """
@@ -33,7 +33,7 @@ def read_windows(
         reach = _LARGER * float(np.quantile([extent(window, pixels_per_metre) for window in seen], 0.9)) + _MORE
         sides = np.array([np.ptp(w.path[:, :2], axis=0) + 2 * reach for w in seen]) * pixels_per_metre
         values = sides.prod(axis=1).mean() * seen[0].after.shape[2]
-        reduced = max(1, round(float(np.sqrt(values / min(_MOST_A_STROKE, _MOST / len(trials))))))
+        reduced = max(1, round(float(np.sqrt(values / min(_MOST_PER_STROKE, _MOST / len(trials))))))
         seen, left_out = _look_at(
             trials,
             range(len(trials)),

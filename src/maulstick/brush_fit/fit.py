@@ -1,4 +1,4 @@
-"""A brush from trials: the paper's seven numbers, and beyond them whatever earns its place on held-out strokes."""
+"""Fit of a brush to trials: the paper's seven numbers, and additions that predict held-out strokes better."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,26 +17,26 @@ from maulstick.brush_fit.flow import Flow, fit_flow
 from maulstick.brush_fit.initialise import first_guess, has_pressures
 from maulstick.brush_fit.mosaic import Mosaic
 from maulstick.brush_fit.trials import Trial, Trials
-from maulstick.brush_fit.window import Pixels, Window, crosses
+from maulstick.brush_fit.window import Window, crosses
 from maulstick.painting.brush import Brush
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Pixels
 from maulstick.strokes.strokes import POINTS, resample
 
 ADDITIONS = (*descent.ADDITIONS, "faint")
-"""What may be added to the paper's brush."""
+"""Names of what may be added to the paper's brush."""
 
-_HELD_OUT = 0.3
-_STEPS, _STEPS_ALL = 200, 150
-_BETTER, _SIGMAS = 0.99, 2.0  # of held-out error, and of its standard error, for an addition to stay
-_LEAST_RISE = 0.01  # of the thinnest mark, from pressure 0 to 1; a medium of less draws all pressures alike
-_VIEWS = 12
-_MEDIAN = 1.25  # its standard error, of a mean's
+_HELD_OUT = 0.3  # share of the strokes
+_STEPS, _STEPS_ALL = 200, 150  # of descent for each candidate, and for the last fit to all strokes
+_BETTER, _SIGMAS = 0.99, 2.0  # an addition stays if it lowers the held-out error to that share, by so many std. errors
+_LEAST_RISE = 0.01  # alpha / beta: below it pressure changes the width too little to matter, and alpha becomes 0
+_VIEWS = 12  # held-out strokes that are kept for a plot
+_MEDIAN = 1.25  # standard error of a median, relative to that of a mean
 
 
 @dataclass(frozen=True)
 class HeldOutStroke:
-    """One stroke that was held out: its photograph and what the brush predicts there, (h, w, C) in [0, 1]."""
+    """A stroke that was held out: its photograph and the brush's prediction of it, (h, w, C) in [0, 1]."""
 
     name: str
     after: Pixels
@@ -45,15 +45,15 @@ class HeldOutStroke:
 
 @dataclass(frozen=True)
 class Fit:
-    """A brush and how far it can be trusted.
+    """A fitted brush and measures of how far it can be trusted.
 
-    errors: standard error of each number that was sought, in the number's own units.
-    warnings: what the trials cannot tell.  left_out: the trials that were not used, and why.  strokes: how many were.
-    ink: sRGB of full ink, or (1,) for darkness images.
-    place_scatter: metres, ink_scatter: share; how strokes differ from one another in their place and darkness.
-    l1, l1_paper: mean error of a pixel in held-out windows, once each stroke's own place and ink are found, of this
-        brush and of the paper's seven numbers; of the strokes themselves where too few could be held out.
-    kept: which additions earned their place.
+    errors: standard error of each fitted number, in the number's own unit.
+    warnings: what the trials cannot determine.  left_out: trials that were not used, and why.  strokes: number used.
+    ink: sRGB of full ink in [0, 1], or (1,) for darkness images.
+    place_scatter, ink_scatter: standard deviation of the strokes' own offsets, metres, and of their opacity, a share.
+    l1, l1_paper: mean error per pixel in held-out windows, with each stroke's own place and ink fitted, of this brush
+        and of the paper's seven numbers; in all windows where there were too few strokes to hold some out.
+    kept: additions that were accepted.
     pixels_per_metre: of the views, which may be coarser than the photographs.
     """
 
@@ -73,7 +73,7 @@ class Fit:
 
 
 def _nothing(stage: str, done: int, total: int) -> None:
-    """Tell nobody."""
+    """Ignore the progress."""
 
 
 def fit_brush(
@@ -87,12 +87,13 @@ def fit_brush(
     seed: int = 0,
     progress: Callable[[str, int, int], None] = _nothing,
 ) -> Fit:
-    """The brush that drew these trials (paper: Traj2Stroke Model; design §4, §5).
+    """Fit the brush that drew these trials (paper: Traj2Stroke Model; docs/equations.md, docs/brushes.md).
 
-    Each predicted stroke is stamped onto its photograph before and compared with the one after by a weighted L1. A
-    stroke's own small offset and darkness are sought along with the brush, so that scatter does not widen it.
-    trials: read one at a time, so a folder larger than memory will do; those that cannot be used are left out.
-    additions: which of `ADDITIONS` may be tried; none leaves the paper's seven numbers.
+    Each predicted stroke is stamped onto the photograph before it and compared with the one after it by a weighted L1.
+    Each stroke's own offset and darkness are fitted too, so that their scatter does not widen the brush.
+    trials: read one at a time, so they may be larger than memory; those that cannot be used are left out.
+    depth: see `Brush`, metres.  additions: those of `ADDITIONS` that may be tried; none for the paper's numbers alone.
+    progress: called with a stage, steps done and steps in all.
     Raises InputError where fewer than five trials can be used.
     """
     with one_torch_thread():
@@ -114,7 +115,7 @@ def fit_brush(
     )
     ink = found.ink_colour().double().numpy()
     opaque = found.colour is not None and not crosses(windows)
-    if opaque:  # what was seen may as well be solid
+    if opaque:  # without crossings a pale opaque ink explains the photographs as well
         paper = np.median([np.median(window.before, axis=(0, 1)) for window in windows], axis=0)
         ink, flow = paper + (ink - paper) * flow.opacity, replace(flow, opacity=1.0)
         del errors["opacity"]
@@ -149,19 +150,19 @@ class _Choice:
 def _choose(
     mosaic: Mosaic, start: Unknowns, taught: Tensor, tried: Sequence[str], progress: Callable[[str, int, int], None]
 ) -> _Choice:
-    """Fit the paper's numbers, then add what makes held-out strokes clearly better, one after another."""
+    """Fit the paper's numbers, then accept one addition after another that clearly lowers the held-out error."""
     found = descend(mosaic, start, taught, _STEPS, _ticking(progress, "the paper's numbers", _STEPS))
     paper = best = _held_out(mosaic, found, taught)
     kept: list[str] = []
-    refused: dict[str, int] = {}  # when so many were kept
-    for addition in (*tried, *tried):  # what one addition hid may show beside another
+    refused: dict[str, int] = {}  # number of additions that had been kept then
+    for addition in (*tried, *tried):  # twice, since an addition may only help once another one is there
         if addition in kept or refused.get(addition) == len(kept):
             continue
         tick = _ticking(progress, addition, _STEPS)
-        restart = start.adding([*kept, addition])  # from what was found it could not get away
+        restart = start.adding([*kept, addition])  # from `found`, a local minimum, it would not get away
         candidate = descend(mosaic, restart, taught, _STEPS, tick)
         error = _held_out(mosaic, candidate, taught)
-        gain = (best / error).log()  # a few strokes that go badly wrong would drown all others
+        gain = (best / error).log()  # a logarithm, so that a few very bad strokes do not dominate
         certain = gain.mean() > _SIGMAS * gain.std() / len(gain) ** 0.5
         if error.mean() < _BETTER * best.mean() and certain:
             found, best = candidate, error
@@ -172,7 +173,7 @@ def _choose(
 
 
 def _held_out(mosaic: Mosaic, found: Unknowns, taught: Tensor) -> Tensor:
-    """Mean error of a pixel in each held-out window; in all where none is."""
+    """Mean error per pixel of each held-out window, or of each window where none is held out."""
     with torch.no_grad():
         each = mosaic.l1(stamped(mosaic, found, taught))
     return each if taught.all() else each[~taught]
@@ -184,7 +185,7 @@ def _ticking(progress: Callable[[str, int, int], None], stage: str, total: int) 
 
 
 def _split(count: int, seed: int) -> Tensor:
-    """(count,) which strokes teach the brush; the others are held out."""
+    """Return a mask (count,) of the strokes that the brush is fitted to; the others are held out."""
     taught = torch.ones(count, dtype=torch.bool)
     if count >= ENOUGH:
         held_out = torch.randperm(count, generator=torch.Generator().manual_seed(seed))[: round(_HELD_OUT * count)]
@@ -225,7 +226,7 @@ def _brush(found: Unknowns, middle: Floats, flow: Flow, name: str, source: str, 
 
 
 def _named(errors: Mapping[str, Tensor], of_place: Floats) -> dict[str, float]:
-    """Standard errors by the names of the brush's numbers; those of several values as ``curve[0]``."""
+    """Return standard errors by the names of `Brush`'s fields, with an index for several values, as in ``curve[0]``."""
     named = {"b_x": float(of_place[0]), "b_y": float(of_place[1])}
     for name, each in errors.items():
         values = each.tolist()

@@ -1,4 +1,4 @@
-"""How dark strokes are, each as a whole, and whether that hangs on how hard they were pressed."""
+"""Opacity of whole strokes, and its dependence on their mean pressure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ from scipy.optimize import least_squares
 from maulstick.brush_fit.evidence import ENOUGH
 from maulstick.storage.arrays import Bools, Floats
 
-_PRESSES = np.linspace(0.1, 1.0, 19)  # from which a mark may be solid
-_BETTER = 0.9  # of the error on the other half, for the dependence to be believed
-_LEAST = 1e-3
-_NORMAL = 1.4826  # times the median deviation: the standard deviation
+_PRESSURES = np.linspace(0.1, 1.0, 19)  # candidates for `solid`
+_BETTER = 0.9  # share of the error on the other half that must not be exceeded for the dependence to be accepted
+_LEAST = 1e-3  # opacity: a brush must leave a mark
+_NORMAL = 1.4826  # standard deviation / median absolute deviation, of a normal distribution
 
 
 @dataclass(frozen=True)
 class Flow:
-    """Numbers of `Brush`; scatter: standard deviation of strokes about them, as a share of opacity."""
+    """Opacity, faint and solid as in `Brush`; scatter: standard deviation about them, relative to opacity."""
 
     opacity: float
     faint: float
@@ -25,12 +25,16 @@ class Flow:
     scatter: float
 
     def at(self, pressure: Floats) -> Floats:
-        """Opacity of strokes of a mean pressure."""
+        """Opacity (N,) of strokes with these mean pressures (N,)."""
         return self.opacity * (self.faint + (1 - self.faint) * np.minimum(pressure / self.solid, 1))
 
 
 def fit_flow(pressure: Floats, opacity: Floats, may_pale: bool) -> Flow:
-    """The flow of strokes (N,) of a mean press and an opacity; pale at a light pressure only if halves agree on it."""
+    """Fit the flow of strokes with mean pressures (N,) and opacities (N,).
+
+    may_pale: allow opacity to depend on pressure; even then it does only where one half of the strokes predicts the
+    other better with it.
+    """
     flow = _even(pressure, opacity)
     if may_pale and len(pressure) >= ENOUGH:
         halves = np.arange(len(pressure)) % 2 == 0
@@ -45,9 +49,9 @@ def _even(pressure: Floats, opacity: Floats) -> Flow:
 
 
 def _paling(pressure: Floats, opacity: Floats) -> Flow:
-    """Least absolute deviation over a grid of pressures from which the mark is solid."""
+    """Fit `faint` and `opacity` for each candidate of `solid`, and return the flow of least absolute deviation."""
     fits = []
-    for solid in _PRESSES:
+    for solid in _PRESSURES:
         risen = np.minimum(pressure / solid, 1)
         at_0, at_solid = _line(risen, opacity)
         top = float(np.clip(at_solid, _LEAST, 1))
@@ -56,7 +60,7 @@ def _paling(pressure: Floats, opacity: Floats) -> Flow:
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, float]:
-    """The line's height at 0 and at 1, by least squares that forgive strays."""
+    """Heights at 0 and at 1 of the line through points x, y (N,), by robust least squares."""
 
     def off(ends: Floats) -> Floats:
         return np.asarray(ends[0] * (1 - x) + ends[1] * x - y)
@@ -66,7 +70,7 @@ def _line(x: Floats, y: Floats) -> tuple[float, float]:
 
 
 def _crossed(pressure: Floats, opacity: Floats, half: Bools, fit: Callable[[Floats, Floats], Flow]) -> float:
-    """Mean error on each half of what was fitted to the other."""
+    """Mean error on each half of the flow that was fitted to the other."""
     return float(
         np.mean([np.abs(opacity[~k] - fit(pressure[k], opacity[k]).at(pressure[~k])).mean() for k in (half, ~half)])
     )

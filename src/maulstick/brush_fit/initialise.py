@@ -1,4 +1,4 @@
-"""Where the search for a brush begins: widths from how much is covered, places from where it lies."""
+"""First guess of a brush: widths from the covered areas, offsets from their centres."""
 
 from collections.abc import Sequence
 
@@ -11,12 +11,12 @@ from maulstick.brush_fit.window import Window
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths
 
-_WIDER = 1.3  # than what is covered: a cone's edge is too pale to be seen
-_FURTHEST = 2e-3  # metres, that a stroke may lie beside its place at first
+_WIDER = 1.3  # true half-width / that of the covered area, since a cone's edge is too pale to be seen
+_FURTHEST = 2e-3  # metres: largest first guess of a stroke's offset
 
 
 def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Unknowns:
-    """Unknowns near enough for gradients to find the rest; `paths` are the windows' with n points each."""
+    """Return unknowns from which the descent can start; `paths` are those of the windows, each with n points (n, 3)."""
     pressure = np.array([path[:, 2].mean() for path in paths])
     half_widths = np.array([_half_width(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)])
     unit = float(np.median(half_widths))
@@ -43,13 +43,13 @@ def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_m
 
 
 def has_pressures(paths: Sequence[Floats]) -> bool:
-    """Whether the strokes were drawn at more than one pressure."""
+    """Return whether the strokes (n, 3) were drawn at more than one pressure."""
     pressure = np.array([path[:, 2] for path in paths])
     return bool(np.ptp(pressure) > 0.1)
 
 
 def _half_width(window: Window, path: Floats, pixels_per_metre: float) -> float:
-    """Of a stroke of even width that covers as much: area = 2 length w + π w²."""
+    """Half-width w, metres, of a stroke of constant width that covers the same area: area = 2 length w + π w²."""
     area = window.covered.sum() / pixels_per_metre**2
     length = float(path_lengths(path[:, :2]))
     return float((np.sqrt(length**2 + np.pi * area) - length) / np.pi)
@@ -63,7 +63,7 @@ def _place(window: Window, path: Floats, pixels_per_metre: float) -> Floats:
 
 
 def _colour(windows: Sequence[Window]) -> Floats:
-    """Of the most changed pixels of all strokes, the median."""
+    """Median colour of the most changed pixels of all strokes."""
     deepest = []
     for window in windows:
         change = np.abs(window.after - window.before).mean(axis=2)

@@ -1,6 +1,6 @@
-"""Trials: strokes that a machine drew once each, with photographs before and after, in a folder that grows with them.
+"""Trials: strokes that a machine drew one at a time, with photographs before and after, in a folder.
 
-Consecutive strokes share a photograph: what one left is what the next one found. Numbers are rounded to a micrometre.
+The photograph after a stroke is the one before the next. Lengths are rounded to a micrometre.
 """
 
 import io
@@ -21,28 +21,30 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from maulstick.errors import InputError, OutputError, validation_fault
 from maulstick.painting.brush import Name
 from maulstick.painting.picture import read_picture
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Pixels
 from maulstick.storage.files import atomic_write, read_whole
 
 SCHEMA_VERSION: Final = 1
+"""Version of the format of the list that is written, and the only one that is read."""
+
 _LIST = "trials.json"
 _LARGEST_LIST = 256 * 2**20  # bytes: some 250,000 strokes
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One stroke alone: what was drawn and what it did to the paper.
+    """One stroke and the paper before and after it.
 
     name: for people, counted from 1 ("stroke 12").
     path: (n, 3) as executed: x, y in metres from the photographs' upper left corner, and pressure in [0, 1].
-    before, after: (H, W, 3) sRGB in [0, 1]. Where the stroke alone is known they are (H, W, 1): before is all 0, and
-    after is the darkness, 1 for full ink. Photographs are read-only, since two trials share one.
+    before, after: (H, W, 3) sRGB in [0, 1]; read-only, since two trials share a photograph. Where only the stroke's
+    darkness is known they are (H, W, 1): before is all 0, and after is the darkness, 1 for full ink.
     """
 
     name: str
     path: Floats
-    before: NDArray[np.float32]
-    after: NDArray[np.float32]
+    before: Pixels
+    after: Pixels
 
 
 def _in_the_folder(name: str) -> str:
@@ -60,7 +62,7 @@ class _Part(BaseModel):
 
 
 class _Stroke(_Part):
-    """A line of the list; without a photograph before, the one after is a darkness image."""
+    """A line of the list; where there is no photograph before, the one after is a darkness image."""
 
     before: _Photograph | None = None
     after: _Photograph
@@ -68,7 +70,7 @@ class _Stroke(_Part):
 
 
 class _List(_Part):
-    """The content of trials.json; paper is the photograph before the next stroke."""
+    """Contents of trials.json; paper: the photograph before the next stroke."""
 
     schema_version: Literal[1]
     medium: Name
@@ -80,7 +82,7 @@ class _List(_Part):
 
 @final
 class Trials:
-    """The trials in a folder, each read when it is asked for; the photographs of no more than one trial are kept.
+    """Trials in a folder, each read when it is used; the photographs of at most one trial are kept in memory.
 
     A power cut loses at most the stroke that was being appended. One process at a time may append.
     """
@@ -88,17 +90,17 @@ class Trials:
     def __init__(self, folder: Path, content: _List) -> None:
         self.folder = folder
         self._content = content
-        self._kept: dict[str, NDArray[np.float32]] = {}
+        self._kept: dict[str, Pixels] = {}
 
     @classmethod
     def make(
         cls, folder: str | Path, *, medium: str, pixels_per_metre: float, depth: tuple[float, float] = (0.0, 0.0)
     ) -> Self:
-        """A folder without trials as yet: a new one, or one in which nothing is.
+        """Start trials in a new or empty folder.
 
         medium: what is drawn with, for people.  pixels_per_metre: of all photographs.
-        depth: how far below first touch the tip is at pressure 0 and at pressure 1, metres, as in `Brush.depth`.
-        Raises InputError for numbers that cannot be, OutputError where the folder is not empty or cannot be written.
+        depth: distance of the tip below first touch at pressure 0 and at pressure 1, metres, as in `Brush.depth`.
+        Raises InputError for impossible numbers, OutputError where the folder is not empty or cannot be written.
         """
         folder = Path(folder)
         start, end = (round(metres, 6) for metres in depth)
@@ -127,9 +129,9 @@ class Trials:
 
     @classmethod
     def open(cls, folder: str | Path) -> Self:
-        """The trials in an existing folder; photographs are only looked at later.
+        """Open the trials in an existing folder; photographs are read later.
 
-        Raises InputError, naming the stroke where one is at fault, if there is no list of trials of this schema.
+        Raises InputError, naming the stroke that is at fault, where there is no valid list of trials.
         """
         folder = Path(folder)
         if folder.is_file():
@@ -143,17 +145,17 @@ class Trials:
 
     @property
     def medium(self) -> str:
-        """What was drawn with, for people."""
+        """Name of what was drawn with, for people."""
         return self._content.medium
 
     @property
     def pixels_per_metre(self) -> float:
-        """The scale of all photographs."""
+        """Resolution of all photographs."""
         return self._content.pixels_per_metre
 
     @property
     def depth(self) -> tuple[float, float]:
-        """How far below first touch the tip was at pressure 0 and at pressure 1, metres, as in `Brush.depth`."""
+        """Distance of the tip below first touch at pressure 0 and at pressure 1, metres, as in `Brush.depth`."""
         return self._content.depth
 
     def __len__(self) -> int:
@@ -163,7 +165,7 @@ class Trials:
         return (self[index] for index in range(len(self)))
 
     def __getitem__(self, index: int) -> Trial:
-        """The trial at `index`, from 0; in order, each photograph is decoded once.
+        """Read the trial at `index`, from 0; read in order, each photograph is decoded once.
 
         Raises InputError, naming the trial, where its photographs cannot be used; the other trials still can.
         """
@@ -185,10 +187,11 @@ class Trials:
         return Trial(name, path, before, after)
 
     def begin(self, photograph: NDArray[np.floating[Any]]) -> None:
-        """Keep the photograph (H, W, 3), sRGB in [0, 1], of the paper as the next stroke will find it.
+        """Store the photograph (H, W, 3), sRGB in [0, 1], of the paper before the next stroke.
 
-        For the first stroke, and again after all but an appended one: a new sheet, a moved camera, a failed `append`.
-        Raises InputError for what is no photograph, OutputError where it cannot be written.
+        It is needed before the first stroke, and whenever the paper looks different from the last photograph: after a
+        change of sheet or camera, or a failed `append`.
+        Raises InputError for an array that is not a photograph, OutputError where it cannot be written.
         """
         png = _png(photograph, "a photograph", (3,))
         name = self._free_name(len(self))
@@ -198,8 +201,8 @@ class Trials:
     def append(self, path: Floats, after: NDArray[np.floating[Any]]) -> None:
         """Add a stroke: its path (n, 3) as in `Trial`, and the photograph (H, W, 3), sRGB in [0, 1], taken after it.
 
-        Raises InputError for a path or a photograph that cannot be, or where the paper before is not known, and
-        OutputError where they cannot be written; the trials are then what they were.
+        Raises InputError for an impossible path or photograph, or where there is no photograph of the paper before, and
+        OutputError where they cannot be written; the trials then stay as they were.
         """
         if self._content.paper is None:
             raise InputError("there is no photograph of the paper before the stroke; begin with one")
@@ -208,7 +211,7 @@ class Trials:
     def append_darkness(self, path: Floats, darkness: NDArray[np.floating[Any]]) -> None:
         """Add a stroke of which only the darkness (H, W) in [0, 1] is known, 1 for full ink.
 
-        It tells nothing of the paper: a next stroke with photographs must begin. Raises as `append` does.
+        It does not show the paper, so a next stroke with photographs needs `begin`. Raises as `append` does.
         """
         self._add(path, _png(darkness, "a darkness image", ()), before=None)
 
@@ -232,7 +235,7 @@ class Trials:
         self._content = content
 
     def _free_name(self, number: int) -> str:
-        """A name that neither a file has, left by a power cut perhaps, nor a stroke, whose photograph may be lost."""
+        """Return a name that no file has, such as one left by a power cut, and no stroke, whose file may be lost."""
         listed = {
             self._content.paper,
             *(name for stroke in self._content.strokes for name in (stroke.before, stroke.after)),
@@ -240,14 +243,14 @@ class Trials:
         names = (f"{i:04d}.png" for i in count(number))
         return next(name for name in names if name not in listed and not os.path.lexists(self.folder / name))
 
-    def _photograph(self, name: str) -> NDArray[np.float32]:
+    def _photograph(self, name: str) -> Pixels:
         if name in self._kept:
             return self._kept[name]
         picture = read_picture(self._present(name))
         picture.flags.writeable = False
         return picture
 
-    def _darkness(self, name: str) -> NDArray[np.float32]:
+    def _darkness(self, name: str) -> Pixels:
         picture = read_picture(path := self._present(name))
         with Image.open(path) as image:
             if image.mode != "L":
@@ -262,7 +265,7 @@ class Trials:
 
 
 def _png(picture: NDArray[np.floating[Any]], what: str, channels: tuple[int, ...]) -> bytes:
-    """The picture (H, W, *channels), fractions of 1, as an 8-bit file."""
+    """Return a picture (H, W, *channels) in [0, 1] as an 8-bit PNG."""
     if picture.ndim < 2 or picture.shape[2:] != channels or picture.size == 0:
         allowed = "(H, W, 3)" if channels else "(H, W)"
         raise InputError(f"{what} has shape {picture.shape}; it must be {allowed}, with pixels in it")
@@ -276,12 +279,12 @@ def _png(picture: NDArray[np.floating[Any]], what: str, channels: tuple[int, ...
     return file.getvalue()
 
 
-def _size(picture: NDArray[np.float32]) -> str:
+def _size(picture: Pixels) -> str:
     return f"{picture.shape[1]} x {picture.shape[0]}"
 
 
 def _fault(error: ValidationError) -> str:
-    """The first fault, of a stroke by its name; but another schema before all that follows from it."""
+    """Return the first fault, with a stroke's name; a wrong schema comes first, because other faults follow from it."""
     for fault in error.errors(include_url=False):
         if fault["loc"] == ("schema_version",) and isinstance(came := fault["input"], int):
             remedy = "update Maulstick" if came > SCHEMA_VERSION else "collect the trials again"

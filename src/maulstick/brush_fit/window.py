@@ -1,47 +1,44 @@
-"""What a trial's photographs show around its stroke, corrected for the camera, and whether they can be used at all."""
+"""Windows: the parts of a trial's photographs around its stroke, checked and corrected for the light."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.signal import correlate
 from skimage.measure import label
 
 from maulstick.brush_fit.trials import Trial
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Pixels
 from maulstick.strokes.strokes import resample
 
-Pixels = NDArray[np.float32]
-
 STRAY = 2.5e-3
-"""Metres. What changed wholly further than this from the commanded path is not of this stroke."""
+"""Largest distance from the commanded path, metres, at which a change is taken for a part of the stroke."""
 
 SEEN = 0.08
-"""How much a pixel must change to count as covered, where the photographs are not noisier than that."""
+"""Least change of a pixel that counts as covered, where the photographs are not noisier than that."""
 
-_NOISES = 7  # times what a quarter of the paper's pixels keep to
-_LOOSE_PX = 1  # specks have soft edges
-_ALIGNING_PX = 512  # the longer side of the pictures that are compared for a camera that has moved
-_MOVED_PX = 1.0
-_GAIN = 0.4  # a shift that explains less of what is elsewhere now was not the camera's
-_LEAST_ALIGNING_PX, _AROUND_PX = 200, 5  # of older strokes, and what is looked at beside them
-_LEAST_INK_PX = 4.0  # pixels of full change
-_LEAST_LIT_PX, _ENOUGH_LIT_PX = 50, 10_000  # of bare paper, which the light is fitted to
-_CLIPPED = 0.99
-_DARK = 0.1  # a lit paper is brighter
-_CROSSED, _OLD_INK = 0.02, 0.15  # of all covered pixels; how much older ink differs from the paper
+_NOISES = 7  # least change of a covered pixel, in quartiles of the change of bare paper
+_LOOSE_PX = 1  # pixels around a speck that are left out too, because of its soft edge
+_ALIGNING_PX = 512  # longer side of the pictures in which a movement of the camera is looked for
+_MOVED_PX = 1.0  # least movement, in pixels of the photograph, that makes a trial unusable
+_GAIN = 0.4  # share of the difference that a shift must explain to be taken for a movement of the camera
+_LEAST_ALIGNING_PX, _AROUND_PX = 200, 5  # pixels of older strokes that are needed for it, and margin around them
+_LEAST_INK_PX = 4.0  # pixels of full change that make a mark
+_LEAST_LIT_PX, _ENOUGH_LIT_PX = 50, 10_000  # pixels of bare paper: fewest and most that the light is fitted to
+_CLIPPED = 0.99  # a photograph with no darker pixel is overexposed
+_DARK = 0.1  # lit paper is brighter
+_CROSSED, _OLD_INK = 0.02, 0.15  # share of covered pixels on older ink, and how much such ink differs from the paper
 
 
 @dataclass(frozen=True)
 class Window:
-    """The surroundings of one stroke.
+    """Part of a trial's photographs around its stroke.
 
     name: of its trial.  path: (n, 3) as in `Trial`.  corner: (x, y) of the upper left pixel, metres.
-    before, after: (h, w, C) in [0, 1], the light of `after` made that of `before`.
-    weights: (h, w), 0 where what changed is not of this stroke.  covered: (h, w), where the stroke is seen.
+    before, after: (h, w, C) in [0, 1], `after` corrected to the light of `before`.
+    weights: (h, w), 0 where something else than the stroke changed.  covered: (h, w), where the stroke is seen.
     """
 
     name: str
@@ -54,11 +51,11 @@ class Window:
 
 
 def look(trial: Trial, pixels_per_metre: float, reach: float, reduced: int = 1) -> Window:
-    """The window of a trial that is `reach` metres larger than its path on every side, `reduced` times smaller.
+    """Return the window of a trial, `reach` metres larger than its path on every side, scaled down by `reduced`.
 
-    Specks, which lie apart from the stroke, get no weight; differences of light between the photographs, even ones
-    that change across the window, are taken out. Raises InputError, which names the trial, for a stroke that cannot be
-    seen or measured: no mark, a blank or overexposed photograph, a path beside the paper, a camera that has moved.
+    Specks apart from the stroke get no weight. Differences of light between the photographs are corrected, also where
+    they change linearly across the window. Raises InputError, naming the trial, for a stroke that cannot be seen or
+    measured: no mark, a black or overexposed photograph, a path outside the photographs, a camera that moved.
     """
     top, left, bottom, right = _box(trial, pixels_per_metre, reach, reduced)
     before, after = (_reduced(image[top:bottom, left:right], reduced) for image in (trial.before, trial.after))
@@ -82,13 +79,13 @@ def look(trial: Trial, pixels_per_metre: float, reach: float, reduced: int = 1) 
 
 
 def extent(window: Window, pixels_per_metre: float) -> float:
-    """How far from the commanded path the stroke is seen, metres."""
+    """Distance from the commanded path up to which the stroke is seen, metres."""
     apart = _distances(window.path, window.corner, window.covered.shape, pixels_per_metre)
     return float(np.quantile(apart[window.covered], 0.99))
 
 
 def crosses(windows: Sequence[Window]) -> bool:
-    """Whether enough of the strokes lies on older ink to see what shows through."""
+    """Return whether enough of the strokes lies on older ink to tell how opaque they are."""
     covered = crossed = 0
     for window in windows:
         paper = np.median(window.before, axis=(0, 1))
@@ -112,14 +109,14 @@ def _box(trial: Trial, pixels_per_metre: float, reach: float, reduced: int) -> t
 
 
 def _reduced(image: Pixels, by: int) -> Pixels:
-    """Means of squares, never a view, which would keep the photograph in memory; rows first is much the faster."""
+    """Return means over squares of `by` pixels; never a view, which would keep the whole photograph in memory."""
     height, width = image.shape[0] // by, image.shape[1] // by
     rows = image[: height * by, : width * by].reshape(height, by, width * by, -1).mean(axis=1)
     return np.asarray(rows.reshape(height, width, by, -1).mean(axis=2))
 
 
 def _distances(path: Floats, corner: tuple[float, float], shape: tuple[int, ...], pixels_per_metre: float) -> Floats:
-    """From each pixel's middle to the path, metres, to about a pixel."""
+    """Distance of each pixel's centre to the path, metres, to about a pixel."""
     length = np.hypot(*np.diff(path[:, :2], axis=0).T).sum()
     fine = resample(path, 2 + int(2 * length * pixels_per_metre))[:, :2]
     places = np.floor((fine - corner) * pixels_per_metre).astype(int)
@@ -132,7 +129,7 @@ def _distances(path: Floats, corner: tuple[float, float], shape: tuple[int, ...]
 
 
 def _stray(covered: Bools, apart: Floats) -> Bools:
-    """Pixels of whatever has changed but does not touch the surroundings of the path."""
+    """Return a mask of changed pixels that are not connected to the surroundings of the path."""
     parts = label(covered, connectivity=2)
     nearest = np.asarray(ndimage.minimum(apart, parts, np.arange(parts.max() + 1)))
     of_others = nearest > STRAY
@@ -143,7 +140,7 @@ def _stray(covered: Bools, apart: Floats) -> Bools:
 
 
 def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
-    """`after` in the light of `before`: each channel's brightness, a plane across the window, fitted on the paper."""
+    """Return `after` in the light of `before`: per channel, the log ratio on bare paper is fitted by a plane."""
     height, width = paper.shape
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
     relit = after.copy()
@@ -156,7 +153,7 @@ def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
         ratio = np.log(old.flat[lit] / new.flat[lit])
         plane = np.stack([np.ones(len(lit)), x.flat[lit], y.flat[lit]], axis=1)
         kept = np.abs(ratio - np.median(ratio)) < 0.3
-        for _ in range(3):  # older strokes' edges and specks fall out
+        for _ in range(3):  # leaves out the edges of older strokes, and specks
             light = np.linalg.lstsq(plane[kept], ratio[kept], rcond=None)[0]
             rest = np.abs(ratio - plane @ light)
             kept = rest <= 3 * np.median(rest) + 1e-6
@@ -165,7 +162,7 @@ def _relit(before: Pixels, after: Pixels, paper: Bools) -> Pixels:
 
 
 def _check_light(name: str, before: Pixels, after: Pixels) -> None:
-    """Raise InputError where the photographs show nothing at all; paper that is white before the stroke may be."""
+    """Raise InputError where the photograph after the stroke is all white, or one of the two all black."""
     if after.min() > _CLIPPED:
         raise InputError(f"{name} cannot be seen: its photograph after it is all white; was it overexposed?")
     for which, image in (("before", before), ("after", after)):
@@ -174,7 +171,7 @@ def _check_light(name: str, before: Pixels, after: Pixels) -> None:
 
 
 def _check_camera(trial: Trial, pixels_per_metre: float, reach: float) -> None:
-    """Raise InputError where the older strokes, away from the new one, are somewhere else now."""
+    """Raise InputError where older strokes, away from the new one, have moved between the photographs."""
     factor = -(-max(trial.after.shape[:2]) // _ALIGNING_PX)
     before, after = (_reduced(image, factor).mean(axis=2, keepdims=True) for image in (trial.before, trial.after))
     away = _distances(trial.path, (0.0, 0.0), before.shape, pixels_per_metre / factor) > reach
@@ -193,7 +190,7 @@ def _check_camera(trial: Trial, pixels_per_metre: float, reach: float) -> None:
 
 
 def _shift(old: Floats, new: Floats, where: Bools) -> tuple[float, float]:
-    """How far `old` is to be shifted to be most like `new`, pixels; and the share of the squares that this explains."""
+    """Return the shift of `old`, pixels, that makes it most like `new`, and the share of squares that it explains."""
     counted = where * new
     squares = (counted * new).sum() - 2 * correlate(old, counted, "same") + correlate(old**2, where * 1.0, "same")
     middle = np.array(old.shape) // 2

@@ -5,19 +5,16 @@ from pathlib import Path
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.optimize import least_squares
 
 from maulstick.calibration.tags import found_tags
-from maulstick.colour.srgb import Image
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import TAGS, TagFrame
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.records import read_record, write_record
-
-Floats = NDArray[np.float64]
 
 SCHEMA_VERSION: Final = 1
 _FEWEST = 3  # tags

@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from maulstick.calibration.colour import Colours, Whites
-from maulstick.colour.srgb import Image, colours_of, light_of
+from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats, Image
 
 # The usual sRGB of the 24 patches, rows from dark skin to bluish green and on to black (the maker's data sheet).
 _CHART = "735244c29682627a9d576c438580b167bdaad67e2c505ba6c15a635e3c6c9dbc40e0a32e383d96469449af363ce7c71fbb56950885a1"

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.brush_fit.trials import Trials
 from maulstick.errors import InputError
@@ -12,10 +11,8 @@ from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_png, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.robot.workplace import Workplace
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write
-
-Image = NDArray[np.float32]
 
 _SHEET, _DIGITS = "sheet-", 4
 _SMALLEST = 0.25

@@ -6,17 +6,16 @@ from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.calibration.camera import CameraView
 from maulstick.calibration.tags import sampled
-from maulstick.colour.srgb import Image, colours_of, light_of
+from maulstick.colour.srgb import colours_of, light_of
 from maulstick.errors import InputError
 from maulstick.robot.camera.tag_frame import TagFrame
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.records import read_record, write_record
 
-Floats = NDArray[np.float64]
 Whites = Mapping[int, Floats]
 """The light (3,) off the white around each tag that is seen."""
 

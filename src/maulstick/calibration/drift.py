@@ -3,18 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import least_squares
 
 from maulstick.calibration.camera import margin_px
 from maulstick.calibration.tags import sampled
-from maulstick.colour.srgb import Image
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.opencv import opencv
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from maulstick.storage.arrays import Bools, Floats, Image
 
 MARGIN = 15e-3
 """Metres around the sheet that a photograph should keep, so that its edges are seen wherever it went."""

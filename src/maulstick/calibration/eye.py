@@ -10,13 +10,12 @@ from pydantic import ValidationError
 from maulstick.calibration.camera import CameraView, locate, margin_px
 from maulstick.calibration.colour import Colours, lamp_of, whites_of
 from maulstick.calibration.drift import MARGIN, Shift, sheet_place, shift_between
-from maulstick.colour.srgb import Image
 from maulstick.errors import InputError, MachineError, validation_fault
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.camera import Camera
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
-from maulstick.storage.arrays import Floats, read_arrays, write_arrays
+from maulstick.storage.arrays import Floats, Image, read_arrays, write_arrays
 
 KIND: Final = "eye"
 _STILL = 0.5e-3  # metres: what a photograph may be wrong by

@@ -1,13 +1,11 @@
 """The tags beside the sheet, found in a photograph."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from maulstick.colour.srgb import Image, light_of
+from maulstick.colour.srgb import light_of
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import MODULES, TAGS
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats, Image
 
 _ALONG, _ACROSS = 48, 33  # samples along a side but its ends, and across it, into the tag and out to its white
 _ENDS = 0.1

@@ -5,6 +5,7 @@ import sys
 from io import TextIOWrapper
 
 from maulstick.cli.exit_codes import STOPPED
+from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import MachineError, MaulstickError, OutputError
 
 
@@ -19,7 +20,7 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except MaulstickError as error:
-        print(f"maulstick: {error}", file=sys.stderr)
+        print(f"maulstick: {COMMAND_LINE.say(error)}", file=sys.stderr)
         sys.exit(1 if isinstance(error, OutputError) else 3 if isinstance(error, MachineError) else 2)
     except OSError as error:  # a file would be a MaulstickError
         print(f"maulstick: cannot write to the standard output: {error.strerror}", file=sys.stderr)

@@ -10,8 +10,8 @@ from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
 from maulstick.cli.export import export
 from maulstick.cli.mix import mix
-from maulstick.cli.paint import run
-from maulstick.cli.plan import paint
+from maulstick.cli.paint import paint
+from maulstick.cli.plan import plan
 from maulstick.cli.record import record
 from maulstick.cli.render import render
 from maulstick.cli.show import show
@@ -20,14 +20,14 @@ from maulstick.cli.style import style
 from maulstick.cli.survey import survey
 
 app = typer.Typer(
-    rich_markup_mode="markdown", add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
+    rich_markup_mode="markdown", add_completion=True, no_args_is_help=True, pretty_exceptions_enable=False
 )
+app.command()(plan)
 app.command()(paint)
 app.command()(render)
 app.command()(show)
 app.command()(compare)
 app.command()(mix)
-app.command()(run)
 app.command()(export)
 app.command()(studio)
 app.command()(survey)

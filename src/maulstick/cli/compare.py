@@ -19,7 +19,7 @@ from rich.text import Text
 from maulstick.cli.show import check_picture, kind_in
 from maulstick.errors import InputError
 from maulstick.painting.painting import Painting, read_painting
-from maulstick.painting.picture import lay_out, read_picture
+from maulstick.painting.picture import READ_PX, lay_out, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
 
 _MOST = 6
-_READ_PX = 4096
 _MEASURED_PX, _WIDEST_PX = 512, 4096  # height of the sheet, and its width at most
 _NOTHING = "-"
 _SEVERAL = 3  # names that are told, at most
@@ -47,7 +46,7 @@ def compare(
     """Compare paintings: a picture of them side by side at one scale, and their figures."""
     check_picture(out, px, overwrite)
     plans = _read(paintings)
-    picture = None if photo is None else read_picture(photo, longest_px=_READ_PX)
+    picture = None if photo is None else read_picture(photo, longest_px=READ_PX)
 
     from maulstick.plots.compare import Panel, compare_plot
     from maulstick.rendering.preview import preview  # these load torch

@@ -1,1 +1,1 @@
-"""Colours: sRGB and light, palettes, tubes of paint, and how to mix them."""
+"""Colours: sRGB and linear light, palettes, tubes of paint, and recipes for mixing them."""

@@ -1,4 +1,4 @@
-"""How to mix a wanted colour from paints in tubes: Kubelka and Munk's theory with one constant (docs/paints.md)."""
+"""Recipes for mixing a wanted colour from paints: Kubelka and Munk's theory with one constant (docs/paints.md)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,33 +6,32 @@ from itertools import combinations, pairwise
 from math import comb, gcd
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.color import deltaE_ciede94, deltaE_ciede2000, rgb2lab
 
 from maulstick.colour.srgb import colours_of, light_of
 from maulstick.colour.tubes import NamedPaint
 from maulstick.errors import InputError
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats, Ints
 
 _VEIL = 0.02
-"""What the surface of every paint reflects, so that no colour is without light and none drowns all others."""
+"""Reflectance of every paint's surface: without it a black would have infinite K/S and hide all other paints."""
 
-_MOST_PARTS = 12
+_MOST_PARTS = 12  # in one mix, so that it can be measured out
 _TINTS = (16, 24, 40)  # parts of one paint, with ...
-_TINGE = 4  # ... at most so many of the others
+_TINGE = 4  # ... at most so many parts of the others
 _MOST_PAINTS = 4  # in one mix
-_MOST_MIXES = 1_200_000  # that are looked at: all of up to 16 paints
-_SHORTLIST = 400
-_UNSEEN = 1.0  # of CIEDE2000: a simpler recipe is as good
-_VERDICTS = ((1.0, "the same to the eye"), (2.5, "very near"), (5.0, "near"))
+_MOST_MIXES = 1_200_000  # that are compared: all mixes of up to 16 paints
+_SHORTLIST = 400  # mixes of each number of paints, nearest by CIE94, that are compared by CIEDE2000, which is slow
+_UNSEEN = 1.0  # CIEDE2000: a difference that nobody sees, so the simpler recipe wins
+_VERDICTS = ((1.0, "the same to the eye"), (2.5, "very near"), (5.0, "near"))  # below each CIEDE2000
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """A mix of paints.
+    """A mix of paints for a wanted colour.
 
-    parts: names and whole numbers, most first.  colour: what comes of it, sRGB.  error: from the wanted, CIEDE2000.
+    parts: names of paints and whole numbers of parts, most first.  colour: of the mix, sRGB in [0, 1].
+    error: difference from the wanted colour, CIEDE2000.
     """
 
     parts: tuple[tuple[str, int], ...]
@@ -41,7 +40,7 @@ class Recipe:
 
     @property
     def verdict(self) -> str:
-        """In words, how near the mix comes to the wanted colour."""
+        """A phrase for how near the mix comes to the wanted colour."""
         return _verdict(self.error)
 
     def __str__(self) -> str:
@@ -52,16 +51,16 @@ class Recipe:
 
 @dataclass(frozen=True)
 class _Mixes:
-    """All mixes of so many paints. paints: (S, m) indices.  parts: (T, m).  colours, lab: (S * T, 3), S first."""
+    """All mixes of m paints. paints: (S, m) indices.  parts: (T, m).  colours, lab: (S * T, 3), S first."""
 
-    paints: NDArray[np.int64]
-    parts: NDArray[np.int64]
+    paints: Ints
+    parts: Ints
     colours: Floats
     lab: Floats
 
 
-def mixed_colours(colours: Floats, parts: NDArray[np.int64]) -> Floats:
-    """The colours (..., T, 3), sRGB in [0, 1], of mixes of k paints of colours (..., k, 3), with parts (T, k) of them.
+def mixed_colours(colours: Floats, parts: Ints) -> Floats:
+    """Return the colours (..., T, 3) of mixes of k paints (..., k, 3) with parts (T, k) of them; sRGB in [0, 1].
 
     Kubelka and Munk (1931): a paint of reflectance R has K/S = (1 - R)² / 2R, which mixes in proportion to the parts.
     """
@@ -73,9 +72,9 @@ def mixed_colours(colours: Floats, parts: NDArray[np.int64]) -> Floats:
 
 
 def mixing_advice(wanted: Floats, base: Sequence[NamedPaint]) -> tuple[Recipe, ...]:
-    """A recipe for each wanted colour (k, 3), sRGB in [0, 1], from the paints of the base.
+    """Return a recipe for each wanted colour (k, 3), sRGB in [0, 1], from the paints of the base.
 
-    It is the simplest (fewest paints, then fewest parts) of those that look like the nearest, by CIEDE2000, of all
+    It is the simplest (fewest paints, then fewest parts) of those that look like the nearest one, by CIEDE2000, of all
     mixes of at most 4 paints (3 out of more than 16, 2 out of more than 31) in at most 12 parts, or with 16, 24 or 40
     of one paint to at most 4 of the others.
     Raises InputError where there are no paints.
@@ -88,7 +87,7 @@ def mixing_advice(wanted: Floats, base: Sequence[NamedPaint]) -> tuple[Recipe, .
 
 
 def _paints_in_a_mix(paints: int) -> int:
-    """How many paints a mix may have, such that all mixes can be looked at."""
+    """Number of paints that a mix may have if no more than `_MOST_MIXES` are to be compared."""
     counts = np.cumsum([comb(paints, m) * len(_splits(m)) for m in range(1, _MOST_PAINTS + 1)])
     return min(paints, max(2, int((counts <= _MOST_MIXES).sum())))
 
@@ -101,7 +100,7 @@ def _mixes(colours: Floats, count: int) -> _Mixes:
 
 
 def _splits(count: int) -> list[tuple[int, ...]]:
-    """The parts that a mix of so many paints may have, in lowest terms."""
+    """Return the numbers of parts that a mix of `count` paints may have, in lowest terms."""
     even = _shared(_MOST_PARTS, count)
     tints = [
         (*rest[:place], much, *rest[place:])
@@ -113,13 +112,13 @@ def _splits(count: int) -> list[tuple[int, ...]]:
 
 
 def _shared(most: int, count: int) -> list[tuple[int, ...]]:
-    """At most so many parts among so many paints, at least one each."""
+    """Return all ways to share at most `most` parts among `count` paints, at least one each."""
     ends = combinations(range(1, most + 1), count)  # where the parts of each paint end
     return [tuple(later - earlier for earlier, later in pairwise((0, *end))) for end in ends]
 
 
 def _recipe(wanted: Floats, kinds: Sequence[_Mixes], base: Sequence[NamedPaint]) -> Recipe:
-    """The simplest of the nearest; CIE94, which is like CIEDE2000 and quick, says which mixes are looked at closely."""
+    """Return the simplest of the nearest mixes; CIE94, quick and similar to CIEDE2000, makes the shortlist."""
     found: list[tuple[float, _Mixes, int]] = []
     for mixes in kinds:
         rough = deltaE_ciede94(wanted, mixes.lab)
@@ -140,5 +139,5 @@ def _verdict(error: float) -> str:
 
 
 def _effort(mixes: _Mixes, index: int) -> tuple[int, int]:
-    """Its paints and its parts."""
+    """Number of paints and number of parts of a mix: what makes it laborious."""
     return mixes.parts.shape[1], int(mixes.parts[index % len(mixes.parts)].sum())

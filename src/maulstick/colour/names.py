@@ -1,4 +1,4 @@
-"""Colours in plain words."""
+"""Names of colours in plain words."""
 
 from typing import Final
 
@@ -42,10 +42,10 @@ _WORDS: Final = {
     "#c2287f": "magenta",
     "#5a2446": "plum",
 }
-"""Of some colours; blues are several, for by distance in CIELAB alone they would be taken for violet."""
+"""Names of some colours; there are several blues, because distance in CIELAB alone takes many blues for violet."""
 
 
 def colour_word(colour: tuple[float, float, float]) -> str:
-    """What people would call a colour (sRGB); the nearest of a few, so that two paints may be called alike."""
+    """Return the plain name nearest to a colour, sRGB in [0, 1]; two paints may get the same name."""
     known = np.array([tuple(bytes.fromhex(known[1:])) for known in _WORDS]) / 255
     return list(_WORDS.values())[int(nearest_paint(np.array([colour]), known)[0])]

@@ -1,21 +1,19 @@
-"""Paints out of colours: k-means in CIELAB, where distance is what the eye sees (paper: Planning)."""
+"""Palettes: k-means of colours in CIELAB, where distance is what the eye sees (paper: Planning)."""
 
 import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 from skimage.color import lab2rgb, rgb2lab
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats, Ints
 
 
 def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
-    """At most k paints, (k, 3) sRGB in [0, 1], for colours (N, 3) that cover `amounts` (N,) of canvas, light first.
+    """Return at most k paints (k, 3) for colours (N, 3) that cover `amounts` (N,) of canvas, light first; all in sRGB.
 
     k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
     """
@@ -32,21 +30,21 @@ def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
     return paints
 
 
-def nearest_paint(colours: Floats, paints: Floats) -> NDArray[np.int64]:
-    """The index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3)."""
+def nearest_paint(colours: Floats, paints: Floats) -> Ints:
+    """Return the index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3), sRGB in [0, 1]."""
     difference = rgb2lab(colours)[:, None] - rgb2lab(paints)[None]
-    nearest: NDArray[np.int64] = np.argmin((difference**2).sum(-1), axis=1)
+    nearest: Ints = np.argmin((difference**2).sum(-1), axis=1)
     return nearest
 
 
 def lightness(colours: Floats) -> Floats:
-    """CIELAB lightness (N,) in [0, 100] of colours (N, 3)."""
+    """CIELAB lightness (N,) in [0, 100] of colours (N, 3), sRGB in [0, 1]."""
     lab: Floats = rgb2lab(colours)[:, 0]
     return lab
 
 
 def parse_colour(text: str) -> tuple[float, float, float]:
-    """SRGB in [0, 1] from the name of a colour, as in ``black``, or ``#rrggbb``."""
+    """Return sRGB in [0, 1] of a colour's name, such as ``black``, or of ``#rrggbb``. Raises InputError for others."""
     refusal = InputError(f"{text!r} is not a colour; write a name such as black, or #rrggbb")
     try:
         red, green, blue = ImageColor.getrgb(text)[:3]
@@ -58,7 +56,7 @@ def parse_colour(text: str) -> tuple[float, float, float]:
 
 
 def swatches(paints: Sequence[tuple[float, float, float]], labels: Sequence[str]) -> Image.Image:
-    """A picture of the paints, a labelled row each."""
+    """Return a picture of the paints, sRGB in [0, 1], one labelled row per paint."""
     width, height, row = 480, 56, 48
     sheet = Image.new("RGB", (width, height * max(len(paints), 1)), "white")
     draw = ImageDraw.Draw(sheet)

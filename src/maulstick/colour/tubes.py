@@ -1,4 +1,4 @@
-"""Paints in tubes: a set of them in a file, and a usual one."""
+"""Paints in tubes: a usual set, and sets in files."""
 
 import csv
 from collections.abc import Iterator
@@ -12,14 +12,14 @@ from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, validation_fault
 from maulstick.storage.files import read_whole
 
-_LARGEST_FILE = 2**20  # bytes
-_MOST = 256
-_LONGEST_NAME = 80
+_LARGEST_FILE = 2**20  # bytes: far more than 256 paints take; a larger file is something else
+_MOST = 256  # paints in a set; more would make mixing slow
+_LONGEST_NAME = 80  # characters, which fit into a line of output
 
 
 @dataclass(frozen=True)
 class NamedPaint:
-    """A paint as it comes out of its tube: what stands on it, and its colour, sRGB in [0, 1]."""
+    """A paint in its tube: the name on the tube and the colour, sRGB in [0, 1]."""
 
     name: str
     colour: tuple[float, float, float]
@@ -42,7 +42,7 @@ USUAL_PAINTS: Final = tuple(
         "phthalo green": "#0f5a4e",
     }.items()
 )
-"""A dozen artists' acrylics. Their colours are nominal, about what makers' charts show; nobody measured them."""
+"""Twelve artists' acrylics. Their colours are nominal, about what makers' charts show; none was measured."""
 
 
 class _Entry(BaseModel):
@@ -53,10 +53,11 @@ class _Entry(BaseModel):
 
 
 def read_paints(path: str | Path) -> tuple[NamedPaint, ...]:
-    """The set of paints in a file: lines ``name,colour`` (CSV), or a JSON list of ``{"name": …, "colour": …}``.
+    """Return the set of paints in a file: lines ``name,colour`` (CSV), or a JSON list of ``{"name": …, "colour": …}``.
 
     A colour is ``#rrggbb`` or its name; a first line ``name,colour`` is a heading.
-    Raises InputError, naming the line or the entry, where the file is none, has none, more than 256 or one twice.
+    Raises InputError, naming the line or the entry, where the file cannot be read, or has no paints, more than 256 or
+    the same name twice.
     """
     content = read_whole(path, "file of paints", _LARGEST_FILE)
     try:
@@ -64,7 +65,7 @@ def read_paints(path: str | Path) -> tuple[NamedPaint, ...]:
     except UnicodeDecodeError:
         text = "\0"
     if "\0" in text:
-        raise InputError(f"{path} is not text; write a paint a line, as in: ultramarine,#2a2f8f")
+        raise InputError(f"{path} is not text; write one paint per line, as in: ultramarine,#2a2f8f")
     paints: dict[str, NamedPaint] = {}
     entries = _of_json(path, text) if text.lstrip().startswith(("[", "{")) else _of_csv(path, text)
     for where, name, colour in entries:
@@ -75,12 +76,12 @@ def read_paints(path: str | Path) -> tuple[NamedPaint, ...]:
             raise InputError(f"{path} has more than {_MOST} paints; leave out those that are not at hand")
         paints[paint.name.casefold()] = paint
     if not paints:
-        raise InputError(f"{path} has no paints; write one a line, as in: ultramarine,#2a2f8f")
+        raise InputError(f"{path} has no paints; write one per line, as in: ultramarine,#2a2f8f")
     return tuple(paints.values())
 
 
 def _of_csv(path: str | Path, text: str) -> Iterator[tuple[str, str, str]]:
-    """(where, name, colour) of each line with anything on it."""
+    """Yield (where, name, colour) of each line that is not empty."""
     rows = csv.reader(text.splitlines(keepends=True), skipinitialspace=True)
     try:
         for row in rows:

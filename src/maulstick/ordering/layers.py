@@ -6,22 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maulstick.colour.palette import lightness
-from maulstick.storage.arrays import Bools
-
-Indices = NDArray[np.int64]
+from maulstick.storage.arrays import Bools, Ints
 
 
-def light_to_dark(colours: NDArray[np.float64]) -> Indices:
+def light_to_dark(colours: NDArray[np.float64]) -> Ints:
     """Indices (N,) that sort strokes of colours (N, 3) from light to dark."""
     return np.argsort(-lightness(colours), kind="stable")
 
 
-def by_paint(paint_of: Indices, before: Indices) -> Indices:
+def by_paint(paint_of: Ints, before: Ints) -> Ints:
     """Indices (N,) that paint all strokes of a paint, (N,), in one go, keeping the order `before`, (N,), within it."""
     return before[np.argsort(paint_of[before], kind="stable")]
 
 
-def runs(paint_of: Indices, overlaps: Indices) -> list[Indices]:
+def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
     """Strokes in runs of one paint each: as few runs as can be found, and never more than there were.
 
     paint_of: (N,) the paint of each stroke, in painting order.  overlaps: (E, 2) strokes of different paints of which
@@ -43,7 +41,7 @@ def runs(paint_of: Indices, overlaps: Indices) -> list[Indices]:
     return min((_scheduled(paint_of, overlaps, choose) for choose in (neediest, as_before)), key=len)
 
 
-def _scheduled(paint_of: Indices, overlaps: Indices, choose: Callable[[Bools, Bools], int]) -> list[Indices]:
+def _scheduled(paint_of: Ints, overlaps: Ints, choose: Callable[[Bools, Bools], int]) -> list[Ints]:
     """Each run takes all strokes of the chosen paint that are free: none that must lie below them is still to come."""
     below, above = overlaps.T
     beneath = np.bincount(above, minlength=len(paint_of))
@@ -58,7 +56,7 @@ def _scheduled(paint_of: Indices, overlaps: Indices, choose: Callable[[Bools, Bo
     return found
 
 
-def _changes_after(count: int, overlaps: Indices) -> Indices:
+def _changes_after(count: int, overlaps: Ints) -> Ints:
     """(N,) how often at least the paint must change after each stroke, for what lies above it."""
     below, above = overlaps[np.argsort(overlaps[:, 0], kind="stable")].T
     starts = np.searchsorted(below, np.arange(count + 1))

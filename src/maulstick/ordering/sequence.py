@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from maulstick.ordering.layers import Indices, runs
+from maulstick.ordering.layers import runs
 from maulstick.ordering.tour import tour
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 _PRECISE = 1e-6  # metres: what the file of a painting keeps
 _SMOOTHED = 0.05  # of a mark's half-width: its centre line may be simplified by that, and then counts as wider by it
@@ -66,14 +66,14 @@ def _widest(painting: Painting, pressure: Floats) -> Floats:
     return widest.clip(min=0)
 
 
-def _brushes(painting: Painting) -> Iterator[tuple[Brush, Indices]]:
+def _brushes(painting: Painting) -> Iterator[tuple[Brush, Ints]]:
     """Each brush, and which strokes it draws."""
     names = np.array([painting.paints[stroke.paint].brush for stroke in painting.strokes], dtype=np.str_)
     for name, brush in painting.brushes.items():
         yield brush, np.flatnonzero(names == name)
 
 
-def _overlaps(painting: Painting, trajectories: Floats, paint_of: Indices) -> Indices:
+def _overlaps(painting: Painting, trajectories: Floats, paint_of: Ints) -> Ints:
     """(E, 2) strokes of different paints whose marks may overlap, the earlier one first."""
     pairs = np.zeros((0, 2), dtype=np.int64)
     if len(paints := np.unique(paint_of)) < 2:

@@ -1,1 +1,1 @@
-"""A painting: its sheet, brushes, paints and strokes, and its files."""
+"""Paintings: sheet, brushes, paints and strokes, and their files."""

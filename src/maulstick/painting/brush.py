@@ -1,13 +1,13 @@
-"""A brush: the few numbers of Traj2Stroke (paper), their file, and where a commanded path leaves its mark."""
+"""Brushes: the numbers of Traj2Stroke (paper), their file, and the place where a commanded path leaves its mark."""
 
 from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
 
@@ -23,26 +23,27 @@ def _printable(name: str) -> str:
 Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
 BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
 CURVE_PRESSURES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
-"""Where a brush's curve is known; between them it is straight."""
+"""Pressures at which a brush's curve is given; between them it is interpolated linearly."""
 
-_SHORTEST = 1e-12  # metres
-_TOUCHING = 1e-6  # metres deep, for depths of 0 are unknown ones
-_LARGEST_FILE = 2**20  # bytes
+_SHORTEST = 1e-12  # metres: keeps lengths and lags of 0 out of the denominators
+_TOUCHING = 1e-6  # metres: the least known depth, because a depth of 0 means that it is unknown
+_LARGEST_FILE = 2**20  # bytes: far more than a brush takes; a larger file is something else
 
 
 class Brush(BaseModel):
-    """A fitted medium: the seven numbers of the paper, and some beyond it that are neutral by default. Metres.
+    """A fitted brush: the seven numbers of the paper, and further ones that change nothing by default. Metres.
 
-    m_x, m_y, b_x, b_y: the affine error between a commanded place and its mark.
+    m_x, m_y, b_x, b_y: scale and offset from a commanded place to its mark.
     alpha, beta: half-width of the mark = alpha * pressure + beta.
-    falloff: how the mark pales from its centre line to its edge, c.
-    plateau: the flat part of the mark, q.  opacity: its darkness there, o.
-    curve: the share of alpha that is reached at each of `CURVE_PRESSURES`, instead of a straight line.
+    falloff: exponent c with which the mark pales from its centre line to its edge.
+    plateau: share q of the half-width in which the mark is flat.  opacity: darkness o there.
+    curve: share of alpha that is reached at each of `CURVE_PRESSURES`; a straight line by default.
     nib: half-width times 1 + nib[0] cos 2φ + nib[1] sin 2φ, where φ is the direction of travel.
-    lag: the mark is drawn by a tip that is dragged: d tip / d s = (commanded - tip) / lag along the path.
-    touch: how far beside its place the tip comes down; it fades over the lag.
+    lag: length in d tip / d s = (commanded - tip) / lag, by which the tip is dragged along the path.
+    touch: offset (x, y) at which the tip comes down; it fades over the lag.
     faint, solid: opacity times faint + (1 - faint) pressure / solid, at most 1, at the stroke's mean pressure.
-    depth: how far below first touch the tip was at pressure 0 and at pressure 1.
+    depth: distance of the tip below first touch at pressure 0 and at pressure 1; (0, 0) where unknown.
+    Raises ValidationError where a number is out of range.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -80,7 +81,7 @@ class Brush(BaseModel):
 
     @property
     def pressure_matters(self) -> bool:
-        """Whether pressure changes the mark; most plotters can only lift their pen."""
+        """True where pressure changes the mark; most plotters can only lift their pen."""
         return self.alpha > 0
 
     @property
@@ -93,13 +94,13 @@ class Brush(BaseModel):
         """Half-width at pressure 1, metres."""
         return self.alpha + self.beta
 
-    def half_width(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def half_width(self, pressure: Floats) -> Floats:
         """Half-width of the mark in metres at each pressure in [0, 1], any shape; the mean over all directions."""
         share = np.interp(pressure, (0, *CURVE_PRESSURES, 1), (0, *self.curve, 1))
         return np.asarray(self.alpha * share + self.beta)
 
     def held_at(self, pressure: float) -> "Brush":
-        """The same, held at one pressure in [0, 1], as by a machine that only lifts it.
+        """Return the same brush held at one pressure in [0, 1], as a machine does that can only lift it.
 
         Raises InputError where that leaves no mark.
         """
@@ -118,24 +119,42 @@ class Brush(BaseModel):
         }
         return Brush.model_validate({**self.model_dump(), **held})
 
-    def pressure_for(self, half_width: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where all draw alike."""
+    def pressure_for(self, half_width: Floats) -> Floats:
+        """Pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where it has no effect."""
         pressures = np.array((0, *CURVE_PRESSURES, 1))
         return np.asarray(np.interp(half_width, self.half_width(pressures), pressures)) * self.pressure_matters
 
-    def mark(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
+    def mark(self, path: Floats) -> Floats:
+        """Return where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.
 
         A standardised stroke starts at its origin, so the first commanded point is the offset (Δx, Δy), and
-        design §4's (m_x x + b_x + Δx, m_y y + b_y + Δy) scales about it.
+        (m_x x + b_x + Δx, m_y y + b_y + Δy) scales about it (docs/equations.md).
         """
         marked = np.array(path, dtype=np.float64)
         start = marked[..., :1, :2]
         marked[..., :2] = start + (self.m_x, self.m_y) * (self._dragged(marked[..., :2]) - start) + (self.b_x, self.b_y)
         return marked
 
-    def _dragged(self, path: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the tip is at each commanded point (..., n, 2): along a straight segment its lag fades exactly."""
+    def bare_mark(self, trajectory: Floats) -> tuple[Floats, Floats, float]:
+        """Return what a commanded trajectory (n, 3) of x, y in metres and pressure in [0, 1] leaves on paper.
+
+        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.bare` for one stroke.
+        """
+        points, pressure = self.mark(trajectory[:, :2]), trajectory[:, 2]
+        paled = min(self.faint + (1 - self.faint) * float(pressure.mean()) / self.solid, 1.0)
+        return points, self.half_width(pressure) * self._broadening(points), self.opacity * paled
+
+    def _broadening(self, points: Floats) -> Floats:
+        """How much broader than its mean the mark is at each point (n,), for the direction of travel there."""
+        if len(points) < 2 or not any(self.nib):
+            return np.ones(len(points))
+        along = np.concatenate([points[1:2] - points[:1], points[2:] - points[:-2], points[-1:] - points[-2:-1]])
+        x, y = along.T
+        squared = x * x + y * y + _SHORTEST**2
+        return np.asarray(1 + (self.nib[0] * (x * x - y * y) + self.nib[1] * 2 * x * y) / squared)
+
+    def _dragged(self, path: Floats) -> Floats:
+        """Positions of the tip at the commanded points (..., n, 2): the exact solution along straight segments."""
         tips = [path[..., 0, :] + self.touch]
         for start, end in zip(np.moveaxis(path, -2, 0)[:-1], np.moveaxis(path, -2, 0)[1:], strict=True):
             length = np.linalg.norm(end - start, axis=-1, keepdims=True)
@@ -151,7 +170,7 @@ def built_in_brushes() -> list[str]:
 
 
 def load_brush(name: str) -> Brush:
-    """A built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
+    """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
     Raises InputError where there is no such brush, or the file is not one.
     """
@@ -166,7 +185,7 @@ def load_brush(name: str) -> Brush:
 
 
 def write_brush(brush: Brush, path: Path) -> None:
-    """Write the JSON of a brush; its folder is made.
+    """Write a brush as JSON; its folder is made where missing.
 
     Raises OutputError where that fails; what was at `path` is then still there.
     """

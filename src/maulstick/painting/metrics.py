@@ -1,21 +1,22 @@
-"""How near a painting comes to its picture."""
+"""Measures of how near a painting comes to its picture."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
-_WINDOW = 7
+from maulstick.storage.arrays import Image
+
+_WINDOW = 7  # pixels: side of the window of structural similarity, so the least side of a picture
 
 
 @dataclass(frozen=True)
 class Metrics:
-    """How near one image is to another.
+    """Measures of how near one image is to another.
 
     mse: mean squared error of sRGB in [0, 1].  psnr: dB.  ssim: structural similarity; NaN for a picture too small
-    to have structure.  tone_mse_sigma4: mse after a blur of 4 pixels, what is seen from further off.
+    for it.  tone_mse_sigma4: mse after a Gaussian blur of 4 pixels, as seen from further away.
     """
 
     mse: float
@@ -24,8 +25,8 @@ class Metrics:
     tone_mse_sigma4: float
 
 
-def compare(painted: NDArray[np.float32], picture: NDArray[np.float32]) -> Metrics:
-    """Figures of a painted image against the picture, both (H, W, 3) in [0, 1]."""
+def compare(painted: Image, picture: Image) -> Metrics:
+    """Return the metrics of a painted image against the picture, both (H, W, 3) sRGB in [0, 1]."""
     blurred = gaussian_filter(painted.astype(np.float64) - picture, sigma=(4, 4, 0))
     mse = float(np.mean((painted.astype(np.float64) - picture) ** 2))
     large = min(picture.shape[:2]) >= _WINDOW

@@ -1,4 +1,4 @@
-"""A painting: the commanded strokes in painting order, each with its paint, on a sheet; and its file (design §1, §3).
+"""Paintings: commanded strokes in painting order, each with its paint, on a sheet; and their files.
 
 Numbers are rounded when a painting is made (lengths to a micrometre), so that its file says all there is to say.
 """
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -27,11 +26,14 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.painting.brush import Brush, Name
 from maulstick.painting.picture import decode_png, spread
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write, file_to_read
 
 SCHEMA_VERSION: Final = 1
+"""Version of the format of the files that are written, and the only one that is read."""
+
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
-_SLACK = 2e-6  # metres: what rounding may move two ends of a length
+_SLACK = 2e-6  # metres: how much rounding can change a sum of two lengths
 
 
 def _rounded(number: float) -> float:
@@ -85,7 +87,7 @@ class _Part(BaseModel):
 
 
 class Paint(_Part):
-    """A colour (sRGB) and the brush that applies it, by its name in the painting; name: what its tube says."""
+    """A colour (sRGB in [0, 1]) and the brush that applies it, by its name in the painting; name: as on the tube."""
 
     colour: Colour
     brush: Name
@@ -98,14 +100,14 @@ class Paint(_Part):
 
     @property
     def label(self) -> str:
-        """What a person knows it by: the colour as ``#rrggbb``, after its name where it has one."""
+        """The colour as ``#rrggbb``, after the paint's name where it has one."""
         return self.hex if self.name is None else f"{self.name} {self.hex}"
 
 
 class StyleUse(_Part):
-    """Where a style made a stroke: all that planning again needs.
+    """The style that made a stroke, and what is needed to plan the stroke again.
 
-    name, hash: of the style.  code: what it decoded.  pose: (dx, dy, dtheta), metres and radians.
+    name, hash: of the style.  code: the latent code that it decoded.  pose: (dx, dy, dtheta), metres and radians.
     """
 
     name: Name
@@ -115,10 +117,10 @@ class StyleUse(_Part):
 
 
 class Stroke(_Part):
-    """One stroke, as it is commanded: R(dtheta)(x, y) + (dx, dy). Where its mark lands is for `Brush.mark` to say.
+    """A stroke as it is commanded: R(dtheta)(x, y) + (dx, dy). `Brush.mark` gives the place of its mark.
 
-    id: its name for good, unique in the painting.  paint: index into the painting's paints.
-    trajectory: (n, 3) points (x, y, pressure), metres on the canvas and [0, 1].  speed: metres a second at each point.
+    id: a number that never changes, unique in the painting.  paint: index into the painting's paints.
+    trajectory: n points (x, y, pressure), metres on the canvas and [0, 1].  speed: metres per second at each point.
     """
 
     id: Annotated[int, Field(ge=0)]
@@ -128,17 +130,19 @@ class Stroke(_Part):
     style: StyleUse | None = None
 
     @model_validator(mode="after")
-    def _one_speed_a_point(self) -> Self:
+    def _one_speed_per_point(self) -> Self:
         if self.speed is not None and len(self.speed) != len(self.trajectory):
-            raise ValueError(f"there are {len(self.speed)} speeds for {len(self.trajectory)} points; give one a point")
+            raise ValueError(
+                f"there are {len(self.speed)} speeds for {len(self.trajectory)} points; give one per point"
+            )
         return self
 
 
 class Sheet(_Part):
-    """What is painted on: width and height in metres, and the colour of the paper (sRGB).
+    """The sheet that is painted on: width and height in metres, and the colour of the paper (sRGB in [0, 1]).
 
-    picture: where something is on the sheet before the first stroke, its photograph, a PNG of 8-bit sRGB of at most
-    4096 pixels a side, which covers the sheet; base64 in the file.
+    picture: photograph of the whole sheet before the first stroke, where it is not empty: a PNG of 8-bit sRGB of at
+    most 4096 pixels per side; base64 in the file.
     """
 
     width: Length
@@ -146,17 +150,17 @@ class Sheet(_Part):
     paper: Colour = (1.0, 1.0, 1.0)
     picture: Png | None = None
 
-    def image(self, canvas: Canvas) -> NDArray[np.float32]:
-        """The sheet before the first stroke on the pixels of the canvas, (height_px, width_px, 3) in [0, 1]."""
+    def image(self, canvas: Canvas) -> Image:
+        """Return the sheet before the first stroke on the canvas's pixels, (height_px, width_px, 3) sRGB in [0, 1]."""
         if self.picture is not None:
             return spread(decode_png(self.picture), canvas)
         return np.full((canvas.height_px, canvas.width_px, 3), self.paper, dtype=np.float32)
 
 
 class Provenance(_Part):
-    """How a painting was made: Maulstick's version, the picture (name and SHA-256), the seed and the options.
+    """Origin of a painting: Maulstick's version, the picture (name and SHA-256), the seed and the options.
 
-    metrics: how near the plan came to the picture, each by its name (psnr in dB, ssim ...).
+    metrics: measures of how near the plan came to the picture, by name (psnr in dB, ssim ...).
     """
 
     version: Name
@@ -173,10 +177,11 @@ def _whole_sheet(fields: dict[str, Any]) -> Area:
 
 
 class Painting(_Part):
-    """Strokes in painting order, and all that is needed to paint, preview or plan them again.
+    """Strokes in painting order, with all that is needed to paint, preview or plan them again.
 
     sheet: what is painted on.  area: the picture's place on it, (x, y, width, height), metres.
-    brushes: embedded whole, by name.  paints: what strokes point into.
+    brushes: all brushes by name.  paints: the list that a stroke's `paint` is an index into.
+    Raises ValidationError where a field is wrong or two of them do not agree.
     """
 
     schema_version: Literal[1] = SCHEMA_VERSION
@@ -207,34 +212,34 @@ class Painting(_Part):
             seen.add(stroke.id)
         return self
 
-    def trajectories(self) -> NDArray[np.float64]:
-        """Commanded (x, y, pressure), (N, n, 3), metres; a shorter one repeats its last point, which draws nothing."""
+    def trajectories(self) -> Floats:
+        """Return commanded points (N, n, 3) of (x, y, pressure), metres; shorter strokes repeat their last point."""
         longest = max((len(stroke.trajectory) for stroke in self.strokes), default=1)
         padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
         return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
 
-    def lengths(self) -> NDArray[np.float64]:
-        """(N,) metres that each stroke is drawn."""
+    def lengths(self) -> Floats:
+        """Return the length of each stroke, (N,), metres."""
         steps = np.diff(self.trajectories()[..., :2], axis=1)
         return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
 
-    def metres_of_paints(self) -> NDArray[np.float64]:
-        """(k,) metres that are drawn with each paint."""
+    def metres_of_paints(self) -> Floats:
+        """Return the length that is drawn with each paint, (k,), metres."""
         paint_of = np.array([stroke.paint for stroke in self.strokes], dtype=np.int64)
         return np.asarray(np.bincount(paint_of, self.lengths(), len(self.paints)), dtype=np.float64)
 
     def paint_changes(self) -> int:
-        """How often the painter must take up another paint after the first."""
+        """Number of times that another paint must be taken up after the first."""
         return sum(before.paint != after.paint for before, after in pairwise(self.strokes))
 
 
 def hex_colour(colour: tuple[float, float, float]) -> str:
-    """An sRGB colour in [0, 1] as ``#rrggbb``."""
+    """Return an sRGB colour in [0, 1] as ``#rrggbb``."""
     return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
 
 
 def write_painting(painting: Painting, path: str | Path) -> None:
-    """Write `painting` as JSON, an entry a line (so a stroke a line), the same bytes for the same painting.
+    """Write `painting` as JSON with one entry per line (so one stroke per line), the same bytes for the same painting.
 
     Raises OutputError where that fails; what was at `path` is then still there.
     """
@@ -242,12 +247,12 @@ def write_painting(painting: Painting, path: str | Path) -> None:
     fields["sheet"] = _said(fields["sheet"])
     for name in ("paints", "strokes"):
         fields[name] = [_said(entry) for entry in fields[name]]
-    body = ",\n".join(f"  {json.dumps(name)}: {_an_entry_a_line(value)}" for name, value in fields.items())
+    body = ",\n".join(f"  {json.dumps(name)}: {_one_entry_per_line(value)}" for name, value in fields.items())
     atomic_write(path, f"{{\n{body}\n}}\n".encode())
 
 
 def read_painting(path: str | Path) -> Painting:
-    """The painting in the file at `path`.
+    """Return the painting in the file at `path`.
 
     Raises InputError, naming the file and the field, where there is none or it is not a painting of this schema.
     """
@@ -269,7 +274,7 @@ def _said(fields: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if value is not None}
 
 
-def _an_entry_a_line(value: Any) -> str:
+def _one_entry_per_line(value: Any) -> str:
     if isinstance(value, dict):
         lines = [f"{json.dumps(name)}: {json.dumps(entry)}" for name, entry in value.items()]
     elif isinstance(value, list):

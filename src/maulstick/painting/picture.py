@@ -1,4 +1,4 @@
-"""The picture to be painted: any photograph as sRGB, and its place on the canvas."""
+"""Pictures to be painted: any photograph as sRGB, and its place on the canvas."""
 
 import io
 import warnings
@@ -7,24 +7,29 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Pixels
 from maulstick.storage.files import file_to_read
 
 FITS = ("contain", "cover")
-LONGEST_KEPT_PX = 4096
-"""The longest side of a picture that is kept within another file."""
+"""Ways to place a picture on a canvas of another shape, see `lay_out`."""
 
-_LARGEST = 100_000_000  # pixels
-_QUALITY = 88  # of a JPEG
-_STRETCH = 0.02  # of a photograph's shape beside its sheet's
-_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")
+READ_PX = 4096
+"""Longest side of a picture that is read to be planned, pixels: finer than any canvas in one piece."""
+
+LONGEST_KEPT_PX = 4096
+"""Longest side of a picture that is kept within another file, pixels."""
+
+_LARGEST = 100_000_000  # pixels: bounds the memory that a picture takes
+_QUALITY = 88  # of a JPEG, out of 100: no visible loss
+_STRETCH = 0.02  # how much the shapes of photograph and sheet may differ
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")  # Pillow's names
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
-_UPRIGHT = {
+_UPRIGHT = {  # what undoes each orientation of EXIF
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
     4: Image.Transpose.FLIP_TOP_BOTTOM,
@@ -36,11 +41,11 @@ _UPRIGHT = {
 _LANCZOS = Image.Resampling.LANCZOS
 
 
-def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.float32]:
-    """(H, W, 3) sRGB in [0, 1]: the picture upright, on white where it is transparent, the first of several.
+def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
+    """Return a picture as (H, W, 3) sRGB in [0, 1]: upright, on white where it is transparent, the first of several.
 
-    longest_px: scaled down so that no side is longer; a large JPEG is then never decoded whole.
-    Raises InputError where the file is missing, damaged, no picture, or one of more than 100 megapixels.
+    longest_px: scale it down so that no side is longer; a large JPEG is then never decoded whole.
+    Raises InputError where the file is missing, damaged, not a picture, or one of more than 100 megapixels.
     """
     if longest_px is not None and longest_px < 1:
         raise InputError.of_range("the longest side in pixels", longest_px, "at least 1")
@@ -65,10 +70,10 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> NDArray[np.
         raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
 
 
-def decode_png(content: bytes) -> NDArray[np.float32]:
-    """(H, W, 3) sRGB in [0, 1] of a PNG that is kept within another file.
+def decode_png(content: bytes) -> Pixels:
+    """Return a PNG that is kept within another file as (H, W, 3) sRGB in [0, 1].
 
-    Raises InputError where it is none, damaged, or longer than 4096 pixels on a side.
+    Raises InputError where it is not a PNG, damaged, or longer than 4096 pixels on a side.
     """
     try:
         with warnings.catch_warnings():
@@ -91,15 +96,15 @@ def decode_png(content: bytes) -> NDArray[np.float32]:
         raise InputError(f"the picture is a damaged PNG: {reason}; embed it again") from error
 
 
-def encode_png(picture: NDArray[np.float32]) -> bytes:
-    """A picture (H, W, 3) in [0, 1] as a PNG of 8 bits a channel."""
+def encode_png(picture: Pixels) -> bytes:
+    """Return a picture (H, W, 3) in [0, 1] as a PNG with 8 bits per channel."""
     file = io.BytesIO()
     Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(file, format="PNG")
     return file.getvalue()
 
 
-def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> bytes:
-    """A picture (H, W, 3) in [0, 1] as a JPEG, scaled down so that no side is longer."""
+def encode_jpeg(picture: Pixels, longest_px: int | None = None) -> bytes:
+    """Return a picture (H, W, 3) in [0, 1] as a JPEG, scaled down so that no side is longer than `longest_px`."""
     image = Image.fromarray(np.round(picture * 255).astype(np.uint8))
     if longest_px is not None:
         image.thumbnail((longest_px, longest_px))
@@ -108,10 +113,10 @@ def encode_jpeg(picture: NDArray[np.float32], longest_px: int | None = None) -> 
     return file.getvalue()
 
 
-def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
-    """(canvas.height_px, canvas.width_px, 3) sRGB in [0, 1]: a photograph of the sheet as it is, cut at its edges.
+def canvas_photograph(path: str | Path, canvas: Canvas) -> Pixels:
+    """Return a photograph of the sheet, cut at its edges, as (canvas.height_px, canvas.width_px, 3) sRGB in [0, 1].
 
-    Raises InputError where it cannot be read, or its shape is not the sheet's to 2 %.
+    Raises InputError where it cannot be read, or its aspect ratio differs from the sheet's by more than 2 %.
     """
     picture = read_picture(path, longest_px=LONGEST_KEPT_PX)
     height, width = picture.shape[:2]
@@ -125,20 +130,21 @@ def canvas_photograph(path: str | Path, canvas: Canvas) -> NDArray[np.float32]:
     return spread(picture, canvas)
 
 
-def spread(picture: NDArray[np.float32], canvas: Canvas) -> NDArray[np.float32]:
-    """The whole picture (H, W, 3) over the whole canvas, (canvas.height_px, canvas.width_px, 3), whatever its shape."""
+def spread(picture: Pixels, canvas: Canvas) -> Pixels:
+    """Return the picture (H, W, 3) stretched over the whole canvas, (canvas.height_px, canvas.width_px, 3)."""
     height, width = picture.shape[:2]
     return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
 
 
 def lay_out(
-    picture: NDArray[np.float32], canvas: Canvas, fit: str, under: NDArray[np.float32] | None = None
-) -> tuple[NDArray[np.float32], tuple[float, float, float, float]]:
-    """The picture (H, W, 3) on the canvas, (canvas.height_px, canvas.width_px, 3), and its area (x, y, width, height).
+    picture: Pixels, canvas: Canvas, fit: str, under: Pixels | None = None
+) -> tuple[Pixels, tuple[float, float, float, float]]:
+    """Return the picture (H, W, 3) on the canvas, (height_px, width_px, 3), and its area (x, y, width, height).
 
-    The area is in metres and whole pixels, but for where the sheet ends within one. `fit` is ``contain`` (all of the
-    picture, in the middle of the sheet) or ``cover`` (all of the sheet; what hangs over is cut off on both sides).
-    under: the sheet as it is, of the canvas' pixels, which is seen around the picture; white when left out.
+    The area is in metres and ends at whole pixels, or at the sheet's edge. `fit` is ``contain`` (the whole picture in
+    the middle of the sheet) or ``cover`` (the whole sheet; the picture is cropped evenly on two sides).
+    under: the sheet before painting, (height_px, width_px, 3), visible around the picture; white by default.
+    Raises InputError for another `fit`.
     """
     if fit not in FITS:
         raise InputError.of_choice("fit", fit, FITS)
@@ -159,7 +165,7 @@ def lay_out(
 
 
 def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, float, float, float]:
-    """Where on the canvas the edges of a picture of this shape (h, w) lie, pixels; whole ones for ``contain``."""
+    """Left, top, right, bottom edge on the canvas of a picture of this shape (h, w), pixels; whole for ``contain``."""
     height, width = shape
     across, down = canvas.width_px / width, canvas.height_px / height
     if fit == "cover":
@@ -171,7 +177,7 @@ def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, f
     return left, top, left + columns, top + rows
 
 
-def _decode(image: Image.Image, longest_px: int) -> NDArray[np.float32]:
+def _decode(image: Image.Image, longest_px: int) -> Pixels:
     if isinstance(image, TiffImageFile):
         _refuse_misread(image)
     width, height = _at_most(image.size, longest_px)
@@ -211,7 +217,7 @@ def _is_deep(image: Image.Image) -> bool:
 
 
 def _refuse_misread(image: TiffImageFile) -> None:
-    """TIFFs that Pillow 13 reads wrongly without a word."""
+    """Raise ValueError for TIFFs that Pillow 13 misreads without an error."""
     tags = image.tag_v2
     if tags.get(_PLANES) == 2 and (image.mode == "LA" or max(tags.get(_BITS, (1,))) > 8):
         raise ValueError("a TIFF with 16 bits or transparency must not keep its channels apart (planar)")
@@ -220,7 +226,7 @@ def _refuse_misread(image: TiffImageFile) -> None:
 
 
 def _deep_grey(image: Image.Image) -> Image.Image:
-    """One channel of more than 8 bits, as floats in [0, 1]."""
+    """Return a channel of more than 8 bits as floats in [0, 1]."""
     values = np.array(image, dtype=np.float32)
     if image.mode != "F":
         values /= 65535
@@ -230,14 +236,14 @@ def _deep_grey(image: Image.Image) -> Image.Image:
 
 
 def _eight_bit(image: Image.Image) -> Image.Image:
-    """A mode that can be scaled: RGB, L or CMYK, or RGBA where anything is transparent."""
+    """Return the image in a mode that can be scaled: RGB, L or CMYK, or RGBA where anything is transparent."""
     if image.has_transparency_data:
         return image.convert("RGBA")
     return image if image.mode in ("RGB", "L", "CMYK") else image.convert("RGB")
 
 
 def _srgb(image: Image.Image) -> Image.Image:
-    """8-bit pixels laid on white paper, with their colour profile applied."""
+    """Return an 8-bit image on white paper, with its colour profile applied."""
     profile = image.info.get("icc_profile")
     if image.mode == "RGBA":
         paper = Image.new("RGB", image.size, "white")
@@ -250,9 +256,7 @@ def _srgb(image: Image.Image) -> Image.Image:
     return image.convert("RGB")
 
 
-def scaled(
-    picture: NDArray[np.float32], size: tuple[int, int], box: tuple[float, float, float, float]
-) -> NDArray[np.float32]:
-    """The `box` (left, upper, right, lower) of the picture (H, W, 3) at `size` (width, height), all pixels."""
+def scaled(picture: Pixels, size: tuple[int, int], box: tuple[float, float, float, float]) -> Pixels:
+    """Return the `box` (left, upper, right, lower) of the picture (H, W, 3), scaled to `size` (width, height)."""
     channels = [Image.fromarray(np.ascontiguousarray(picture[..., i])) for i in range(picture.shape[2])]
     return np.stack([np.asarray(channel.resize(size, _LANCZOS, box=box)) for channel in channels], axis=2).clip(0, 1)

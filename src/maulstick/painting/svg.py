@@ -1,4 +1,4 @@
-"""A painting as SVG for plotters, Inkscape and vpype: real millimetres, a layer a paint, an open path a stroke."""
+"""SVG files for plotters, Inkscape and vpype: real millimetres, one layer per paint, one open path per stroke."""
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
@@ -10,25 +10,26 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Stroke, hex_colour
 
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
-_AXIDRAW_SPEED = 0.2  # metres a second
-_AXIDRAW_TOUCH = 40  # per cent
+_AXIDRAW_SPEED = 0.2  # metres per second that +S100 stands for
+_AXIDRAW_TOUCH = 40  # per cent of the servo's way: the usual height at which a pen just touches
 
 
 def painting_svg(painting: Painting) -> str:
-    """The commanded centre lines of `painting` in painting order, millimetres, each as wide as its mean mark.
+    """Return an SVG of the commanded centre lines in painting order, millimetres, each as wide as its mean mark.
 
-    There is a layer for every run of strokes of one paint: as many layers as paints where a paint is taken up once.
-    A layer's label begins with its number, which vpype and plotters' drivers go by.
+    There is one layer per run of strokes of one paint: as many layers as paints where each paint is taken up once.
+    A layer's label begins with its number, by which vpype and plotters' drivers sort.
     """
     return _svg(painting, lambda number, paint, brush, run: f"{number} {paint.label} {paint.brush}")
 
 
 def axidraw_svg(painting: Painting) -> str:
-    """As `painting_svg`, with codes in its labels at which AxiDraw's own software pauses for the next pen.
+    """Return the same SVG as `painting_svg`, with labels at which AxiDraw's own software pauses for the next pen.
 
-    Before its name a label has `!` to pause, and its number; then, where all its strokes agree, `+S` and their speed in
-    per cent of 0.2 m/s, and for a brush that presses `+H` and the pen's height in per cent of its servo's way: 40,
-    which is usual, to just touch, 0 to press most (https://wiki.evilmadscientist.com/AxiDraw_Layer_Control).
+    Before its name a label has `!` to pause, and its number. Where all strokes of the layer agree, `+S` and their speed
+    in per cent of 0.2 m/s follow, and for a brush whose mark depends on pressure `+H` and the pen's height in per cent
+    of the servo's way: 40, which is usual, to just touch, 0 for the highest pressure
+    (https://wiki.evilmadscientist.com/AxiDraw_Layer_Control).
     """
     return _svg(painting, _coded_label)
 

@@ -7,7 +7,6 @@ from math import isfinite
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics, compare
@@ -21,9 +20,8 @@ from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.rendering.preview import preview
 from maulstick.rendering.threads import one_torch_thread
+from maulstick.storage.arrays import Image
 from maulstick.style import Style
-
-Image = NDArray[np.float32]
 
 _DEFAULT_LOSSES = LossOptions()
 _LOOKS = 8  # views through which network losses look at what became of a plan
@@ -65,7 +63,7 @@ def _channels_first(image: Image) -> torch.Tensor:
     return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1)))
 
 
-def making(
+def provenance_of(
     options: PlannerSettings, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
 ) -> Provenance:
     """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
@@ -11,8 +10,7 @@ from maulstick.planning.placement import detail, find_places, ink_density, start
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
 _SEEN = 2 / 255
 

@@ -2,18 +2,16 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
+from maulstick.storage.arrays import Image
 
-Image = NDArray[np.float32]
+HEIGHT_PX = 256
+"""Pixels over a picture's height where nobody says how many: detail of a usual brush on a usual sheet."""
 
-_HEIGHT_PX = 256
 LONGEST_PX = 2048
 """The longest side of a canvas that is planned in one piece."""
 _MOST_PX, _MOST_IN_WINDOWS_PX = 6144, 32_768
@@ -70,7 +68,7 @@ def canvas_for(
         height = min(picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across)), sheet.height)
     longest = max(sheet.width, sheet.height)
     if height_px is None:
-        resolution = min(max(_HEIGHT_PX / height, 1 / (brush.thinnest or brush.widest / 4)), LONGEST_PX / longest)
+        resolution = min(max(HEIGHT_PX / height, 1 / (brush.thinnest or brush.widest / 4)), LONGEST_PX / longest)
     elif height_px < 1:
         raise InputError.of_range("the height of the picture", f"{height_px} pixels", "at least 1")
     else:

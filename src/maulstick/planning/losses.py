@@ -7,16 +7,14 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.planning.features.network import Network, ReadingNetwork
 from maulstick.planning.features.views import random_views
 from maulstick.planning.objectives import Edges, Likeness, Look, NetworkLoss, Objective, TextMatch, Tone, sketch
 from maulstick.planning.problem import Weighted
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
 """The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""
@@ -101,7 +99,7 @@ def _network_loss(name: str, loss_options: LossOptions, reference: Reference, ne
     views = random_views(_VIEWS, reference.weights.shape[0], reference.weights.shape[1], torch_rng)
     if name == "text":
         if not isinstance(network, ReadingNetwork):
-            raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with --clip")
+            raise InputError(f"{network.name} cannot read; a text needs CLIP: name a model with {option('clip')}")
         return TextMatch(network, loss_options.text or "", views, reference.paper)
     if name == "look":
         assert loss_options.look is not None

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude
 from scipy.spatial import cKDTree
 from skimage.feature import structure_tensor
@@ -12,9 +11,8 @@ from torch import Generator
 
 from maulstick.painting.brush import Brush
 from maulstick.planning.parameters import StrokeParameters
+from maulstick.storage.arrays import Floats
 from maulstick.style import Style
-
-Floats = NDArray[np.float64]
 
 _ROUNDS = 12
 _SAMPLES_PER_STROKE = 60

@@ -24,7 +24,7 @@ class PlannerSettings:
     strokes: at most so many; exactly so many with `exact`.
     paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1], of which one colour is an ink.
     steps: of the optimiser.  ask_every: so many steps lie between two calls of the network losses.
-    seed: repeats a plan to the bit.
+    seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
     """
 
     strokes: int = 400

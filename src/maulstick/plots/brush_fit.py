@@ -8,11 +8,11 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Rectangle
 
 from maulstick.brush_fit.fit import Fit, HeldOutStroke
-from maulstick.brush_fit.window import Pixels
 from maulstick.painting.brush import Brush
 from maulstick.plots.brush import profile_chart, width_chart
 from maulstick.plots.rows import Row, largest_scale, rows_of
 from maulstick.plots.sheet import ACCENT, FAINT, INK, PAPER, Plot
+from maulstick.storage.arrays import Pixels
 
 _WIDTH, _HEIGHT, _LINES = 2016, 1440, 64  # pixels, pixels, and lines of text in the height
 _CHART_TOP, _CHART_HIGH = 8.5, 10.0  # lines, as are all that follow

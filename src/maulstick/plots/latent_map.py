@@ -20,6 +20,7 @@ COLOURS = (INK, ACCENT, "#2f6690", "#5f8a3a", "#b98220", "#7a4f95")
 _PROPORTION = 1.4  # width of the plot over its height
 _MOST = 400  # strokes on a map: of more, each would be too small to be seen
 _PERPLEXITY = 30  # of t-SNE, the default of scikit-learn; less where there are few strokes
+_SAME = 1e-4  # of codes, whose change of 1 is a large one: rounding in float32 stays below a tenth of this
 _LARGEST = 7.0  # lines: size of the largest stroke at most
 _CLOSE = 1.3  # size of the largest stroke over its share of the map; above 1 since most strokes are smaller
 _WIDTH = 0.075  # lines: of a stroke
@@ -86,7 +87,9 @@ def latent_map(styles: Sequence[Fitted], title: str, px: int) -> bytes:
 
 
 def _placed(codes: Floats) -> Floats:
-    """Embed codes (N, K) in the plane, (N, 2); the same codes always give the same places."""
+    """Embed codes (N, K) in the plane, (N, 2): always alike, and at the origin if none differ."""
+    if np.ptp(codes, axis=0).max() < _SAME:  # only rounding tells them apart: t-SNE would divide by it, or by nothing
+        return np.zeros((len(codes), 2))
     from sklearn.manifold import TSNE  # takes a moment
 
     perplexity = min(_PERPLEXITY, (len(codes) - 1) / 3)

@@ -1,15 +1,12 @@
 """What a painting will look like: its marks, as its own brushes leave them."""
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 
 def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> Image:

@@ -15,7 +15,7 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.storage.files import file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
@@ -68,14 +68,14 @@ class Again(_Line):
     stroke: _Id
 
 
-class RunOptionsLine(_Line):
-    """How the machine was asked to paint, in the words of whoever asked, so that nobody has to remember."""
+class OptionsLine(_Line):
+    """The options that the machine is asked to paint with from here on, so that --resume need not repeat them."""
 
-    event: Literal["words"] = "words"
-    words: dict[str, JsonValue]
+    event: Literal["options"] = "options"
+    options: dict[str, JsonValue]
 
 
-Line = Annotated[Revision | RunOptionsLine | Begin | End | Again, Field(discriminator="event")]
+Line = Annotated[Revision | OptionsLine | Begin | End | Again, Field(discriminator="event")]
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
@@ -99,7 +99,7 @@ class Journal:
     """A journal, open to be read and continued; one process at a time has it (`Journal.open`).
 
     painted: ids of the strokes that are finished.  unfinished: the stroke that was begun and not finished, if any.
-    words: how the machine was last asked to paint.
+    options: those that the machine was last asked to paint with, {} where none were written.
     revision: the painting as it is painted now.  revisions: how many there were, that one included.
     """
 
@@ -107,7 +107,7 @@ class Journal:
         self.path = path
         self.painted: set[int] = set()
         self.unfinished: int | None = None
-        self.words: dict[str, JsonValue] = {}
+        self.options: dict[str, JsonValue] = {}
         self.revision: Revision | None = None
         self.revisions = 0
         self._file: int | None = None
@@ -140,10 +140,10 @@ class Journal:
         digest = hashlib.sha256(content).hexdigest()
         self._append(Revision(file=file.name, sha256=digest, painted=tuple(painted)))
 
-    def tell(self, words: dict[str, JsonValue]) -> None:
-        """How the machine is asked to paint from now on."""
-        if words != self.words:
-            self._append(RunOptionsLine(words=words))
+    def write_options(self, options: dict[str, JsonValue]) -> None:
+        """Write down the options that the machine paints with from now on, unless they are the last ones written."""
+        if options != self.options:
+            self._append(OptionsLine(options=options))
 
     def begin(self, stroke: int) -> None:
         """Before a stroke."""
@@ -163,9 +163,7 @@ class Journal:
         path = self.path.with_name(self.revision.file)
         content = read_whole(file_to_read(path, "painting"), "painting", _LARGEST)
         if hashlib.sha256(content).hexdigest() != self.revision.sha256:
-            raise InputError(
-                f"{path} is not the file that {self.path} was begun with; put that one back, or start again with --restart"
-            )
+            raise InputError(f"{path} is not the file that {self.path} was begun with", Remedy.PUT_BACK_OR_RESTART)
         return path
 
     def _begin(self) -> None:
@@ -188,13 +186,13 @@ class Journal:
         return len(whole)
 
     def _take(self, line: bytes, number: int) -> None:
-        fault = f"line {number} of {self.path} is not one of a journal; mend it, or start again with --restart"
+        fault = f"line {number} of {self.path} is not one of a journal"
         try:
             entry = _LINE.validate_python(json.loads(line))  # pydantic's own reader knows no names of any bytes
         except (ValueError, RecursionError) as error:
-            raise InputError(fault) from error
+            raise InputError(fault, Remedy.MEND_OR_RESTART) from error
         if self.revision is None and not isinstance(entry, Revision):
-            raise InputError(fault)
+            raise InputError(fault, Remedy.MEND_OR_RESTART)
         self._understand(entry)
 
     def _understand(self, entry: Line) -> None:
@@ -203,8 +201,8 @@ class Journal:
                 self.revision = entry
                 self.revisions += 1
                 self.painted.update(entry.painted)
-            case RunOptionsLine(words=words):
-                self.words = words
+            case OptionsLine(options=options):
+                self.options = options
             case Begin(stroke=stroke):
                 self.unfinished = stroke
             case End(stroke=stroke):
@@ -224,9 +222,7 @@ class Journal:
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(self._file, size)
-            raise OutputError(
-                f"cannot write {self.path}: {error.strerror}; mend that, and maulstick paint --resume goes on"
-            ) from error
+            raise OutputError(f"cannot write {self.path}: {error.strerror}; mend that", Remedy.GO_ON) from error
         self._understand(entry)
 
     def _end(self) -> None:

@@ -1,4 +1,4 @@
-"""Machines by the words that name them."""
+"""Machines by their specs, such as ``grbl:/dev/ttyUSB0``: a kind and where it is."""
 
 from collections.abc import Callable
 from typing import Final
@@ -11,17 +11,17 @@ from maulstick.robot.robot import Robot
 SPECS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
 
 
-def machine(word: str, easel: Easel | None) -> Robot:
-    """The machine that a word such as ``grbl:/dev/ttyUSB0`` names, not yet connected; the easel may narrow its limits.
+def machine(spec: str, easel: Easel | None) -> Robot:
+    """Return the machine that the spec names, not yet connected; the easel may narrow its limits.
 
-    Raises InputError for a word that names none, and where what drives that machine is not installed.
+    Raises InputError for a spec that names none, and where what drives that machine is not installed.
     """
-    name, _, address = word.partition(":")
+    name, _, address = spec.partition(":")
     limits = None if easel is None else easel.limits
     if name not in _MACHINES:
-        raise InputError(f"there is no machine {word!r}; there are: {SPECS}")
+        raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
     if not address and name != "axidraw":
-        raise InputError(f"{word!r} does not say where the machine is; there are: {SPECS}")
+        raise InputError(f"{spec!r} does not say where the machine is; there are: {SPECS}")
     return _MACHINES[name](address, easel, limits)
 
 

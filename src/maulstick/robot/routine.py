@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.robot.easel import Easel
@@ -176,8 +176,8 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
     if not limits.varies_pressure and np.ptp(points[:, 2]) > _STEADY and brush.pressure_matters:
         raise InputError(
             f"stroke {stroke.id} varies its pressure by {np.ptp(points[:, 2]):.2f}, "
-            "and this machine only lifts its pen; "
-            "plan it again with maulstick plan --pressure 0.5"
+            "and this machine only lifts its pen",
+            Remedy.HOLD_PRESSURE,
         )
     most = limits.speed if speed is None else min(speed, limits.speed)
     speeds = np.full(len(points), most)
@@ -186,7 +186,9 @@ def _motion(stroke: Stroke, brush: Brush, easel: Easel, limits: Limits, speed: f
         if speed is None and own.max() > limits.speed + SLACK:
             raise InputError(
                 f"stroke {stroke.id} is drawn at {1e3 * own.max():.0f} mm/s, and the machine's fastest is "
-                f"{1e3 * limits.speed:g}; slow all strokes down with --speed {1e3 * limits.speed:g}"
+                f"{1e3 * limits.speed:g}",
+                Remedy.SLOW_DOWN,
+                speed=f"{1e3 * limits.speed:g}",
             )
         speeds = own.clip(max=most)
     heights = -_depth(points[:, 2], brush, easel) if limits.varies_pressure else np.zeros(len(points))

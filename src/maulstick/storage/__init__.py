@@ -1,1 +1,1 @@
-"""Files: read whole, written whole or not at all, and kept by name."""
+"""Files: read whole, written whole or not at all, and found by name."""

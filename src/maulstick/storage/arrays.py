@@ -1,4 +1,4 @@
-"""Files of arrays: NumPy's own format with a kind and a version, so that each file says what it holds."""
+"""Array types, and files of arrays: NumPy's own format with a kind and a version of the contents."""
 
 import io
 import zipfile
@@ -14,15 +14,23 @@ from maulstick.errors import InputError
 from maulstick.storage.files import atomic_write, file_to_read
 
 Floats = NDArray[np.float64]
+"""Real numbers, in double precision."""
+
 Ints = NDArray[np.int64]
-"""Array of whole numbers, as indices and counts."""
+"""Counts, or indices into another array."""
 
 Bools = NDArray[np.bool_]
+"""A mask, or one answer per row."""
 
 Image = NDArray[np.float32]
-"""Picture of shape (H, W, 3), sRGB in [0, 1] where nothing else is said."""
+"""A picture, (H, W, 3) in sRGB or (H, W) in grey, with values in [0, 1]."""
+
+Pixels = NDArray[np.float32]
+"""A value per pixel that need not be a colour, such as a difference; also a picture where `Image` means Pillow's."""
 
 VERSION = 1
+"""Version of the format that is written, and the only one that is read."""
+
 _LARGEST = 2**31  # bytes, unpacked: over 60 hours of drawing
 
 
@@ -37,9 +45,9 @@ def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, NDArray[np.ge
 
 
 def kind_of(path: str | Path) -> str | None:
-    """The kind of the file at `path`, or None where it is no file of arrays.
+    """Return the kind of the file at `path`, or None where it is not a file of arrays.
 
-    Raises InputError where there is none, or it would unpack to more than any file of arrays does.
+    Raises InputError where there is no file, or it would unpack to more than 2 GiB.
     """
     path = file_to_read(path, "file")
     try:
@@ -52,9 +60,10 @@ def kind_of(path: str | Path) -> str | None:
 
 
 def read_arrays(path: str | Path, kind: str, names: tuple[str, ...] | None = None) -> dict[str, NDArray[np.generic]]:
-    """The arrays with these names, or all, of numbers or text, in the file of this kind at `path`.
+    """Return the arrays with these names, or all, in the file of this kind at `path`.
 
-    Raises InputError where there is no such file, or it is of another kind, broken or of a later version.
+    Raises InputError where there is no such file, it is of another kind, damaged or of another version, or an array
+    holds neither numbers nor text.
     """
     path = file_to_read(path, kind)
     try:

@@ -1,4 +1,4 @@
-"""Files at the edge: one that can be read, one that is written whole or not at all, one that one process holds."""
+"""Files that are checked before they are read, written whole or not at all, or locked by one process."""
 
 import errno
 import hashlib
@@ -26,9 +26,9 @@ _REMEDY = {
 
 
 def file_to_read(path: str | Path, what: str) -> Path:
-    """The path of an existing, readable file with something in it.
+    """Return the path of an existing, readable file that is not empty.
 
-    Raises InputError, which calls it a `what` ("picture", "painting"), where it is none.
+    Raises InputError, which calls the file a `what` ("picture", "painting"), where it is not.
     """
     path = Path(path)
     try:
@@ -49,9 +49,9 @@ def file_to_read(path: str | Path, what: str) -> Path:
 
 
 def read_whole(path: str | Path, what: str, most: int) -> bytes:
-    """The content of an existing file of at most so many bytes.
+    """Return the content of an existing file of at most `most` bytes.
 
-    Raises InputError, which calls it a `what`, where it is none, too large, or cannot be read.
+    Raises InputError, which calls the file a `what`, where it is missing, too large or cannot be read.
     """
     path = file_to_read(path, what)
     try:
@@ -63,7 +63,7 @@ def read_whole(path: str | Path, what: str, most: int) -> bytes:
 
 
 def file_sum(path: Path) -> str:
-    """SHA-256 of the file at `path`. Raises InputError where it cannot be read."""
+    """SHA-256 of the file at `path`, as hexadecimal digits. Raises InputError where it cannot be read."""
     try:
         with file_to_read(path, "file").open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -72,10 +72,10 @@ def file_sum(path: Path) -> str:
 
 
 def atomic_write(path: str | Path, content: bytes) -> None:
-    """Put `content` at `path`, which is at every moment either what it was before or complete.
+    """Write `content` to `path`, which at every moment holds either its old content or all of the new.
 
-    The bytes go to a temporary file in the same folder, to the disk, and then take the place of what was there.
-    Raises OutputError where that cannot be done; then what was there is untouched and nothing is left behind.
+    The bytes go to a temporary file in the same folder and to the disk; then that file replaces the old one.
+    Raises OutputError where that fails; the old file is then untouched and no temporary file is left behind.
     """
     target = Path(path).resolve()  # a link goes on pointing where it did
     if target.is_dir():
@@ -100,10 +100,10 @@ def atomic_write(path: str | Path, content: bytes) -> None:
 
 @contextmanager
 def held(lock: Path, taken: str, cannot: str, remedy: str, patience: float = 0.0) -> Iterator[None]:
-    """While it lasts no other process holds the file `lock`, which is made, with its folder, where there is none.
+    """Hold the file `lock`, so that no other process can hold it; the file and its folder are made where missing.
 
-    patience: seconds to wait for another.  Raises InputError, which says that it is `taken`, where another goes on
-    holding it, and OutputError, which says what `cannot` be done, why, and the `remedy`, where it cannot be written.
+    patience: seconds to wait for another process.  Raises InputError with the text `taken` where another process goes
+    on holding it, and OutputError with the text `cannot`, the reason and the `remedy` where it cannot be written.
     """
     file = FileLock(lock, timeout=patience)
     try:
@@ -119,7 +119,7 @@ def held(lock: Path, taken: str, cannot: str, remedy: str, patience: float = 0.0
 
 
 def sync_folder(folder: Path) -> None:
-    """Let a new name reach the disk, where a folder can be asked to; else a power cut could still undo it."""
+    """Write a folder's list of names to the disk, where the system allows it, so that a power cut cannot undo it."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:

@@ -1,18 +1,21 @@
-"""Folders of results: made and seen to be writable before the work, and all results in one appear together."""
+"""Folders of results: made and tested before the work begins, and filled with all results at once."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 
-from maulstick.errors import OutputError
+from maulstick.errors import OutputError, option
 
-_ROOM = 2**20  # bytes: what a painting takes at least
+_ROOM = 2**20  # bytes, about what a painting takes: room that must be free before the work begins
 
 
 @contextmanager
 def made_folder(out: Path) -> Iterator[None]:
-    """Make the folder `out` and see that it can be written; at the end whatever was made and is empty goes again."""
+    """Make the folder `out` and test that it can be written; at the end remove made folders that stayed empty.
+
+    Raises OutputError where the folder cannot be made or written.
+    """
     with as_output_error(out):
         made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
@@ -29,26 +32,31 @@ def made_folder(out: Path) -> Iterator[None]:
 
 @contextmanager
 def all_or_nothing(out: Path) -> Iterator[Path]:
-    """A folder to write results into, which at the end all take their places in `out`, or, after an error, none."""
+    """Provide a temporary folder for results: at the end all are moved into `out`, or, after an error, none.
+
+    Raises OutputError where a result cannot be written.
+    """
     with as_output_error(out), TemporaryDirectory(dir=out, prefix=".maulstick-") as staging:
         try:
             yield Path(staging)
         except OutputError as error:
-            raise OutputError(str(error).replace(staging, str(out))) from error
+            raise error.replaced(staging, str(out)) from error
         written = sorted(Path(staging).iterdir())
         for path in written:
             if (out / path.name).is_dir():
-                raise OutputError(f"cannot write {out / path.name}: it is a folder; choose another --out")
+                raise OutputError(f"cannot write {out / path.name}: it is a folder; choose another {option('out')}")
         for path in written:
             path.replace(out / path.name)
 
 
 @contextmanager
 def as_output_error(out: Path) -> Iterator[None]:
-    """Whatever cannot be done in the folder `out` is an OutputError."""
+    """Turn every OSError into an OutputError that names the folder `out`."""
     try:
         yield
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(f"cannot write into the folder {out}: {error.strerror}; choose another --out") from error
+        raise OutputError(
+            f"cannot write into the folder {out}: {error.strerror}; choose another {option('out')}"
+        ) from error

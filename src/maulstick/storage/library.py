@@ -1,4 +1,4 @@
-"""Things that are kept by name: some come with Maulstick, others are the user's own."""
+"""Libraries of things with names (brushes, styles): some come with Maulstick, others are the user's own."""
 
 import os
 import re
@@ -7,18 +7,18 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, OutputError, option
 
 NAME = r"[a-z0-9][a-z0-9-]{0,39}"
-"""What a name may be; it must never be a path."""
+"""Regular expression of allowed names; none of them can be a path."""
 
 
 @dataclass(frozen=True)
 class Library:
-    """One JSON a thing, NAME.json, in two folders.
+    """Two folders with one file NAME.json per thing: the built-in ones and the user's own.
 
-    what: one of the things, for people.  folder: of the user's own ones, within the user's data.
-    built_in: the folder of those that come along.  taken: a name that belongs to something without a file.
+    what: the word for one thing ("brush"), for people.  folder: name of the user's own folder within the user's data.
+    built_in: folder of those that come with Maulstick.  taken: a reserved name, of something without a file.
     """
 
     what: str
@@ -27,11 +27,11 @@ class Library:
     taken: str | None = None
 
     def own(self) -> Path:
-        """The folder that the user's own are kept in."""
+        """Return the folder of the user's own things."""
         return user_data_path("maulstick", appauthor=False) / self.folder
 
     def paths(self) -> dict[str, Path]:
-        """The JSON of each that has a name, the built-in ones before the user's own."""
+        """Return the path of each thing's JSON by its name, the built-in ones before the user's own."""
         built_in, own = (
             {path.stem: path for path in sorted(folder.glob("*.json")) if re.fullmatch(NAME, path.stem)}
             for folder in (self.built_in, self.own())
@@ -39,11 +39,11 @@ class Library:
         return built_in | {name: path for name, path in own.items() if name not in {*built_in, self.taken}}
 
     def is_built_in(self, path: Path) -> bool:
-        """Whether that whose JSON is at `path` comes with Maulstick."""
+        """Return whether the thing whose JSON is at `path` comes with Maulstick."""
         return path.parent == self.built_in
 
     def check_name(self, name: str) -> str:
-        """The name itself. Raises InputError where nothing on this library may be called so."""
+        """Return the name itself. Raises InputError where nothing in this library may have it."""
         if not re.fullmatch(NAME, name) or name == self.taken:
             allowed = "up to 40 of a-z, 0-9 and -, beginning with a letter or a digit"
             if self.taken is not None:
@@ -52,10 +52,15 @@ class Library:
         return name
 
     def check_own_name(self, name: str, overwrite: bool) -> str:
-        """The name itself. Raises InputError where the user may not use it, and OutputError where it is in use."""
+        """Return the name. Raises InputError where it is not allowed or built in, OutputError where it is in use.
+
+        overwrite: allow a name that is in use by one of the user's own.
+        """
         path = self.paths().get(self.check_name(name))
         if path is not None and self.is_built_in(path):
-            raise InputError(f"the {self.what} {name} comes with Maulstick; choose another --name")
+            raise InputError(f"the {self.what} {name} comes with Maulstick; choose another {option('name')}")
         if os.path.lexists(self.own() / f"{name}.json") and not overwrite:
-            raise OutputError(f"there is a {self.what} {name} already; choose another --name, or add --overwrite")
+            raise OutputError(
+                f"there is a {self.what} {name} already; choose another {option('name')}, or add {option('overwrite')}"
+            )
         return name

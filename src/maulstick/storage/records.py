@@ -1,4 +1,4 @@
-"""Files of one record each: JSON that a model checks when it is read, and that is written whole or not at all."""
+"""Files of one record each: JSON that a pydantic model checks, written whole or not at all."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -10,11 +10,11 @@ from maulstick.storage.files import atomic_write, read_whole
 
 Record = TypeVar("Record", bound=BaseModel)
 
-_LARGEST = 2**20  # bytes
+_LARGEST = 2**20  # bytes: far more than any record takes; a larger file is something else
 
 
 def read_record(kind: type[Record], path: str | Path, what: str) -> Record:
-    """The record in the file at `path`, which errors call a `what`. Raises InputError where there is none."""
+    """Return the record in the file at `path`, which errors call a `what`. Raises InputError where there is none."""
     try:
         return kind.model_validate_json(read_whole(path, what, _LARGEST))
     except ValidationError as error:

@@ -1,1 +1,1 @@
-"""Ink as recorded, and strokes as arrays."""
+"""Strokes of a pen: ink as it was recorded, and strokes as arrays."""

@@ -1,4 +1,4 @@
-"""Ink: what a hand drew, as it was recorded; and its file."""
+"""Ink: raw strokes as they were recorded, and their file."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,29 +6,29 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats, read_arrays, write_arrays
+from maulstick.storage.arrays import Floats, Ints, read_arrays, write_arrays
 
 KIND = "ink"
-_LARGEST_SHEET = 100.0  # metres
+_LARGEST_SHEET = 100.0  # metres a side; a larger one is a mistake in the units
 
 
 @dataclass(frozen=True)
 class Ink:
-    """Raw strokes on a sheet, ragged.
+    """Raw strokes on a sheet, each with its own number of samples.
 
     samples: (P, 4) of (t, x, y, pressure), stroke after stroke: seconds since the recording began; metres, x to the
     right and y down from the sheet's upper left corner; pressure in [0, 1].  A stroke whose times or pressure were not
-    recorded     has NaN there throughout.
-    lengths: (N,) how many samples each stroke has, at least 1.
+    recorded has NaN there throughout.
+    lengths: (N,) number of samples of each stroke, at least 1.
     size: (width, height) of the sheet, metres.
-    source: where it comes from, for people.
+    source: a description of its origin, for people.
+    Raises InputError where an array has another shape or values that are not allowed.
     """
 
     samples: Floats
-    lengths: NDArray[np.int64]
+    lengths: Ints
     size: tuple[float, float]
     source: str = ""
 
@@ -62,16 +62,16 @@ class Ink:
 
     @classmethod
     def of(cls, strokes: Sequence[Floats], size: tuple[float, float], source: str = "") -> Self:
-        """Ink of strokes (m, 4) of (t, x, y, pressure), each with a number of samples of its own."""
+        """Return the ink of strokes (m, 4) of (t, x, y, pressure); m may differ from stroke to stroke."""
         samples = np.concatenate([np.zeros((0, 4)), *strokes])
         return cls(samples, np.array([len(stroke) for stroke in strokes], dtype=np.int64), size, source)
 
     def strokes(self) -> list[Floats]:
-        """Each stroke's samples, (m, 4)."""
+        """Return the samples of each stroke, (m, 4)."""
         return np.split(self.samples, self._starts()[1:]) if len(self) else []
 
     def summary(self) -> str:
-        """What there is, in a line for people."""
+        """Return one line for people: number of strokes, length drawn, duration, what was recorded."""
         strokes = self.strokes()
         metres = sum(float(np.hypot(*np.diff(stroke[:, 1:3], axis=0).T).sum()) for stroke in strokes)
         width, height = (f"{round(1e3 * side, 1):g}" for side in self.size)
@@ -86,7 +86,7 @@ class Ink:
         part = {0: "not recorded", len(self): "recorded"}.get(pressed, f"recorded in {pressed} of them")
         return f"{told}, pressure {part}"
 
-    def _starts(self) -> NDArray[np.int64]:
+    def _starts(self) -> Ints:
         return np.cumsum(self.lengths) - self.lengths
 
 
@@ -101,7 +101,7 @@ def write_ink(ink: Ink, path: str | Path) -> None:
 
 
 def read_ink(path: str | Path) -> Ink:
-    """The ink in the file at `path`. Raises InputError where there is none."""
+    """Return the ink in the file at `path`. Raises InputError where there is none."""
     arrays = read_arrays(path, KIND, ("samples", "lengths", "size", "source"))
     try:
         if arrays["size"].shape != (2,):

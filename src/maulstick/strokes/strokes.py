@@ -5,17 +5,16 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Bools, Floats, read_arrays, write_arrays
+from maulstick.storage.arrays import Bools, Floats, Ints, read_arrays, write_arrays
 from maulstick.strokes.ink import Ink
 
 POINTS = 32
 """Points of a standardised trajectory, the paper's n."""
 
 KIND = "strokes"
-_CLOSED = 0.02
+_CLOSED = 0.02  # chord / length: below it a stroke counts as closed (see `standardise`)
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Strokes:
 
     @classmethod
     def of(cls, ink: Ink, n: int = POINTS) -> Self:
-        """The strokes of the ink, each resampled to n points by arc length and standardised."""
+        """Return the strokes of the ink, each resampled to n points by arc length and standardised."""
         raw = [np.concatenate([stroke[:, 1:4], stroke[:, :1] - stroke[0, 0]], axis=1) for stroke in ink.strokes()]
         paths = np.array([resample(stroke, n) for stroke in raw]).reshape(-1, n, 4)
         standard, poses = standardise(paths[..., :2])
@@ -56,8 +55,8 @@ class Strokes:
     def __len__(self) -> int:
         return len(self.poses)
 
-    def __getitem__(self, rows: NDArray[np.int64] | Bools | slice) -> Self:
-        """Some of the strokes."""
+    def __getitem__(self, rows: Ints | Bools | slice) -> Self:
+        """Return the strokes of these rows, in their order."""
         return type(self)(self.trajectories[rows], self.times[rows], self.poses[rows])
 
     @property
@@ -66,7 +65,7 @@ class Strokes:
         return path_lengths(self.trajectories[..., :2])
 
     def placed(self) -> Floats:
-        """Trajectories (N, n, 3) where they were drawn."""
+        """Return the trajectories (N, n, 3) where they were drawn, metres and pressure."""
         return np.concatenate([place(self.trajectories[..., :2], self.poses), self.trajectories[..., 2:]], axis=-1)
 
 
@@ -77,7 +76,7 @@ def write_strokes(strokes: Strokes, path: str | Path) -> None:
 
 
 def read_strokes(path: str | Path) -> Strokes:
-    """The strokes in the file at `path`. Raises InputError where there are none."""
+    """Return the strokes in the file at `path`. Raises InputError where there are none."""
     arrays = read_arrays(path, KIND, ("trajectories", "times", "poses"))
     try:
         return Strokes(*(array.astype(np.float64) for array in arrays.values()))
@@ -86,16 +85,17 @@ def read_strokes(path: str | Path) -> Strokes:
 
 
 def path_lengths(paths: Floats) -> Floats:
-    """Arc length (...) of polylines (..., n, 2)."""
+    """Arc lengths (...) of polylines (..., n, 2), in the unit of their points."""
     steps = np.diff(paths, axis=-2)
     lengths: Floats = np.hypot(steps[..., 0], steps[..., 1]).sum(axis=-1)
     return lengths
 
 
 def resample(path: Floats, n: int = POINTS) -> Floats:
-    """N points at equal distances along the polyline `path`, (m, k) with x and y first; further columns follow along.
+    """Return n points (n, k) at equal distances along the polyline `path`, (m, k) with x and y first.
 
-    The ends stay where they are. A path without length gives n times its first point.
+    Further columns are interpolated likewise. The ends stay in place. A path without length gives n times its first
+    point. Raises InputError where `path` has another shape.
     """
     path = np.asarray(path, dtype=np.float64)
     if path.ndim != 2 or path.shape[0] < 1 or path.shape[1] < 2:
@@ -108,10 +108,10 @@ def resample(path: Floats, n: int = POINTS) -> Floats:
 
 
 def standardise(paths: Floats) -> tuple[Floats, Floats]:
-    """Paths (N, n, 2) starting at the origin and ending on the positive x-axis, and their poses (N, 3) (dx, dy, dθ).
+    """Return paths (N, n, 2) that start at the origin and end on the positive x-axis, and poses (N, 3) (dx, dy, dθ).
 
-    A closed stroke, whose chord is less than a fiftieth of its length, has no direction of its own that could be
-    trusted: it is turned until the mean of its points lies on the positive x-axis instead.
+    The chord of a closed stroke (shorter than a fiftieth of its length) gives no reliable direction: such a stroke is
+    turned until the mean of its points lies on the positive x-axis instead.
     """
     paths = np.asarray(paths, dtype=np.float64)
     start = paths[:, 0]
@@ -124,7 +124,7 @@ def standardise(paths: Floats) -> tuple[Floats, Floats]:
 
 
 def place(paths: Floats, poses: Floats) -> Floats:
-    """Standardised paths (N, n, 2) put on the canvas: R(dθ)(x, y) + (dx, dy), with poses (N, 3)."""
+    """Return standardised paths (N, n, 2) placed on the canvas: R(dθ)(x, y) + (dx, dy), with poses (N, 3)."""
     return _rotate(np.asarray(paths), poses[:, 2]) + poses[:, None, :2]
 
 

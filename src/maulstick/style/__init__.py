@@ -1,4 +1,4 @@
-"""Styles: what a hand's strokes look like, as a prior that the planner optimises in."""
+"""Styles: priors over the strokes of a hand, which a planner optimises in."""
 
 from maulstick.painting.raster import Canvas
 from maulstick.style.cards import style_path
@@ -8,9 +8,9 @@ __all__ = ["Style", "load_style"]
 
 
 def load_style(name: str, canvas: Canvas) -> Style:
-    """The style of this name, or whose JSON is at this path; the free one with strokes of a size for the canvas.
+    """Return the style of this name, or whose JSON is at this path; the free style is sized for the canvas.
 
-    Raises InputError where there is none, or its files cannot be used.
+    Raises InputError where there is no such style, or its files cannot be used.
     """
     from maulstick.style.free import FreeStyle  # these load torch, which the studio's server does without
     from maulstick.style.store import read_style

@@ -1,4 +1,4 @@
-"""What is known of the styles without loading any: their names, where they are, and the card of each."""
+"""Cards of the styles: names, paths and descriptions, which are read without loading a style."""
 
 import os
 from pathlib import Path
@@ -13,14 +13,18 @@ from maulstick.storage.library import NAME, Library
 from maulstick.storage.records import read_record, write_record
 
 VERSION: Final = 1
+"""Version of the format of cards that is written, and the only one that is read."""
+
 FEWEST = 5
-"""Strokes that a style can be learned from."""
+"""Least number of strokes that a style can be learned from."""
 
 LARGEST = 256 * 2**20
-"""Bytes of a style's arrays."""
+"""Most bytes of a style's arrays."""
 
 BUILT_IN = Path(__file__).with_name("built_in")
-_FREE = "free"
+"""Folder of the styles that come with Maulstick."""
+
+_FREE = "free"  # a style without a file: `maulstick.style.free`
 STYLES = Library("style", "styles", BUILT_IN, taken=_FREE)
 
 _StyleName = Annotated[str, Field(pattern=f"^{NAME}$")]
@@ -31,23 +35,23 @@ class _Model(BaseModel):
 
 
 class ExemplarSettings(_Model):
-    """See `maulstick.style.exemplar.Exemplar`."""
+    """Settings of an `Exemplar` (`maulstick.style.exemplar`)."""
 
     kind: Literal["exemplar"] = "exemplar"
     freedom: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 
 class TrajVAESettings(_Model):
-    """All that a `maulstick.style.trajvae.TrajVAE` is lies in its arrays."""
+    """Settings of a `TrajVAE` (`maulstick.style.trajvae`): none, since its arrays hold everything."""
 
     kind: Literal["trajvae"] = "trajvae"
 
 
 class StyleCard(_Model):
-    """What the JSON beside a style's arrays says.
+    """Contents of the JSON beside a style's arrays.
 
-    source: what the style was learned from, for people.  strokes: how many of them.  sha256: of the file of arrays.
-    formerly: the names that it had before, the last one last; None where it always had this one.
+    source: what the style was learned from, for people.  strokes: number of strokes.  sha256: of the file of arrays.
+    formerly: earlier names, the latest last; None where there are none.
     """
 
     version: Literal[1] = VERSION
@@ -60,12 +64,12 @@ class StyleCard(_Model):
 
 
 def read_card(path: Path) -> StyleCard:
-    """What a style's JSON says. Raises InputError where it is not one."""
+    """Return the card in a style's JSON. Raises InputError where it is not one."""
     return read_record(StyleCard, path, "style")
 
 
 def style_path(name: str) -> Path:
-    """The JSON of the style with this name, or at this path; also by a name that it had before.
+    """Return the path of a style's JSON from the style's name, an earlier name of it, or that path.
 
     Raises InputError where there is no such style.
     """
@@ -81,11 +85,11 @@ def style_path(name: str) -> Path:
 
 
 def rename_style(name: str, new: str) -> Path:
-    """Give the user's own style another name; the path of its JSON.
+    """Give a style of the user's own another name, and return the path of its JSON.
 
-    Its hash stays, since that is of its strokes and not of its name, and `style_path` still finds it by the old one,
-    for plans that ask for it. Raises InputError where it is none of the user's own or the name cannot be one, and
-    OutputError where the name is in use or nothing can be written; the style is then still there under its own.
+    Its hash stays the same, and `style_path` still finds it by the old name, which paintings may contain.
+    Raises InputError where the style is not the user's own or the name is not allowed, and OutputError where the name
+    is in use or nothing can be written; the style then keeps its old name.
     """
     old = STYLES.paths().get(name)
     if old is None or STYLES.is_built_in(old):
@@ -105,5 +109,5 @@ def rename_style(name: str, new: str) -> Path:
 def _former_names(path: Path) -> tuple[str, ...]:
     try:
         return read_card(path).formerly or ()
-    except InputError:  # whoever wants that style itself is told
+    except InputError:  # reported when that style itself is loaded
         return ()

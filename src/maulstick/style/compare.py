@@ -1,26 +1,25 @@
-"""How alike two sets of strokes are: a description of each stroke, and distances between their distributions."""
+"""Comparison of two sets of strokes: a description of each stroke, and distances between their distributions."""
 
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths, standardise
 
-Floats = NDArray[np.float64]
-
 CURVINESS = (2, 12, 13)
-"""Which numbers of a description say how much a stroke is bent, how rough it is, and how wavy."""
-_BINS, _POINTS = 6, 5
-_LEAST = 1e-9
-_STRAIGHT = 1e-2  # radians
-_HALVINGS = 20
-_LEAST_APART = 0.4  # of a standard deviation: what is less is not worth saying
-_MOST_SAID = 3
-_LENGTH = 0
-_MORE_AND_LESS = {  # of a description that is larger, and smaller
+"""Columns of a description for how much a stroke is bent, how rough and how wavy it is."""
+
+_BINS, _POINTS = 6, 5  # parts of a stroke whose turning is described, and points between its ends
+_LEAST = 1e-9  # keeps 0 out of logarithms and denominators
+_STRAIGHT = 1e-2  # radians per point: less turning than that has no sign
+_HALVINGS = 20  # random halvings that are averaged, so that the result hardly depends on the seed
+_LEAST_APART = 0.4  # standard deviations: smaller differences are not mentioned
+_MOST_SAID = 3  # differences in a sentence
+_LENGTH = 0  # column of a description
+_MORE_AND_LESS = {  # column of a description: the phrases for a larger and a smaller value
     1: ("end farther from where they begin", "end nearer to where they begin"),
     2: ("bend more", "bend less"),
     3: ("turn more to the right", "turn more to the left"),
@@ -31,11 +30,11 @@ _MORE_AND_LESS = {  # of a description that is larger, and smaller
 
 @dataclass(frozen=True)
 class Comparison:
-    """Of the strokes of two hands.
+    """Comparison of the strokes of two hands.
 
-    shared: how many of all their strokes are both hands', in [0, 1].  distance: of energy, 0 where they are the same.
-    of_halves: that of one half of the first to the other.  accuracy: of 1-NN, 0.5 where they are the same.
-    told: what the strokes of the second do, compared with those of the first.
+    shared: share of all strokes that both hands have, in [0, 1].  distance: energy distance, 0 for equal distributions.
+    of_halves: energy distance between two halves of the first hand's strokes.  accuracy: of a nearest-neighbour
+    classifier, 0.5 for equal distributions.  told: how the second's strokes differ from the first's, in words.
     """
 
     shared: float
@@ -46,7 +45,7 @@ class Comparison:
 
     @classmethod
     def of(cls, first: Floats, second: Floats, rng: np.random.Generator) -> Self:
-        """Of the paths (N, n, 2) and (M, n, 2), metres; distances are between descriptions standardised over both."""
+        """Compare paths (N, n, 2) and (M, n, 2), metres; descriptions are standardised over both."""
         of_first, of_second = ({path.tobytes() for path in paths} for paths in (first, second))
         described = [describe(paths) for paths in (first, second)]
         together = np.concatenate(described)
@@ -64,11 +63,11 @@ class Comparison:
 
 
 def describe(paths: Floats) -> Floats:
-    """Each path (N, n, 2), metres, wherever it lies, as 24 numbers, (N, 24).
+    """Return a description (N, 24) of each path (N, n, 2), metres, which does not depend on its place or direction.
 
-    Log length; chord over length; turning, as much of it as there is and its sum; width and height over length; turning
-    in six parts of the stroke; log roughness, which is the RMS second difference over length; changes of the turning's
-    sign a point; and five points between the ends, over length.
+    The columns are: log length; chord over length; absolute turning and turning; width and height over length; turning
+    in each of six parts of the stroke; log roughness, which is the RMS second difference over length; changes of the
+    turning's sign per point; and five points between the ends, over length.
     """
     paths, _ = standardise(paths)
     lengths = path_lengths(paths).clip(min=_LEAST)[:, None]
@@ -98,7 +97,7 @@ def describe(paths: Floats) -> Floats:
 
 
 def _inflections(turns: Floats) -> Floats:
-    """How often turning changes its sign, (N,), a point; what is nearly straight goes on as before."""
+    """Changes of the turning's sign per point, (N,); nearly straight parts keep the sign before them."""
     bent = np.abs(turns) > _STRAIGHT
     last = np.maximum.accumulate(np.where(bent, np.arange(turns.shape[1]), 0), axis=1)
     signs = np.take_along_axis(np.where(bent, np.sign(turns), 0), last, axis=1)
@@ -107,9 +106,9 @@ def _inflections(turns: Floats) -> Floats:
 
 
 def energy_distance(a: Floats, b: Floats) -> float:
-    """Between the distributions that descriptions (N, k) and (M, k) were drawn from, without bias.
+    """Unbiased energy distance between the distributions that descriptions (N, k) and (M, k) were drawn from.
 
-    Near 0, and as often below as above, where they are the same.
+    For equal distributions it is near 0, and as often below as above.
     """
     return float(2 * cdist(a, b).mean() - _mean_of_pairs(a) - _mean_of_pairs(b))
 
@@ -119,7 +118,10 @@ def _mean_of_pairs(a: Floats) -> float:
 
 
 def nearest_neighbour_accuracy(a: Floats, b: Floats, rng: np.random.Generator, rounds: int = 20) -> float:
-    """How often a description's nearest neighbour is of its own set, among as many of each: 0.5 cannot tell them."""
+    """Share of descriptions (N, k) and (M, k) whose nearest neighbour is of their own set; 0.5 where they look alike.
+
+    Each of the `rounds` draws equally many of each set.
+    """
     size = min(len(a), len(b))
     hits = []
     for _ in range(rounds):
@@ -132,18 +134,18 @@ def nearest_neighbour_accuracy(a: Floats, b: Floats, rng: np.random.Generator, r
 
 
 def distance_to_nearest(a: Floats, b: Floats) -> float:
-    """Mean distance from a description of `a` to the nearest of `b`."""
+    """Mean distance from a description of `a` (N, k) to the nearest of `b` (M, k)."""
     return float(cdist(a, b).min(axis=1).mean())
 
 
 def _of_halves(described: Floats, rng: np.random.Generator) -> float:
-    """Energy distance of one half of the strokes to the other, on average over several ways to halve them."""
+    """Energy distance of one half of the strokes to the other, averaged over several random halvings."""
     halves = [np.array_split(described[rng.permutation(len(described))], 2) for _ in range(_HALVINGS)]
     return float(np.mean([energy_distance(*pair) for pair in halves]))
 
 
 def _in_words(first: Floats, second: Floats, ratio: float) -> str:
-    """What differs most from the first standardised descriptions to the second, whose strokes are `ratio` as long."""
+    """Return the largest differences between standardised descriptions in words; `ratio` is the one of lengths."""
     apart = second.mean(axis=0) - first.mean(axis=0)
     columns = sorted((_LENGTH, *_MORE_AND_LESS), key=lambda column: -abs(apart[column]))
     said = [

@@ -1,4 +1,4 @@
-"""A smooth density around what was seen: a mixture of Gaussians, one around each sample (a kernel density estimate)."""
+"""Kernel density estimate: a mixture of Gaussians, one around each sample."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,39 +6,37 @@ from math import log
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
-_POOLED = 0.4
-_LEAST_SPREAD = 0.02
+_POOLED = 0.4  # weight of the pooled correlation beside that of the few samples themselves
+_LEAST_SPREAD = 0.02  # of the pooled spread: keeps a number that never varies from a covariance without inverse
 
 
 @dataclass(frozen=True)
 class Density:
-    """Gaussians around centres (M, d): one covariance (d, d), stretched for each centre by its scales (M, d)."""
+    """Gaussians around centres (M, d) with one covariance (d, d), which each centre scales by its scales (M, d)."""
 
     centres: Tensor
     scales: Tensor
     covariance: Tensor
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw k points (k, d), and which of the centres each is drawn around, (k,)."""
+        """Draw k points (k, d), and return the index of the centre of each, (k,)."""
         around = torch.randint(len(self.centres), (k,), generator=generator)
         noise = torch.randn(k, self.centres.shape[1], generator=generator).to(self.centres)
         return self.centres[around] + self.scales[around] * (noise @ torch.linalg.cholesky(self.covariance).T), around
 
     def cost(self, points: Tensor) -> Tensor:
-        """Half the squared distance of points (N, d) to the centres, in standard deviations: the soft minimum, nats.
+        """Soft minimum (N,), nats, over the centres, of half the squared distance of points (N, d), standardised.
 
-        It is at most log M at a centre. All kernels count as equally high, so that a narrow one does not outweigh
-        the others.
+        It is at most log M at a centre. All kernels have the same height, so that a narrow one does not dominate.
         """
         return log(len(self.centres)) - torch.logsumexp(-self._apart(points) / 2, dim=1)
 
     def nearest(self, points: Tensor) -> Tensor:
-        """Which centre each of the points (N, d) is nearest to, (N,)."""
+        """Index of the centre nearest to each of the points (N, d), (N,)."""
         return self._apart(points).argmin(dim=1)
 
     def _apart(self, points: Tensor) -> Tensor:
@@ -49,7 +47,7 @@ class Density:
 
     @cached_property
     def _terms(self) -> tuple[Tensor, Tensor, Tensor]:
-        """(x - c)ᵀ P (x - c) multiplied out, so that all distances are one product of matrices."""
+        """Terms of (x - c)ᵀ P (x - c), multiplied out so that all distances are one product of matrices."""
         inverse = torch.linalg.inv(self.covariance)
         precisions = inverse / (self.scales[:, :, None] * self.scales[:, None, :])
         linear = torch.einsum("mij,mj->im", precisions, self.centres)
@@ -57,10 +55,10 @@ class Density:
 
 
 def kernel(centres: Floats, pooled: Floats) -> Floats:
-    """How few samples (M, d) of one hand vary, as a covariance (d, d), with the help of how many hands do.
+    """Covariance (d, d) of few samples (M, d) of one hand, regularised by the covariance `pooled` of many hands.
 
-    The pooled covariance says how the numbers vary together; by how much, it says together with the hand's own, after
-    it was scaled to the hand.
+    Correlations are a weighted mean of the hand's and the pooled ones. Spreads are the geometric mean of the hand's
+    and the pooled ones, which are first scaled to the hand's.
     """
     own = np.cov(centres, rowvar=False)
     others = np.sqrt(np.diag(pooled))

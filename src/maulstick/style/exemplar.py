@@ -1,4 +1,4 @@
-"""A hand by its examples: its own strokes, and a smooth density around them. Fitted in a fraction of a second."""
+"""Exemplar style: a hand's own strokes and a kernel density around them. It is fitted in a fraction of a second."""
 
 import hashlib
 from dataclasses import dataclass, replace
@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
@@ -19,29 +19,27 @@ from maulstick.style.hand import Hand, by_length
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
 
-Floats = NDArray[np.float64]
-
-_LENGTH, _SHAPE = 0, slice(1, GIST)
-_ROUGHNESS = GIST
-_BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.95, 0.8
-_BANDWIDTH_OF_COST = 0.4
-_BANDWIDTHS_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # length would pay most
-_BANDWIDTH_OF_LENGTH = 0.4
-_BANDWIDTH_OF_ROUGHNESS = 0.2
-_LEAST_RESIDUAL = 1e-4
-_OTHERS = 0.6
-_LEAST_BEND, _MOST_BEND = 0.05, 1.5
-_FREEDOMS = (1.0, 0.67, 0.33, 0.0)
-_TRIALS = 300
-_SURE = 2.0
+_LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
+_ROUGHNESS = GIST  # its last column
+# Bandwidths are in standard deviations of the hand's strokes: smaller ones copy its strokes, larger ones lose its look.
+_BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.95, 0.8  # of samples, at freedom 1 and at freedom 0
+_BANDWIDTH_OF_COST = 0.4  # of the density that `cost` is based on
+_BANDWIDTHS_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # narrow for length, which pays most
+_BANDWIDTH_OF_LENGTH = 0.4  # of samples, at most: lengths are to stay the hand's
+_BANDWIDTH_OF_ROUGHNESS = 0.2  # of samples: roughness is to stay the hand's
+_LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
+_OTHERS = 0.6  # share of a sample's residual that is mixed from all of the hand's strokes, at freedom 1
+_LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale, which grows with the bend of its stroke
+_FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
+_TRIALS = 300  # samples that `fit` compares with the hand
+_SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
 
 
 @dataclass(frozen=True)
 class PooledHands:
-    """What many hands have in common (of strokes that may ship; see NOTICE).
+    """Statistics that many hands have in common (of strokes that may ship; see NOTICE).
 
-    covariance: (17, 17), within a hand, of a stroke's gist and of how large its residual is (`gist_and_roughness`).
-    residual: (47,) usual size of the residual's numbers.
+    covariance: (17, 17), within a hand, of `gist_and_roughness`.  residual: (47,) RMS of the residual's numbers.
     """
 
     covariance: Floats
@@ -49,20 +47,20 @@ class PooledHands:
 
     @property
     def units(self) -> Floats:
-        """(63,): what is a large change of a stroke's numbers (`shape.encode`)."""
+        """Size (63,) of a large change in each of a stroke's numbers (`shape.encode`)."""
         return np.concatenate([np.sqrt(np.diag(self.covariance)[:GIST]), self.residual])
 
 
 @dataclass(frozen=True)
 class Exemplar(Style):
-    """A code is a stroke's gist and residual (`style.shape`), in units of what is usual among hands.
+    """Style of a hand by its examples: a code is a stroke's gist and residual (`style.shape`) in `PooledHands.units`.
 
-    Its likelihood is that of its gist and of how large its residual is; the residual's direction is free.
+    Its likelihood is that of the gist and of the residual's size; the residual's direction is free.
 
-    name: what the painting file calls it.  hand: whose strokes.  hands: what others have in common.
+    name: as in the painting file.  hand: the strokes.  hands: statistics of many hands.
     max_mean_cost: as in `Style`.
-    freedom: in [0, 1], how far samples may leave the hand's strokes. At 0 a straight stroke stays straight and keeps
-    its residual; at 1 all strokes are bent alike, and most of the residual comes from the hand's others.
+    freedom: in [0, 1], how far samples may differ from the hand's strokes. At 0 a straight stroke stays straight and
+    keeps its residual; at 1 all strokes bend alike, and most of the residual comes from the hand's other strokes.
     """
 
     name: str
@@ -73,7 +71,7 @@ class Exemplar(Style):
 
     @classmethod
     def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
-        """With the most freedom that leaves samples as bent, as rough and as wavy as the hand's strokes on average."""
+        """Return the style with the most freedom whose samples are on average as bent, rough and wavy as the hand's."""
         seen = describe(hand.paths)[:, CURVINESS]
         allowed = _SURE * seen.std(axis=0, ddof=1) / np.sqrt(len(seen)) + 1e-9
         style = cls(name, hand, hands, _FREEDOMS[-1])
@@ -87,7 +85,7 @@ class Exemplar(Style):
 
     @cached_property
     def hash(self) -> str:
-        """Of all that decoding depends on."""
+        """Hash of the units, which is all that decoding depends on."""
         return hashlib.sha256(b"exemplar" + self.hands.units.tobytes()).hexdigest()[:16]
 
     @cached_property
@@ -126,13 +124,13 @@ class Exemplar(Style):
         return Density(self._centres, torch.from_numpy(scales), self._covariance)
 
     def encode(self, paths: Tensor) -> Tensor:
-        """Codes (N, 63) of standardised paths (N, 32, 2), which decode to the same paths again."""
+        """Return codes (N, 63) of standardised paths (N, 32, 2), metres, which decode to the same paths again."""
         return shape.encode(paths) / self._units.to(paths)
 
     def decode(self, codes: Tensor) -> Tensor:
-        """Paths (N, 32, 2) of codes (N, 63), standardised but for their residual.
+        """Return paths (N, 32, 2), metres, of codes (N, 63), standardised but for their residual.
 
-        No gradient flows into the residual: how a hand trembles is not for a planner to draw with.
+        No gradient flows into the residual, so that a planner does not draw with a hand's tremor.
         """
         return shape.decode(self._numbers_of(codes))
 
@@ -140,7 +138,7 @@ class Exemplar(Style):
         return torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1) * self._units.to(codes)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Strokes near the hand's own, with residuals like theirs, pressed as they were."""
+        """Draw codes (k, 63) of strokes near the hand's own, with their pressure knots (k, 4) and similar residuals."""
         drawn, around = self._sampled.sample(k, generator)
         directions = normalize(self._numbers[:, GIST:], dim=1)
         shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
@@ -151,23 +149,23 @@ class Exemplar(Style):
         return codes.float(), self.hand.sample_pressure(around, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
-        """As many strokes as there are places, the longest where there is most room."""
+        """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""
         codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(codes[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
-        """That of the strokes' numbers; no gradient flows into the residual."""
+        """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""
         return self.price(self._numbers_of(codes), pressure_knots)
 
     def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
-        """How far each stroke is from the nearest of the hand's, and all of them together from how the hand's vary.
+        """Cost (N,), nats: how far each stroke is from the hand's nearest, and all from the hand's distribution.
 
         numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 
-        The first is of the gist, of how large the residual is, and of how pressure rises and falls. The second keeps
-        the strokes of a plan from becoming long, or flat, one by one: in each number of the gist they are to be spread
-        as the hand's are (squared distance of sorted values, Wasserstein's in one dimension).
+        The first term compares the gist, the residual's size and the changes of pressure. The second keeps a plan's
+        strokes from all becoming long or flat: each number of the gist must be distributed as in the hand (squared
+        distance of sorted values, Wasserstein's in one dimension).
         """
         points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
@@ -178,24 +176,24 @@ class Exemplar(Style):
         return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def _as_spread(self, points: Tensor) -> Tensor:
-        """Points (N, 17) in the same order in each of their numbers, and spread as the hand's."""
+        """Points (N, 17) with the same ranks in each column, and the quantiles of the hand's strokes as values."""
         ranks = points.argsort(dim=0, stable=True).argsort(dim=0)
         quantiles = (torch.arange(len(points), dtype=torch.float64) + 0.5) / len(points)
         return torch.quantile(self._centres, quantiles, dim=0).gather(0, ranks)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
-        """As fast as the hand's stroke that is most like it."""
+        """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
         return self.hand.speeds_of(self._priced.nearest(gist_and_roughness(self._numbers_of(codes))))
 
 
 def gist_and_roughness(numbers: Tensor) -> Tensor:
-    """What a stroke is likely by, (N, 17): its gist, and the logarithm of how large its residual is."""
+    """Return what a stroke's likelihood depends on, (N, 17): its gist, and the logarithm of its residual's size."""
     residual = numbers[:, GIST:].square().sum(1, keepdim=True)
     return torch.cat([numbers[:, :GIST], (residual + _LEAST_RESIDUAL**2).log() / 2], dim=1)
 
 
 def pool(hands: list[Hand]) -> PooledHands:
-    """What these hands have in common; each counts by its strokes, but no more than by sixty."""
+    """Return the statistics of these hands; each is weighted by its number of strokes, up to sixty."""
     numbers = [shape.encode(torch.from_numpy(hand.paths)) for hand in hands]
     weights = np.array([min(len(hand), 60) for hand in hands], dtype=np.float64)
     spreads = [np.cov(gist_and_roughness(each).numpy(), rowvar=False) for each in numbers]

@@ -1,4 +1,4 @@
-"""A style that belongs to nobody: any smooth stroke within limits of length."""
+"""Free style: any smooth stroke within limits of length, learned from nobody."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -17,11 +17,12 @@ from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
 
 CONTROL_POINTS = 8
+"""Control points of a stroke's spline: enough for an S, too few for tremor."""
 
 
 @dataclass(frozen=True)
 class FreeStyle(Style):
-    """Clamped cubic B-splines of 8 control points.
+    """Style of clamped cubic B-splines with 8 control points.
 
     The first control point is the origin and the last lies on the positive x-axis, so that every code decodes to a
     standardised path. A code is the chord's length and then the six inner control points, in units of `unit`.
@@ -41,18 +42,18 @@ class FreeStyle(Style):
 
     @classmethod
     def for_canvas(cls, canvas: Canvas) -> Self:
-        """Strokes from a fiftieth to a half of the canvas' shorter side."""
+        """Return the style whose strokes are a fiftieth to a half of the canvas's shorter side long."""
         side = min(canvas.width, canvas.height)
         return cls(shortest=side / 50, longest=side / 2)
 
     @property
     def hash(self) -> str:
-        """Of all that decoding depends on."""
+        """Hash of all that decoding depends on."""
         return hashlib.sha256(f"free {CONTROL_POINTS} {POINTS} {self.unit!r}".encode()).hexdigest()[:16]
 
     @property
     def unit(self) -> float:
-        """Metres of a code's 1."""
+        """Length in metres that a 1 in a code stands for."""
         return self.longest / 4
 
     @cached_property
@@ -60,7 +61,7 @@ class FreeStyle(Style):
         return torch.from_numpy(spline_basis(CONTROL_POINTS))
 
     def encode(self, paths: Tensor) -> Tensor:
-        """The least-squares B-spline through each path, its ends kept."""
+        """Return codes (N, 13) of the least-squares B-splines through paths (N, 32, 2), metres; their ends are kept."""
         basis = self._basis.to(paths)
         ends = torch.stack([paths[:, 0], paths[:, -1]], dim=1)
         rest = paths - basis[:, [0, -1]] @ ends
@@ -69,7 +70,7 @@ class FreeStyle(Style):
         return torch.cat([chord, inner.flatten(1)], dim=1) / self.unit
 
     def decode(self, codes: Tensor) -> Tensor:
-        """Paths (N, 32, 2) of codes (N, 13), at equal steps of the spline's parameter."""
+        """Return paths (N, 32, 2), metres, of codes (N, 13), at equal steps of the spline's parameter."""
         controls = self._controls(codes)
         return self._basis.to(codes) @ controls
 
@@ -80,13 +81,13 @@ class FreeStyle(Style):
         return controls * self.unit
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Gently bent strokes, log-uniform in length, of even pressure."""
+        """Draw gently bent strokes, (k, 13) and (k, 4), log-uniform in length, each of constant pressure."""
         return self.sample_for(
             self.shortest * (self.longest / self.shortest) ** torch.rand(k, generator=generator), generator
         )
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Gently bent strokes of these lengths, as far as its limits allow, of even pressure."""
+        """Draw gently bent strokes of these lengths (k,) within the limits, metres, each of constant pressure."""
         k = len(lengths)
         along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]
         bend = 0.5 * torch.randn(k, 1, generator=generator) * along * (1 - along)
@@ -97,11 +98,11 @@ class FreeStyle(Style):
         return shapes * wanted / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
 
     def speeds(self, codes: Tensor) -> Tensor | None:
-        """Nobody's."""
+        """Return None: there is no hand whose speed could be used."""
         return None
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
-        """Bending of the control polygon, in units of its length, length beyond the limits, and changes of pressure."""
+        """Cost (N,): relative bending of the control polygon, length beyond the limits, and changes of pressure."""
         steps = self._controls(codes).diff(dim=1)
         length = steps.square().sum(-1).add(1e-12).sqrt().sum(1)
         even = length[:, None, None] / (CONTROL_POINTS - 1)

@@ -1,32 +1,30 @@
-"""What is kept of a hand: the strokes that a style was learned from, and how they were pressed and how fast."""
+"""Hands: the strokes that a style is learned from, with their pressure and speed."""
 
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Generator, Tensor
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes
 from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
 
-Floats = NDArray[np.float64]
-
-_SHORTEST = 1e-3  # metres; what is shorter is a dot
-_SLOWEST, _QUICKEST = 1e-3, 2.0  # metres a second
-_PRESS_VARIES = 0.15
-_PRESS_UNKNOWN = 0.3
+_SHORTEST = 1e-3  # metres; anything shorter is a dot
+_SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
+_PRESSURE_VARIES = 0.15  # standard deviation of a knot's pressure about that of the hand's stroke, in `pressure_cost`
+_PRESSURE_UNKNOWN = 0.3  # the same where pressure was not recorded, so wider
 
 
 @dataclass(frozen=True)
 class Hand:
-    """M strokes of one hand.
+    """Strokes of one hand, M of them.
 
     paths: (M, 32, 2), standardised, metres.  pressure: (M, 4) knots in [0, 1], NaN where a stroke's was not recorded.
-    speeds: (M, 32), metres a second at each point, NaN where a stroke's times were not recorded.
+    speeds: (M, 32), metres per second at each point, NaN where a stroke's times were not recorded.
     """
 
     paths: Floats
@@ -35,7 +33,7 @@ class Hand:
 
     @classmethod
     def of(cls, strokes: Strokes) -> Self:
-        """The strokes that are long enough to have a shape: at least a millimetre. Raises InputError below five."""
+        """Return the hand of all strokes that are at least a millimetre long. Raises InputError for fewer than five."""
         strokes = strokes[strokes.lengths >= _SHORTEST]
         if len(strokes) < FEWEST:
             allowed = f"at least {FEWEST}, and 20 make a good style; draw more"
@@ -49,25 +47,25 @@ class Hand:
         return len(self.paths)
 
     def sample_pressure(self, rows: Tensor, generator: Generator) -> Tensor:
-        """Press knots (k, 4) as in the strokes `rows` (k,); even ones of any depth where pressure was not recorded."""
+        """Pressure knots (k, 4) of the strokes `rows` (k,); constant and random where pressure was not recorded."""
         even = torch.rand(len(rows), 1, generator=generator).expand(-1, KNOTS)
         seen = torch.from_numpy(self.pressure).to(even)[rows]
         return torch.where(seen.isfinite(), seen, even).clone()
 
     def pressure_cost(self, pressure_knots: Tensor, rows: Tensor) -> Tensor:
-        """How unlike the strokes `rows` (N,) the pressure knots (N, 4) rise and fall, (N,), nats.
+        """Cost (N,), nats, of pressure knots (N, 4) that rise and fall differently from the strokes `rows` (N,).
 
-        Their mean is left free: it makes a mark as wide as a picture needs it.
+        Their mean is free, because it makes a mark as wide as the picture needs.
         """
         seen = torch.from_numpy(self.pressure).to(pressure_knots)[rows]
-        spread = torch.where(seen.isfinite(), _PRESS_VARIES, _PRESS_UNKNOWN)
+        spread = torch.where(seen.isfinite(), _PRESSURE_VARIES, _PRESSURE_UNKNOWN)
         differs = _centred(pressure_knots) - _centred(seen.nan_to_num())
         return (differs / spread).square().sum(1) / 2
 
     def speeds_of(self, rows: Tensor) -> Tensor | None:
-        """Speeds (N, 32) of the strokes `rows`, (N,), metres a second.
+        """Speeds (N, 32) of the strokes `rows` (N,), metres per second; None where no stroke has any.
 
-        A stroke without times takes those of the hand on average; None where no stroke has any.
+        A stroke without times gets the hand's average speeds.
         """
         known = np.isfinite(self.speeds[:, 0])
         if not known.any():
@@ -77,7 +75,7 @@ class Hand:
 
 
 def by_length(lengths: Tensor, rooms: Tensor) -> Tensor:
-    """Which of the strokes with these lengths (k,) goes to each place with this room, (k,): the longest to the most."""
+    """Return the index of the stroke for each place, (k,): the longest of `lengths` (k,) for the largest of `rooms`."""
     chosen = torch.empty(len(rooms), dtype=torch.long)
     chosen[rooms.argsort(stable=True)] = lengths.argsort(stable=True)
     return chosen

@@ -1,27 +1,25 @@
-"""Press along a stroke, as a few knots; the paper optimises its heights as parameters of their own."""
+"""Pressure along a stroke as a few knots; the paper optimises its heights as parameters of their own."""
 
 from functools import cache
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 
-Floats = NDArray[np.float64]
-
 KNOTS = 4
-"""Press knots of a stroke, equally spaced along it."""
+"""Number of a stroke's pressure knots, equally spaced along it."""
 
 
 def pressure_along(knots: Tensor) -> Tensor:
-    """Press (N, 32) at each point of strokes with pressure knots (N, 4): straight from knot to knot."""
+    """Pressure (N, 32) at each point of strokes with pressure knots (N, 4), linear between knots."""
     return knots @ torch.from_numpy(_hats()).to(knots)
 
 
 def fit_knots(pressure: Floats) -> Floats:
-    """Press knots (N, 4) in [0, 1] nearest to the pressure (N, 32); NaN where a stroke's was not recorded."""
+    """Pressure knots (N, 4) in [0, 1] nearest to the pressure (N, 32); NaN where a stroke's was not recorded."""
     return np.clip(pressure @ np.linalg.pinv(_hats()), 0, 1)
 
 

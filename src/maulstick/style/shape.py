@@ -1,43 +1,43 @@
-"""The code that a hand's strokes are learned in: length, a spline for the shape, and the residual that it leaves.
+"""Code of a stroke's shape: its length, a spline, and the residual that the spline leaves.
 
 The cubic B-spline through a standardised path has nine control points, the first at the origin and the last on the
 x-axis: 15 numbers, in units of the spline's length, which with the logarithm of that length make the 16 of a **gist**.
-The spline leaves a residual of 47 numbers, in the same unit and an orthonormal basis of all that splines cannot draw.
-It is small, and it is what tells a human stroke from a smooth curve (design §5). Together they are the path again, to
-float precision.
+The spline leaves a residual of 47 numbers, in the same unit and in an orthonormal basis of what splines cannot draw.
+It is small, but it makes the difference between a human stroke and a smooth curve. Gist and residual together give the
+path again, to float precision.
 """
 
 from functools import cache
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from torch import Tensor
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 
-Floats = NDArray[np.float64]
-
-_DEGREE = 3
-_CONTROL_POINTS = 9
-_SPLINE = 2 * (_CONTROL_POINTS - 1) - 1
+_DEGREE = 3  # cubic: continuous curvature
+_CONTROL_POINTS = 9  # changing it would change every stored style
+_SPLINE = 2 * (_CONTROL_POINTS - 1) - 1  # free numbers: the first point is the origin, the last has no y
 GIST = 1 + _SPLINE
-"""Numbers of a stroke's gist: log length, and eight control points whose last has no y."""
+"""Number of numbers in a stroke's gist: log length, and eight control points whose last has no y."""
+
 RESIDUAL = 2 * (POINTS - 1) - _SPLINE
-"""Numbers of what the spline leaves."""
-_SHORTEST = 1e-6  # metres
+"""Number of numbers in a stroke's residual."""
+
+_SHORTEST = 1e-6  # metres: keeps a spline without length out of the denominators
 
 
 def spline_basis(control_points: int) -> Floats:
-    """(32, control_points): a clamped cubic B-spline at equal steps of its parameter."""
+    """Basis (32, control_points) of a clamped cubic B-spline at equal steps of its parameter."""
     knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, control_points - _DEGREE + 1), np.ones(_DEGREE)])
     basis: Floats = BSpline.design_matrix(np.linspace(0, 1, POINTS), knots, _DEGREE).toarray()
     return basis
 
 
 def encode(paths: Tensor) -> Tensor:
-    """Gist and residual, (N, 63), of standardised paths (N, 32, 2), metres."""
+    """Return gist and residual, (N, 63), of standardised paths (N, 32, 2), metres."""
     parts = [paths[:, 1:, axis] @ _tensor(_inverse(axis), paths) for axis in (0, 1)]
     splines = [part[:, : _splines(axis)] for axis, part in enumerate(parts)]
     residuals = [part[:, _splines(axis) :] for axis, part in enumerate(parts)]
@@ -46,7 +46,7 @@ def encode(paths: Tensor) -> Tensor:
 
 
 def decode(numbers: Tensor) -> Tensor:
-    """Standardised paths (N, 32, 2), metres, of gist and residual, (N, 63)."""
+    """Return standardised paths (N, 32, 2), metres, of gist and residual, (N, 63)."""
     size = numbers[:, :1].exp()
     splines = numbers[:, 1:GIST].split([_splines(axis) for axis in (0, 1)], dim=1)
     residuals = numbers[:, GIST:].split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
@@ -72,10 +72,10 @@ def _splines(axis: int) -> int:
 
 @cache
 def _basis(axis: int) -> Floats:
-    """(31, 31): the spline's part for x or y, then an orthonormal basis of what is orthogonal to it.
+    """Basis (31, 31) for x or y: the spline's, then an orthonormal one of its orthogonal complement.
 
-    The latter is the one that Gram and Schmidt make of cosines; its signs are fixed, so that a code means the same
-    stroke on every machine.
+    The latter is made of cosines by the Gram-Schmidt process; its signs are fixed, so that a code means the same stroke
+    on every machine.
     """
     spline = spline_basis(_CONTROL_POINTS)[1:, 1 : 1 + _splines(axis)]
     along = (np.arange(POINTS - 1) + 0.5) * np.pi / (POINTS - 1)

@@ -1,4 +1,4 @@
-"""Styles as files: NAME.safetensors, the arrays, and NAME.json beside it, what they are. Nothing is ever unpickled."""
+"""Files of styles: arrays in NAME.safetensors, and their card in NAME.json beside it. Nothing is ever unpickled."""
 
 import hashlib
 import os
@@ -11,6 +11,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from maulstick.errors import InputError, OutputError
+from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
 from maulstick.strokes.strokes import POINTS, path_lengths
@@ -21,20 +22,22 @@ from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 
-_HAND = {"paths": (POINTS, 2), "pressure": (KNOTS,), "speeds": (POINTS,)}
-_HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}
-_SHORTEST, _LONGEST = 1e-4, 100.0  # metres
+_HAND = {"paths": (POINTS, 2), "pressure": (KNOTS,), "speeds": (POINTS,)}  # shapes per stroke
+_HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}  # shapes
+_SHORTEST, _LONGEST = 1e-4, 100.0  # metres: a stroke outside is a damaged file
 
 Arrays = dict[str, NDArray[np.generic]]
+"""Arrays of a file by their names."""
+
 Fitted = Exemplar | TrajVAE
-"""A style that was learned from a hand."""
+"""Styles that are learned from a hand."""
 
 
 def write_style(style: Fitted, source: str, folder: Path) -> Path:
-    """Write a style into a folder, which is made; the path of its JSON.
+    """Write a style into a folder, which is made where missing, and return the path of its JSON.
 
-    Raises OutputError where that fails; a style of that name is then still there. However it ends, no JSON stands
-    beside arrays that are not its own.
+    source: what the style was learned from, for people.  Raises OutputError where writing fails. A JSON is never left
+    beside arrays that do not belong to it.
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
@@ -58,14 +61,14 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
             new.with_suffix(".safetensors").replace(path.with_suffix(".safetensors"))
             new.replace(path)
     except OutputError as error:
-        raise OutputError(str(error).replace(staging, str(folder))) from error
+        raise error.replaced(staging, str(folder)) from error
     except OSError as error:
         raise OutputError(f"cannot write into the folder of styles {folder}: {error.strerror}") from error
     return path
 
 
 def read_style(path: Path) -> Fitted:
-    """The style whose JSON is at `path`. Raises InputError where it, or the arrays beside it, cannot be used."""
+    """Return the style whose JSON is at `path`. Raises InputError where it or the arrays beside it cannot be used."""
     card = read_card(path)
     beside = path.with_suffix(".safetensors")
     if not os.path.lexists(beside):
@@ -84,13 +87,13 @@ def read_style(path: Path) -> Fitted:
 
 
 def write_hands(hands: PooledHands, folder: Path) -> Path:
-    """Write what many hands have in common into a folder, for `load_hands`; the path of the file."""
+    """Write the statistics of many hands into a folder, for `load_hands`, and return the path of the file."""
     atomic_write(folder / "hands.safetensors", save({field: getattr(hands, field) for field in _HANDS}))
     return folder / "hands.safetensors"
 
 
 def load_hands() -> PooledHands:
-    """What many hands have in common, as it comes with Maulstick."""
+    """Return the statistics of many hands that come with Maulstick."""
     return _hands(_arrays(read_whole(BUILT_IN / "hands.safetensors", "style", LARGEST)))
 
 
@@ -105,7 +108,7 @@ def _arrays(content: bytes) -> Arrays:
         raise ValueError(error) from error
 
 
-def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> Floats:
     array = arrays[name]
     if array.shape != shape or array.dtype.kind != "f":
         raise ValueError(f"{name} is {array.dtype} of shape {array.shape}; it must be floating point of shape {shape}")

@@ -1,4 +1,4 @@
-"""The abstract style (docs/equations.md): decodes a code into a trajectory, samples codes, says how likely one is."""
+"""Abstract style: decodes codes into strokes, samples codes, and says how likely a stroke is (docs/equations.md)."""
 
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
@@ -8,14 +8,14 @@ if TYPE_CHECKING:
 
 
 class Style(ABC):
-    """A prior over standardised strokes.
+    """Prior over standardised strokes.
 
-    Codes are scaled so that a change of 1 in any of their numbers is a large change of the stroke: a planner can
-    take steps of one size in the codes of any style.
+    Codes are scaled so that a change of 1 in any number is a large change of the stroke: a planner can take steps of
+    the same size in the codes of any style.
 
-    name: what the painting file calls it.
-    max_mean_cost: the mean cost of a plan's strokes, at most, in multiples of the mean cost of the style's own samples;
-    inf for no bound.
+    name: as in the painting file.
+    max_mean_cost: bound of the mean cost of a plan's strokes, in multiples of the mean cost of the style's own
+    samples; inf for no bound.
     """
 
     name: str
@@ -24,32 +24,32 @@ class Style(ABC):
     @property
     @abstractmethod
     def hash(self) -> str:
-        """Changes whenever the same code would decode to another stroke."""
+        """Digest that changes whenever a code would decode to another stroke."""
 
     @abstractmethod
     def encode(self, paths: "Tensor") -> "Tensor":
-        """Codes (N, K) of the standardised paths (N, n, 2), metres, nearest to them that the style can draw."""
+        """Return codes (N, K) of strokes of the style that are nearest to standardised paths (N, n, 2), metres."""
 
     @abstractmethod
     def decode(self, codes: "Tensor") -> "Tensor":
-        """Standardised paths (N, n, 2), metres, of codes (N, K). Pure and differentiable."""
+        """Return standardised paths (N, n, 2), metres, of codes (N, K). Pure and differentiable."""
 
     @abstractmethod
     def sample(self, k: int, generator: "Generator") -> "tuple[Tensor, Tensor]":
-        """Codes (k, K) and pressure knots (k, 4) in [0, 1]; all chance comes from the generator."""
+        """Draw codes (k, K) and pressure knots (k, 4) in [0, 1] with the generator."""
 
     @abstractmethod
     def sample_for(self, lengths: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
-        """As `sample`, a stroke for each of the places (k,) that have room for these lengths, metres.
+        """Draw codes (k, K) and pressure knots (k, 4) of one stroke per place, given the room there, (k,) metres.
 
-        A style that belongs to nobody fills the room; a hand keeps its own lengths, and its longest stroke goes where
-        there is most room.
+        The free style fills the room; a hand keeps its own lengths, and its longest stroke goes where there is most
+        room.
         """
 
     @abstractmethod
     def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":
-        """How unlikely each stroke is, (N,), in nats above about the style's likeliest; differentiable."""
+        """Negative log-likelihood of each stroke, (N,) nats, about 0 for the likeliest; differentiable."""
 
     @abstractmethod
     def speeds(self, codes: "Tensor") -> "Tensor | None":
-        """How fast the hand draws, metres a second at each of the points, (N, n); None where nobody knows."""
+        """Speeds at which the hand draws, (N, n), metres per second at each point; None where they are unknown."""

@@ -1,43 +1,41 @@
-"""Training of a TrajVAE: on many hands, and then on one (paper: TrajVAE)."""
+"""Training of a TrajVAE, first on many hands, then on one (paper: TrajVAE)."""
 
 from collections.abc import Callable
 from importlib.resources import files
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from safetensors.numpy import load
 from torch import Generator, Tensor
 
 from maulstick.rendering.threads import one_torch_thread
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import standardise
 from maulstick.style import shape
 from maulstick.style.exemplar import pool
 from maulstick.style.hand import Hand
 from maulstick.style.trajvae import LATENT, TrajVAE, Weights, check_weights, numbers_of, posterior, shapes
 
-Floats = NDArray[np.float64]
-
-_NOISE = 1e-3  # of a stroke's length: what a decoded point may be off; three times that, and tremor is lost
-_TAIL = 1e3  # in squares of that: from where on an error counts less and less
-_FIXED = ("centre", "unit", "hands.covariance", "hands.residual")
-_BATCH, _BATCH_FINE = 256, 128
-_RATE, _RATE_FINE = 3e-4, 1e-4
-_LEAST_UNIT = 1e-4
-_MOST_STROKES = 60.0
-_LONGER, _BENT = 0.3, 0.3
-_LONGER_FINE, _BENT_FINE = 0.05, 0.1
+_NOISE = 1e-3  # standard error of a decoded point, relative to the stroke's length; at three times that, tremor is lost
+_TAIL = 1e3  # in squares of `_NOISE`: mean squared error beyond which an error counts less and less
+_FIXED = ("centre", "unit", "hands.covariance", "hands.residual")  # tensors that are not trained
+_BATCH, _BATCH_FINE = 256, 128  # strokes per step, of pretraining and of fine-tuning
+_RATE, _RATE_FINE = 3e-4, 1e-4  # learning rates; small in fine-tuning, so that little is forgotten
+_LEAST_UNIT = 1e-4  # keeps a number that never varies out of the denominators
+_MOST_STROKES = 60.0  # largest weight of a hand, so that no hand dominates
+_LONGER, _BENT = 0.3, 0.3  # augmentation in pretraining: spread of log length, share of another pair's difference
+_LONGER_FINE, _BENT_FINE = 0.05, 0.1  # the same in fine-tuning: little, so that the hand's look stays
 
 
 def pretrained() -> Weights:
-    """The network that ships, pretrained on strokes that may ship (see NOTICE)."""
+    """Return the network that comes with Maulstick, pretrained on strokes that may ship (see NOTICE)."""
     content = files("maulstick.style").joinpath("built_in/trajvae.safetensors").read_bytes()
     return check_weights(load(content))
 
 
 @one_torch_thread()
 def pretrain(hands: list[Hand], seed: int, steps: int = 4000) -> Weights:
-    """A network that can draw the strokes of all these hands, and of others."""
+    """Train a network that can draw the strokes of all these hands, and of others."""
     generator = torch.Generator().manual_seed(seed)
     groups = [shape.encode(torch.from_numpy(_turned(hand.paths))).float() for hand in hands]
     shares = torch.tensor([min(float(len(hand)), _MOST_STROKES) for hand in hands])
@@ -54,9 +52,9 @@ def pretrain(hands: list[Hand], seed: int, steps: int = 4000) -> Weights:
 
 @one_torch_thread()
 def fine_tune(weights: Weights, hand: Hand, seed: int, name: str = "trajvae", steps: int = 200) -> TrajVAE:
-    """A style of this hand: the network, trained some more on its strokes.
+    """Train the network further on the strokes of one hand, and return the style.
 
-    Half of what it sees is drawn by itself as it was, so that it does not forget what all hands have in common.
+    Half of each batch is drawn by the network as it was before, so that it does not forget what hands have in common.
     """
     generator = torch.Generator().manual_seed(seed)
     own = shape.encode(torch.from_numpy(hand.paths)).float()
@@ -70,13 +68,13 @@ def fine_tune(weights: Weights, hand: Hand, seed: int, name: str = "trajvae", st
 
 
 def _turned(paths: Floats) -> Floats:
-    """Paths (N, 32, 2) as they are, drawn from their end, and both in the mirror: (4 N, 32, 2)."""
+    """Return paths (4 N, 32, 2): those given (N, 32, 2), the same reversed, and both mirrored."""
     both = np.concatenate([paths, standardise(paths[:, ::-1])[0]])
     return np.concatenate([both, both * [1, -1]])
 
 
 def _varied(numbers: Tensor, k: int, longer: float, bent: float, generator: Generator) -> Tensor:
-    """Draw k of a hand's strokes, each changed a little in the way in which two others of the hand differ."""
+    """Draw k of a hand's strokes, each changed by a share of the difference between two others of the hand."""
     rows = torch.randint(len(numbers), (3, k), generator=generator)
     share = bent * torch.rand(k, 1, generator=generator)
     varied = numbers[rows[0]] + share * (numbers[rows[1]] - numbers[rows[2]])
@@ -85,7 +83,7 @@ def _varied(numbers: Tensor, k: int, longer: float, bent: float, generator: Gene
 
 
 def _untrained(numbers: Tensor, hands: list[Hand], generator: Generator) -> Weights:
-    """A network that begins as the linear one for strokes like `numbers` (N, 63): their principal components."""
+    """Initialise a network by the principal components of strokes like `numbers` (N, 63), which is its linear part."""
     weights = {name: torch.zeros(size) for name, size in shapes().items()}
     for name in (f"{part}.{layer}.weight" for part in ("encoder", "decoder") for layer in (0, 1)):
         weights[name] = torch.randn(weights[name].shape, generator=generator) * (2 / weights[name].shape[1]) ** 0.5
@@ -94,8 +92,8 @@ def _untrained(numbers: Tensor, hands: list[Hand], generator: Generator) -> Weig
     weights["hands.residual"] = torch.from_numpy(common.residual).float()
     weights["centre"], weights["unit"] = numbers.mean(0), numbers.std(0).clamp(min=_LEAST_UNIT)
 
-    relative = weights["unit"].clone()  # to the length of a stroke, as errors are
-    relative[0] /= 2  # twice as long, and its points are off by about half of that
+    relative = weights["unit"].clone()  # to a stroke's length, as the loss measures errors
+    relative[0] /= 2  # an error of the log length moves the points by about half as much
     standard = (numbers - weights["centre"]) / weights["unit"]
     _, sizes, axes = torch.linalg.svd(standard * relative / len(numbers) ** 0.5, full_matrices=False)
     noise = _NOISE**2 / (sizes.square() + _NOISE**2)
@@ -107,7 +105,7 @@ def _untrained(numbers: Tensor, hands: list[Hand], generator: Generator) -> Weig
 
 
 def _descend(weights: Weights, batch: Callable[[], Tensor], generator: Generator, steps: int, rate: float) -> Weights:
-    """The weights after so many steps of Adam on the evidence lower bound."""
+    """Return the weights after `steps` steps of Adam on the evidence lower bound."""
     trained = {name: tensor.clone().requires_grad_(name not in _FIXED) for name, tensor in weights.items()}
     free = [tensor for tensor in trained.values() if tensor.requires_grad]
     optimiser = torch.optim.Adam(free, lr=rate)
@@ -122,9 +120,10 @@ def _descend(weights: Weights, batch: Callable[[], Tensor], generator: Generator
 
 
 def _loss(weights: Weights, numbers: Tensor, generator: Generator) -> Tensor:
-    """The negative evidence lower bound of strokes (N, 63), nats, a stroke; but for a constant.
+    """Negative evidence lower bound of strokes (N, 63), nats per stroke, without its constant.
 
-    Points are off by a share of the stroke's length, with the tails of Student's t: one wild stroke does not rule.
+    Errors of points are relative to the stroke's length and have the tails of Student's t, so that one outlier does not
+    dominate.
     """
     mean, log_variance = posterior(weights, numbers)
     latents = mean + (log_variance / 2).exp() * torch.randn(mean.shape, generator=generator)

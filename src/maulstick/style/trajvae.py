@@ -1,7 +1,7 @@
-"""The paper's style (TrajVAE): a variational autoencoder of strokes, pretrained on many hands and fine-tuned on one.
+"""TrajVAE (paper): a variational autoencoder of strokes, pretrained on many hands and fine-tuned on one.
 
-The published recipe weighs squared metres against nats and collapses: one latent of 64 carries anything (design §5).
-Here the network sees the numbers of `style.shape`, standardised, and errs relative to the length of the stroke.
+The published loss adds squared metres and nats and collapses: only one latent of 64 carries information. Here the
+network sees the numbers of `style.shape`, standardised, and errors are relative to the length of the stroke.
 """
 
 import hashlib
@@ -18,6 +18,7 @@ from torch import Generator, Tensor
 from torch.nn.functional import linear, silu
 
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style import shape
 from maulstick.style.density import Density, kernel
@@ -27,21 +28,25 @@ from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.style import Style
 
 Weights = dict[str, Tensor]
-"""A network: its layers, what it standardises by, and what the hands that it was pretrained on have in common."""
+"""Tensors of a network: layers, mean and unit of its input, and statistics of the hands that it was pretrained on."""
 
 LATENT = 64
+"""Number of latents, as in the paper."""
+
 HIDDEN = 256
-_NUMBERS = GIST + RESIDUAL
-_COARSE = 16  # the network begins as principal components, the largest first, and keeps to their order
-_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2
-_LEAST_BEND, _MOST_BEND = 0.05, 1.5
-_LEAST_USUAL = 1e-6
-_ACTIVE = 0.01
-_PREFIX = "net."
+"""Width of the hidden layers."""
+
+_NUMBERS = GIST + RESIDUAL  # of a stroke: the network's input and output
+_COARSE = 16  # latents of the coarse shape: training starts at the principal components, largest first, and keeps order
+_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2  # of samples, in standard deviations of the hand's latents
+_LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale, which grows with the bend of its stroke
+_LEAST_USUAL = 1e-6  # keeps the mean bend of a hand that only draws straight lines out of the denominator
+_ACTIVE = 0.01  # variance of an active latent's mean (Burda et al.)
+_PREFIX = "net."  # of the names of a network's arrays in a style's file
 
 
 def shapes() -> dict[str, tuple[int, ...]]:
-    """The name and shape of each tensor of a network."""
+    """Return the shape of each tensor of a network by its name."""
     layers = {"encoder": (_NUMBERS, HIDDEN, HIDDEN, 2 * LATENT), "decoder": (LATENT, HIDDEN, HIDDEN, _NUMBERS)}
     named: dict[str, tuple[int, ...]] = {"centre": (_NUMBERS,), "unit": (_NUMBERS,)}
     for part, sizes in layers.items():
@@ -52,14 +57,14 @@ def shapes() -> dict[str, tuple[int, ...]]:
 
 
 def posterior(weights: Weights, numbers: Tensor) -> tuple[Tensor, Tensor]:
-    """Mean and log variance, both (N, 64), of the latents that a stroke's numbers (N, 63) may come from."""
+    """Return mean and log variance, both (N, 64), of the latents of strokes' numbers (N, 63)."""
     standard = (numbers - weights["centre"]) / weights["unit"]
     mean, log_variance = _layers(weights, "encoder", standard).split(LATENT, dim=1)
     return mean + linear(standard, weights["encoder.straight"]), log_variance
 
 
 def numbers_of(weights: Weights, latents: Tensor) -> Tensor:
-    """A stroke's numbers (N, 63) (`style.shape`) of latents (N, 64)."""
+    """Return strokes' numbers (N, 63) (`style.shape`) of latents (N, 64)."""
     standard = _layers(weights, "decoder", latents) + linear(latents, weights["decoder.straight"])
     return standard * weights["unit"] + weights["centre"]
 
@@ -72,10 +77,10 @@ def _layers(weights: Weights, part: str, x: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class TrajVAE(Style):
-    """A code is the mean of the latents that a stroke may come from, whose prior is a normal distribution of unit size.
+    """Style of a hand by a network: a code is the posterior mean of a stroke's latents; their prior is standard normal.
 
-    What is not in the network: samples are drawn around the latents of the hand's own strokes, not from the prior,
-    which is that of everybody; and how unlikely a stroke is, is judged by the stroke itself, as in an `Exemplar`.
+    Beyond the paper, samples are drawn around the latents of the hand's own strokes, because the prior is that of all
+    hands, and the cost is that of the stroke's shape, as in an `Exemplar`.
     """
 
     name: str
@@ -85,17 +90,17 @@ class TrajVAE(Style):
 
     @cached_property
     def hash(self) -> str:
-        """Of all that decoding depends on."""
+        """Hash of the network, which is all that decoding depends on."""
         content = b"".join(name.encode() + array.tobytes() for name, array in sorted(self.arrays().items()))
         return hashlib.sha256(b"trajvae" + content).hexdigest()[:16]
 
     def arrays(self) -> dict[str, NDArray[np.float32]]:
-        """The network as arrays whose names begin with ``net.``; `from_arrays` makes it a style again."""
+        """Return the network as arrays whose names begin with ``net.``, for `from_arrays`."""
         return {_PREFIX + name: tensor.numpy() for name, tensor in self.weights.items()}
 
     @classmethod
     def from_arrays(cls, name: str, hand: Hand, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """The style of this hand with the network in `arrays`. Raises InputError where there is none."""
+        """Return the style of this hand with the network in `arrays`. Raises InputError where there is none."""
         return cls(name, hand, check_weights({name: arrays.get(_PREFIX + name) for name in shapes()}))
 
     @cached_property
@@ -115,7 +120,7 @@ class TrajVAE(Style):
 
     @property
     def _straight(self) -> Tensor:
-        """The latents (64,) of a straight stroke as long as the hand's are."""
+        """Latents (64,) of a straight stroke of the hand's mean length."""
         lengths = path_lengths(self.hand.paths)
         along = np.linspace(0, np.exp(np.log(lengths).mean()), POINTS)
         return self.encode(torch.from_numpy(np.stack([along, np.zeros(POINTS)], axis=1)[None]))[0]
@@ -124,44 +129,44 @@ class TrajVAE(Style):
         return {name: tensor.to(like) for name, tensor in self.weights.items()}
 
     def encode(self, paths: Tensor) -> Tensor:
-        """Codes (N, 64) of standardised paths (N, 32, 2)."""
+        """Return codes (N, 64) of standardised paths (N, 32, 2), metres."""
         return posterior(self._like(paths), shape.encode(paths))[0]
 
     def decode(self, codes: Tensor) -> Tensor:
-        """Paths (N, 32, 2) of codes (N, 64), standardised but for their residual.
+        """Return paths (N, 32, 2), metres, of codes (N, 64), standardised but for their residual.
 
-        No gradient flows into the fine latents: how a hand trembles is not for a planner to draw with.
+        No gradient flows into the fine latents, so that a planner does not draw with a hand's tremor.
         """
         kept = torch.cat([codes[:, :_COARSE], codes[:, _COARSE:].detach()], dim=1)
         return shape.decode(numbers_of(self._like(codes), kept))
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Strokes near the hand's own, pressed as they were.
+        """Draw codes (k, 64) of strokes near the hand's own, with their pressure knots (k, 4).
 
-        They leave the latents of one of the hand's strokes by 0.6 of how the hand varies in the first 16, which say
-        most of the shape, and by 0.2 in the rest; by less where that stroke is nearly straight, by more where it is
-        much bent.
+        Each varies around the latents of one of the hand's strokes: by 0.6 of the hand's standard deviation in the
+        first 16 latents, which hold most of the shape, and by 0.2 in the rest; by less around a nearly straight stroke,
+        by more around a strongly bent one.
         """
         codes, around = self._latents.sample(k, generator)
         return codes.float(), self.hand.sample_pressure(around, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
-        """As many strokes as there are places, the longest where there is most room."""
+        """Draw one stroke per place, (k, 64) and (k, 4); the longest gets the place with most room."""
         codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(numbers_of(self.weights, codes)[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
-        """That of the strokes as an `Exemplar` of the same hand has it."""
+        """Cost (N,), nats, of the decoded strokes in an `Exemplar` of the same hand."""
         return self._exemplar.price(shape.encode(self.decode(codes)), pressure_knots)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
-        """As fast as the hand's stroke that is most like it."""
+        """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
         return self._exemplar.speeds(self._exemplar.encode(self.decode(codes)))
 
 
 def check_weights(arrays: Mapping[str, NDArray[Any] | None]) -> Weights:
-    """A network out of arrays. Raises InputError where they are not those of one."""
+    """Return the network in these arrays. Raises InputError where one is missing or has another shape."""
     weights = {}
     for name, size in shapes().items():
         array = arrays.get(name)
@@ -174,19 +179,19 @@ def check_weights(arrays: Mapping[str, NDArray[Any] | None]) -> Weights:
 
 @dataclass(frozen=True)
 class ActiveLatents:
-    """How much of a code is used.
+    """Measures of how much of a code is used.
 
-    active: latents whose mean varies from stroke to stroke by more than 0.01 (Burda et al.: Importance Weighted
-    Autoencoders).  effective_rank: how many equal directions would vary as unevenly (Roy and Vetterli: The Effective
-    Rank): the exponential of the entropy of the eigenvalues' shares.
+    active: number of latents whose mean has a variance over strokes above 0.01 (Burda et al.: Importance Weighted
+    Autoencoders).  effective_rank: exponential of the entropy of the eigenvalues' shares (Roy and Vetterli: The
+    Effective Rank).
     """
 
     active: int
     effective_rank: float
 
 
-def activity(weights: Weights, paths: NDArray[np.float64]) -> ActiveLatents:
-    """Of the latents of standardised paths (N, 32, 2), metres."""
+def activity(weights: Weights, paths: Floats) -> ActiveLatents:
+    """Measure how the latents of standardised paths (N, 32, 2), metres, are used."""
     means, _ = posterior(weights, shape.encode(torch.from_numpy(paths)).float())
     covariance = np.cov(means.numpy().astype(np.float64), rowvar=False)
     shares = np.linalg.eigvalsh(covariance).clip(min=0)

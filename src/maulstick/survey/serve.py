@@ -6,7 +6,7 @@ from pathlib import Path
 
 import uvicorn
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.survey.app import participants
 
 
@@ -16,11 +16,12 @@ def listening(host: str, port: int) -> socket.socket:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         return socket.create_server(address[:2], family=family)
     except (socket.gaierror, UnicodeError) as error:
-        raise InputError(f"there is no address {host}; choose one of this computer for --host") from error
+        raise InputError(f"there is no address {host}; choose one of this computer for {option('host')}") from error
     except (OSError, OverflowError) as error:
         reason = os.strerror(error.errno or 0) if isinstance(error, OSError) else str(error)
         raise InputError(
-            f"cannot listen at {host}, port {port}: {reason}; choose another --port, or an address of this computer"
+            f"cannot listen at {host}, port {port}: {reason}; choose another {option('port')}, "
+            "or an address of this computer"
         ) from error
 
 

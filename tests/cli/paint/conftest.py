@@ -53,7 +53,7 @@ def begun(painting: Path) -> Path:
 
 def events(painting: Path) -> list[str]:
     lines = [json.loads(line) for line in journal_of(painting).read_text().splitlines()]
-    return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] not in ("revision", "words")]
+    return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] not in ("revision", "options")]
 
 
 def painted(painting: Path) -> list[int]:
@@ -70,7 +70,7 @@ def answers(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
 def recorder(monkeypatch: pytest.MonkeyPatch) -> Recorder:
     """The machine that is now called grbl."""
     robot = Recorder()
-    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: robot)
     return robot
 
 

@@ -71,7 +71,7 @@ def test_a_machine_that_fails_is_one_sentence_and_painting_goes_on_later(
             raise MachineError("the cable is off; plug it in")
 
     robot = Recorder(before=fail)
-    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
     ran: Ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 3
@@ -95,7 +95,7 @@ def test_where_the_pen_cannot_be_lifted_the_operator_is_told(painting: Path, mon
             raise MachineError("the cable is off; plug it in")
 
     robot = Recorder(before=fail)
-    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
     ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 3

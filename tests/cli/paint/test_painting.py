@@ -11,7 +11,7 @@ from tests.cli.conftest import contents, run
 from tests.cli.paint.conftest import ALL, MESSAGE, correlation, painted, picture_of
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import line, painting_of
-from tests.support.robot.trays import WORDS
+from tests.support.robot.trays import TRAY_JSON
 from tests.support.tolerances import PAINTED_CORRELATION, SAME_SHEET
 
 
@@ -58,7 +58,7 @@ def test_a_painting_of_one_paint_has_its_colour(tmp_path: Path) -> None:
 
 
 def test_a_brush_is_dipped_into_its_wells(calibrated: Path) -> None:
-    (calibrated.parent / "tray.json").write_text(json.dumps(WORDS))
+    (calibrated.parent / "tray.json").write_text(json.dumps(TRAY_JSON))
     ran = run("paint", calibrated, "--tray", calibrated.with_name("tray.json"))
     assert ran.code == 0, ran.stderr
     assert correlation(calibrated) > PAINTED_CORRELATION

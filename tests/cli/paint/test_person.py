@@ -76,7 +76,7 @@ def test_ctrl_c_at_any_command_lifts_the_pen_and_nothing_is_lost(
             os.kill(os.getpid(), signal.SIGINT)
 
     robot = Recorder(before=interrupt)
-    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: robot)
     answers(monkeypatch, "\n\n\n\n")
     assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 130
     assert not robot.down

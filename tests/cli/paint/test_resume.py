@@ -137,10 +137,10 @@ def test_a_stroke_that_is_not_there_is_not_begun_with(painting: Path, number: in
 def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
     painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words: list[str] = []
+    specs: list[str] = []
 
-    def machine(word: str, easel: object) -> Recorder:
-        words.append(word)
+    def machine(spec: str, easel: object) -> Recorder:
+        specs.append(spec)
         return recorder
 
     monkeypatch.setattr("maulstick.jobs.paint.setup.machine", machine)
@@ -156,8 +156,9 @@ def test_what_was_begun_on_a_machine_goes_on_there_and_nowhere_else(
     assert run("paint", painting, "--resume").code == 0
     assert sorted(painted(painting)) == ALL
     assert run("paint", painting, "--resume", "--robot", "grbl:/dev/ttyUSB1").code == 0
-    assert words == ["grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB1"]
-    asked = [json.loads(line)["words"] for line in journal_of(painting).read_text().splitlines() if "words" in line]
+    assert specs == ["grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB0", "grbl:/dev/ttyUSB1"]
+    lines = map(json.loads, journal_of(painting).read_text().splitlines())
+    asked = [line["options"] for line in lines if line["event"] == "options"]
     assert asked[0] == {"robot": "grbl:/dev/ttyUSB0", "speed": 0.04}
 
 

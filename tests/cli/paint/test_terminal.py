@@ -83,7 +83,9 @@ def wait_for_stroke(painting: Path, terminal: Terminal, count: int = 1) -> None:
 def is_stopped(painting: Path, terminal: Terminal) -> None:
     """It stopped in a stroke, said so, and goes on to paint all."""
     assert terminal.leave() == 130
-    assert f"stopped, with the pen lifted; maulstick paint {painting} --resume goes on" in " ".join(terminal.said.split())
+    assert f"stopped, with the pen lifted; maulstick paint {painting} --resume goes on" in " ".join(
+        terminal.said.split()
+    )
     painted, unfinished = said_of(painting)
     assert len(painted) < 3
     assert unfinished is not None

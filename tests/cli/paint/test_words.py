@@ -64,7 +64,7 @@ def test_pressure_that_a_plotter_does_not_have_is_refused_with_the_flag_that_pla
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = Recorder(LIMITS.model_copy(update={"varies_pressure": False}))
-    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda word, easel: robot)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: robot)
     path = tmp_path / "soft.json"
     write_painting(painting_of([line(1, pressure=(0, 1))], [nominal("round")]), path)
     ran = run("paint", path, "--robot", "grbl:/dev/ttyUSB0")

@@ -32,6 +32,7 @@ class FrankaSimulator:
         command = [sys.executable, "-W", "ignore", __file__]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.address = self._said().strip()
+        assert self.address, "the simulated Franka did not start: what franky-sim needs is not there; its words follow"
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:

@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from maulstick.robot.tray import Tray
 
-WORDS: Final[dict[str, Any]] = {
+TRAY_JSON: Final[dict[str, Any]] = {
     "schema_version": 1,
     "reach": 0.04,
     "clearance": 0.03,
@@ -15,6 +15,6 @@ WORDS: Final[dict[str, Any]] = {
     "water": {"x": 0.12, "y": 0.0, "height": -0.01, "turns": 3},
     "cloth": {"x": 0.12, "y": 0.03, "height": 0.001},
 }
-"""Its file."""
+"""The content of the tray's file."""
 
-TRAY: Final = Tray.model_validate(WORDS)
+TRAY: Final = Tray.model_validate(TRAY_JSON)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from maulstick.jobs.plan.options import PlanRequest
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.storage.files import file_sum
@@ -43,30 +44,8 @@ def put_plan_of_a_picture(root: Path, name: str) -> Path:
 
 
 def _request(photo: Path | None) -> PlanRequest:
-    return PlanRequest(
-        photo=photo,
-        text=None if photo is not None else "lines",
-        look=None,
-        weigh={},
-        clip=None,
-        clip_weights=None,
-        clip_layers=None,
-        size="60x40mm",
-        paper="white",
-        canvas=None,
-        fit="contain",
-        strokes=STROKES,
-        exact=False,
-        paints=2,
-        ink=None,
-        paints_from=None,
-        brush="marker",
-        pressure=None,
-        style="loops",
-        steps=10,
-        ask_every=1,
-        px=None,
-        seed=0,
-        tries=1,
-        frames=None,
+    text = None if photo is not None else "lines"
+    options = PlanOptions(
+        text=text, size="60x40mm", strokes=STROKES, paints=2, brush="marker", style="loops", steps=10, ask_every=1
     )
+    return PlanRequest(photo, options)

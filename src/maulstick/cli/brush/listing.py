@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.painting.brush import BRUSHES, load_brush
 
@@ -17,7 +18,7 @@ def list_brushes() -> None:
         try:
             brush = load_brush(name)
         except InputError as error:
-            table.add_row(name, "", Text(f"cannot be used: {error}"))
+            table.add_row(name, "", Text(f"cannot be used: {COMMAND_LINE.say(error)}"))
             continue
         thinnest, widest = (f"{2e3 * half_width:.3g}" for half_width in (brush.thinnest, brush.widest))
         width = f"{thinnest} to {widest} mm" if brush.pressure_matters else f"{widest} mm"

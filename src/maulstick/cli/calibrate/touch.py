@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
@@ -92,7 +93,7 @@ def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console
         try:
             return with_deepest(easel, place)
         except InputError as error:
-            console.print(str(error), soft_wrap=True)
+            console.print(COMMAND_LINE.say(error), soft_wrap=True)
 
 
 def _raise(arm: "Robot") -> None:

@@ -1,5 +1,5 @@
 """``maulstick paint``: let a machine paint."""
 
-from maulstick.cli.paint.command import run
+from maulstick.cli.paint.command import paint
 
-__all__ = ["run"]
+__all__ = ["paint"]

@@ -1,5 +1,6 @@
-"""The words of ``maulstick paint``."""
+"""The options of ``maulstick paint``."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -11,64 +12,66 @@ from maulstick.robot.machines import SPECS
 UNFINISHED = {"painted": True, "again": False}
 """What became of the stroke that was under the brush when an earlier run was cut off: whether it is painted."""
 
+_machine = partial(typer.Option, rich_help_panel="The machine")
+_camera = partial(typer.Option, rich_help_panel="Looking at the sheet on the way")
+_progress = partial(typer.Option, rich_help_panel="Where to begin")
 
-def run(
-    painting: Annotated[Path, typer.Argument(help="The painting.json to paint.")],
-    robot: Annotated[str | None, typer.Option(metavar="MACHINE", show_default="sim", help=f"{SPECS}.")] = None,
+
+def paint(
+    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json to paint.")],
+    robot: Annotated[
+        str | None, _machine(metavar="MACHINE", show_default="sim", help=f"The machine that paints: {SPECS}.")
+    ] = None,
     easel: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch; arms need it."),
+        _machine(metavar="FILE", help="Place of the sheet, from `maulstick calibrate touch`. Arms need it."),
     ] = None,
     tray: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Wells, water and cloth, for a brush that is to be dipped.")
+        Path | None, _machine(metavar="FILE", help="Places of paint wells, water and cloth, for a dipped brush.")
     ] = None,
     speed: Annotated[
         float | None,
-        typer.Option(metavar="MM/S", show_default="the hand's, or the machine's", help="Draw no faster than this."),
+        _machine(metavar="MM/S", show_default="the hand's, or the machine's", help="Speed of drawing, at most."),
     ] = None,
+    dry_run: Annotated[bool, _machine("--dry-run", metavar="", help="Check everything, and move nothing.")] = False,
     replan: Annotated[
-        int | None, typer.Option(metavar="N", help="Look after every N strokes, and plan again what is left.")
+        int | None, _camera(metavar="N", help="Photograph the sheet after every N strokes, and plan the rest again.")
     ] = None,
     camera: Annotated[
         str | None,
-        typer.Option(
-            metavar="CAMERA", show_default="the easel's, with sim", help="With --replan: usb:0, or folder:PATH."
-        ),
+        _camera(metavar="CAMERA", show_default="the easel's, with sim", help="The camera: usb:0, or folder:PATH."),
     ] = None,
-    picture: Annotated[
-        Path | None, typer.Option(metavar="PICTURE", help="With --replan: the picture that the painting is of.")
-    ] = None,
+    picture: Annotated[Path | None, _camera(metavar="PICTURE", help="The picture that was planned.")] = None,
     view: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="With --replan, without tags: from maulstick calibrate camera --keep."),
+        _camera(metavar="FILE", help="The camera's view, from `maulstick calibrate camera --keep`, instead of tags."),
     ] = None,
     tag: Annotated[
-        float | None,
-        typer.Option(metavar="MM", show_default="20", help="With --replan: the side of the tags' black squares."),
+        float | None, _camera(metavar="MM", show_default="20", help="Side of the black squares of the tags.")
     ] = None,
     colours: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="With --replan: from maulstick calibrate colours, of a chart.")
+        Path | None, _camera(metavar="FILE", help="The camera's colours, from `maulstick calibrate colours`.")
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", metavar="", help="Do everything but move.")] = False,
     from_stroke: Annotated[
-        int | None, typer.Option(metavar="N", help="Begin with the Nth stroke; those before count as painted.")
+        int | None, _progress(metavar="N", help="Begin with the Nth stroke. Those before count as painted.")
     ] = None,
     resume: Annotated[
-        bool,
-        typer.Option("--resume", metavar="", help="Go on where an earlier run ended, with what was asked then."),
+        bool, _progress("--resume", metavar="", help="Go on where an earlier run ended, with the same options.")
     ] = False,
     unfinished: Annotated[
         str | None,
-        typer.Option(metavar="painted|again", help="With --resume: what became of the stroke under the brush."),
+        _progress(metavar="painted|again", help="State of the stroke that was under the brush, with --resume."),
     ] = None,
     restart: Annotated[
-        bool, typer.Option("--restart", metavar="", help="Start again on a new sheet; the old journal is kept.")
+        bool, _progress("--restart", metavar="", help="Start again on a new sheet. The old journal is kept.")
     ] = False,
 ) -> None:
     """Let a machine paint a painting.
 
     Every stroke is written into a journal beside the painting, before it and after it, so that --resume goes on after
     Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen.
+
+    Example: maulstick paint cat/painting.json --robot grbl:/dev/ttyUSB0 --speed 40
     """
     if resume and (restart or from_stroke is not None):
         raise InputError("--resume knows where to go on; leave out --restart and --from-stroke")
@@ -76,11 +79,11 @@ def run(
         raise InputError("--unfinished is about the stroke that an earlier run began; it goes with --resume")
     if unfinished is not None and unfinished not in UNFINISHED:
         raise InputError.of_choice("answer to --unfinished", unfinished, UNFINISHED)
-    from maulstick.cli.paint.run import Job, paint
+    from maulstick.cli.paint.run import Run, run
     from maulstick.jobs.paint.options import PaintOptions
     from maulstick.jobs.paint.session import PaintRequest
 
-    words = {
+    given = {
         "robot": robot,
         "easel": easel,
         "tray": tray,
@@ -93,7 +96,7 @@ def run(
         "tag": None if tag is None else tag * 1e-3,
         "colours": colours,
     }
-    options = PaintOptions.model_validate({name: word for name, word in words.items() if word is not None})
+    options = PaintOptions.model_validate({name: value for name, value in given.items() if value is not None})
     options.check()
     answer = None if unfinished is None else UNFINISHED[unfinished]
-    paint(Job(PaintRequest(painting, options, from_stroke, resume, restart), dry_run, answer))
+    run(Run(PaintRequest(painting, options, from_stroke, resume, restart), dry_run, answer))

@@ -12,29 +12,32 @@ from maulstick.jobs.paint.setup import PaintSetup
 
 
 @dataclass(frozen=True)
-class Job:
-    """What is to be done; unfinished: whether the stroke under the brush was painted, where that is known."""
+class Run:
+    """A request, and how to carry it out.
+
+    unfinished: whether the stroke that was under the brush is painted, where that is known.
+    """
 
     request: PaintRequest
     dry_run: bool
     unfinished: bool | None
 
 
-def paint(job: Job) -> None:
+def run(run: Run) -> None:
     """Paint, go on painting, or say what would be painted."""
     console = Console(stderr=True, markup=False, highlight=False)
-    if job.dry_run:
-        console.print(in_words(session.rehearse(job.request)), soft_wrap=True)
+    if run.dry_run:
+        console.print(in_words(session.rehearse(run.request)), soft_wrap=True)
         return
 
     def is_painted(stroke: int) -> bool:
         question = f"stroke {stroke} was under the brush when the run ended. Is it on the paper?"
-        if job.unfinished is None:
+        if run.unfinished is None:
             return confirm(console, question, "add --unfinished painted, or --unfinished again")
-        return job.unfinished
+        return run.unfinished
 
     def operator_for(setup: PaintSetup, painted: Collection[int]) -> TerminalOperator:
-        what_next = f"maulstick paint {job.request.painting} --resume goes on"
+        what_next = f"maulstick paint {run.request.painting} --resume goes on"
         return TerminalOperator(console, setup.plan, setup.robot, len(painted), what_next)
 
-    session.paint(job.request, is_painted, operator_for)
+    session.paint(run.request, is_painted, operator_for)

@@ -1,5 +1,5 @@
 """``maulstick plan``: from a picture or a text to a painting in a folder."""
 
-from maulstick.cli.plan.command import paint
+from maulstick.cli.plan.command import plan
 
-__all__ = ["paint"]
+__all__ = ["plan"]

@@ -12,8 +12,8 @@ from maulstick.cli.plan.tries import plan_in_processes
 from maulstick.cli.progress import VideoRecorder, progress_bar, stop_on_interrupt
 from maulstick.errors import InputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.options import PlanRequest, state_files
 from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.jobs.plan.results import write_results
 from maulstick.painting.video import Video
 from maulstick.planning.planner import PlanProgress
@@ -26,9 +26,7 @@ def begin(request: PlanRequest, out: Path) -> None:
     """Plan what is asked, and write it into the folder `out`."""
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
-        raise InputError(
-            "--video videos one canvas, and this one is planned in windows; leave it out, or --px smaller"
-        )
+        raise InputError("--video videos one canvas, and this one is planned in windows; leave it out, or --px smaller")
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
@@ -54,11 +52,11 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
     video = Video(prepared.request.video) if prepared.request.video is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted:
-        with progress_bar(console, prepared.request.strokes) as show:
+        with progress_bar(console, prepared.request.options.strokes) as show:
             if prepared.request.tries > 1:
                 painting = plan_in_processes(prepared.request, out, show, wanted)
             else:
-                recorder = VideoRecorder(video, prepared.request.steps) if video is not None else None
+                recorder = VideoRecorder(video, prepared.request.options.steps) if video is not None else None
 
                 def watch(step: PlanProgress) -> bool:
                     show(step.done, step.loss, step.parts)

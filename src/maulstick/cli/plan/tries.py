@@ -16,8 +16,8 @@ from queue import Empty
 
 from maulstick.errors import OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.options import PlanRequest
 from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting
 from maulstick.planning.planner import PlanProgress
 
@@ -31,7 +31,7 @@ def plan_in_processes(
     wanted: Callable[[], bool],
 ) -> Painting:
     """The best of as many plans as are to be tried, each from a seed of its own and in a process of its own."""
-    seeds = range(request.seed, request.seed + request.tries)
+    seeds = range(request.options.seed, request.options.seed + request.tries)
     context = get_context("spawn")
     words, stop = context.Queue(), context.Event()
     said = dict.fromkeys(seeds, (0.0, float("inf")))
@@ -91,4 +91,6 @@ def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
             _words.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
-    return plan_with(prepare(replace(request, seed=seed)), out, request, watch)
+    return plan_with(
+        prepare(replace(request, options=replace(request.options, seed=seed), tries=1)), out, request, watch
+    )

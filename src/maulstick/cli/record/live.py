@@ -75,7 +75,8 @@ def live(
             print(how)
             write_drawing(drawing, out, plot, overwrite)
         except MaulstickError as error:
-            raise type(error)(f"{error} (the take is kept; try again with: maulstick record motive {kept})") from error
+            kept_take = f"the take is kept; try again with: maulstick record motive {kept}"
+            raise type(error)(f"{error.fault} ({kept_take})", error.remedy, **error.values) from error
     print(kept, flush=True)
 
 

@@ -11,13 +11,13 @@ from rich.table import Table
 from rich.text import Text
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import kind_of
+from maulstick.storage.arrays import Floats, kind_of
 from maulstick.strokes.ink import read_ink
 from maulstick.strokes.strokes import POINTS, Strokes, path_lengths, read_strokes
 from maulstick.style.cards import STYLES
 
 if TYPE_CHECKING:
-    from maulstick.style.hand import Floats, Hand
+    from maulstick.style.hand import Hand
     from maulstick.style.store import Fitted
 
 _KINDS = ("exemplar", "trajvae")

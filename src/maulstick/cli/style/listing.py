@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.style.cards import STYLES, read_card
 
@@ -18,7 +19,7 @@ def list_styles() -> None:
         try:
             card = read_card(path)
         except InputError as error:
-            table.add_row(name, "", "", Text(f"cannot be used: {error}"))
+            table.add_row(name, "", "", Text(f"cannot be used: {COMMAND_LINE.say(error)}"))
             continue
         whose = "comes with Maulstick" if STYLES.is_built_in(path) else "your own"
         table.add_row(name, card.settings.kind, str(card.strokes), Text(f"{whose}: {card.source}"))

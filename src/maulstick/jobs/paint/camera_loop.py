@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
@@ -18,7 +17,7 @@ from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stro
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import as_painting, problem_of
-from maulstick.planning.layout import LONGEST_PX, canvas_for, lay_out_for
+from maulstick.planning.layout import HEIGHT_PX, LONGEST_PX, canvas_for, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
@@ -28,15 +27,13 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 from maulstick.style.pressure import fit_knots, pressure_along
-
-Image = NDArray[np.float32]
 
 _STEPS = 200
 _LIGHTEST = 0.1  # of the pressures to practise
 _ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3
-_HEIGHT_PX = 256
 
 
 def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
@@ -102,7 +99,7 @@ def replanned(
     sheet = Sheet.model_validate({**size, "picture": encode_png(photograph)})
     options = painting.provenance.options
     fit, pixels = str(options.get("fit", "contain")), options.get("px")
-    pixels = pixels if isinstance(pixels, int) else _HEIGHT_PX
+    pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
     canvas = canvas_for(picture, sheet, brush, fit, pixels)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))

@@ -8,28 +8,29 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
+from maulstick.errors import machine
 from maulstick.storage.files import held
 
 
 @contextmanager
-def machine_lock(word: str) -> Iterator[None]:
-    """While it lasts no other process drives the machine of that word; there are as many simulated ones as one likes.
+def machine_lock(spec: str) -> Iterator[None]:
+    """Lock the machine that the spec names against other processes while the context lasts; simulated ones are free.
 
     Raises InputError where another drives it, OutputError where that cannot be written down.
     """
-    if word.startswith("sim"):
+    if spec.startswith("sim"):
         yield
         return
     folder = user_data_path("maulstick", appauthor=False) / "machines"
-    lock = folder / f"{hashlib.sha256(_place(word).encode()).hexdigest()}.lock"
-    taken = f"another maulstick drives {word}; wait until it has finished, or stop it there"
+    lock = folder / f"{hashlib.sha256(_place(spec).encode()).hexdigest()}.lock"
+    taken = f"another maulstick drives {machine(spec)}; wait until it has finished, or stop it there"
     with held(lock, taken, f"cannot write into {folder}", "mend that, and try again"):
         yield
 
 
-def _place(word: str) -> str:
+def _place(spec: str) -> str:
     """Where the machine is, by whatever name: its port, or its number in the network."""
-    kind, _, address = word.partition(":")
+    kind, _, address = spec.partition(":")
     if not address and kind == "axidraw":
         from maulstick.robot.adapters.ebb_board import port_of_the_board  # loads the serial port
 

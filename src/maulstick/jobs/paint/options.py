@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
-from maulstick.errors import InputError, validation_fault
+from maulstick.errors import InputError, Remedy, machine, option, validation_fault
 
 _TAG = 0.02  # metres
 _SLOWEST, _FASTEST = 1e-4, 10.0  # metres a second
@@ -34,30 +34,27 @@ class PaintOptions(BaseModel):
     def check(self) -> None:
         """Raise InputError for words that say nothing sensible by themselves."""
         if self.speed is not None and not _SLOWEST <= self.speed <= _FASTEST:
-            raise InputError.of_range("--speed", f"{1e3 * self.speed:g}", "from 0.1 to 10000 mm/s")
+            raise InputError.of_range(option("speed"), f"{1e3 * self.speed:g}", "from 0.1 to 10000 mm/s")
         if self.replan is not None and self.replan < 0:
-            raise InputError.of_range("--replan", self.replan, "at least 1 stroke, or 0 for never again")
+            raise InputError.of_range(option("replan"), self.replan, "at least 1 stroke, or 0 for never again")
 
-    def after(self, words: Mapping[str, JsonValue]) -> "PaintOptions":
-        """What is said now, and where nothing is, what was asked before. Raises InputError for another machine."""
+    def after(self, recorded: Mapping[str, JsonValue]) -> "PaintOptions":
+        """Return these options, and where one is not given, the recorded one. Raises InputError for another machine."""
         try:
-            before = PaintOptions.model_validate(words)
+            before = PaintOptions.model_validate(recorded)
         except ValidationError as error:
-            raise InputError(
-                f"the journal's words are damaged: {validation_fault(error)}; start again with --restart"
-            ) from error
+            raise InputError(f"the journal's options are damaged: {validation_fault(error)}", Remedy.RESTART) from error
         if self.robot is not None and before.robot is not None and _kind(self.robot) != _kind(before.robot):
             raise InputError(
-                f"this painting was begun on {before.robot}, and what is left belongs on the same sheet; leave out "
-                "--robot, or start on a new sheet with --restart"
+                f"this painting was begun on {machine(before.robot)}, and what is left belongs on the same sheet",
+                Remedy.SAME_MACHINE_OR_RESTART,
             )
         return before.model_copy(update={name: said for name, said in self if name in self.model_fields_set})
 
-    @property
-    def words(self) -> dict[str, JsonValue]:
-        """For the journal."""
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the options as the journal keeps them; paths are absolute."""
         said = {**self.model_dump(exclude_none=True), "robot": self.machine}
-        return {name: str(word.absolute()) if isinstance(word, Path) else word for name, word in said.items()}
+        return {name: str(value.absolute()) if isinstance(value, Path) else value for name, value in said.items()}
 
     @property
     def machine(self) -> str:

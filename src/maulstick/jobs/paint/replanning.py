@@ -6,34 +6,28 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from maulstick.calibration.camera import read_view
 from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy, option
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.painting import Painting
-from maulstick.painting.picture import encode_png, read_picture
+from maulstick.painting.picture import READ_PX, encode_png, read_picture
 from maulstick.painting.raster import flat_canvas
 from maulstick.robot.camera.camera import open_camera
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Image
 from maulstick.storage.files import atomic_write, file_sum
-
-Image = NDArray[np.float32]
-
-_READ_PX = 4096
 
 
 @dataclass(frozen=True)
 class Replanning:
-    """camera: its word, None for the simulated easel's.
+    """camera: its spec, None for the simulated easel's.
 
     every: strokes between two photographs, 0 for those alone that a person asks for.
     picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.
@@ -56,16 +50,17 @@ class Replanning:
                 and (options.camera, options.picture, options.view, options.colours) != (None,) * 4
             ):
                 raise InputError(
-                    "--camera, --picture, --view and --colours are for --replan; add it, or leave them out"
+                    f"{option('camera')}, {option('picture')}, {option('view')} and {option('colours')} are for "
+                    f"{option('replan')}; add it, or leave them out"
                 )
             return None
         if options.picture is None:
-            raise InputError("--replan goes by the picture that the painting is of; name it with --picture")
+            raise InputError("planning again needs the picture that the painting is of", Remedy.NAME_PICTURE)
         if options.simulated:
             if options.camera is not None:
-                raise InputError("the simulated easel has a camera of its own; leave out --camera")
+                raise InputError("the simulated easel has a camera of its own", Remedy.LEAVE_OUT_CAMERA)
         elif options.camera is None:
-            raise InputError("--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH")
+            raise InputError("planning again needs a camera over the sheet", Remedy.NAME_CAMERA)
         return cls(
             options.camera, options.replan or 0, options.picture, options.view, options.tag_side, options.colours
         )
@@ -91,7 +86,7 @@ class Replanning:
         view = None if self.view is None else read_view(self.view)
         canvas = flat_canvas(plan.sheet.width, plan.sheet.height)
         if before is not None and not (kept := _eye_of(before)).exists():
-            raise InputError(f"there is no {kept}, so no camera saw the bare sheet; go on with --replan 0")
+            raise InputError(f"there is no {kept}, so no camera saw the bare sheet", Remedy.WITHOUT_REPLAN)
         with simulation.camera(tags) if simulation is not None else open_camera(self.camera or "") as camera:
             if before is not None:
                 yield Eye.opened_again(camera, canvas, tags, _eye_of(before), view)
@@ -106,7 +101,7 @@ class Replanning:
         """Paint what is left of the plan, and plan again on the way."""
         from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
 
-        picture = read_picture(self.picture, longest_px=_READ_PX)
+        picture = read_picture(self.picture, longest_px=READ_PX)
         journal, first = workplace.journal, workplace.easel
 
         def look() -> tuple[Image, Easel]:

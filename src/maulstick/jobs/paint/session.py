@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from maulstick.errors import InputError, OutputError
+from maulstick.errors import InputError, OutputError, Remedy, option
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
@@ -76,7 +76,7 @@ def _plan_of(request: PaintRequest) -> Painting:
     if not plan.strokes:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
     if number is not None and not 1 <= number <= len(plan.strokes):
-        raise InputError.of_range("--from-stroke", number, f"1 to the {len(plan.strokes)} strokes")
+        raise InputError.of_range(option("from_stroke"), number, f"1 to the {len(plan.strokes)} strokes")
     return plan
 
 
@@ -84,11 +84,11 @@ def _plan_of(request: PaintRequest) -> Painting:
 def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
     path = journal_of(request.painting)
     if not path.exists():
-        raise InputError(f"there is no journal {path}; nothing was begun, so leave out --resume")
+        raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
     with Journal.open(path) as journal:
         if journal.revision is None:
-            raise InputError(f"the journal {path} is empty; nothing was begun, so leave out --resume")
-        yield PaintSetup.of(request.options.after(journal.words), read_painting(journal.painting())), journal
+            raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
+        yield PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting())), journal
 
 
 def _was_begun(path: Path) -> bool:
@@ -98,9 +98,7 @@ def _was_begun(path: Path) -> bool:
 def _see_that_it_may_begin(request: PaintRequest) -> None:
     path = journal_of(request.painting)
     if _was_begun(path) and not request.restart:
-        raise InputError(
-            f"{path} says that this painting was begun; go on with --resume, or start on a new sheet with --restart"
-        )
+        raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
     with locked(path):  # rather than once the machine is connected
         return
 
@@ -146,6 +144,8 @@ def _paint(
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)
     operator = operator_for(setup, done)
+    if setup.simulation is not None and (note := setup.simulation.note) is not None:
+        operator.note(note)
     with ExitStack() as stack:
         with operator.interruptible():
             eye = (
@@ -165,7 +165,7 @@ def _paint(
             if setup.replanning is not None and eye is not None:
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
-        journal.tell(setup.options.words)
+        journal.write_options(setup.options.as_json())
         ask = operator.ask if setup.simulation is None else setup.simulation.ask
         place = Workplace(
             robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed

@@ -16,7 +16,7 @@ from maulstick.robot.machines import SPECS
 from maulstick.robot.routine import Draw, Prompt, routine
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
-from maulstick.robot.simulated.sheets import sheet_for
+from maulstick.robot.simulated.sheets import MyPaintSheet, sheet_for
 from maulstick.robot.tray import Tray
 from maulstick.storage.files import atomic_write
 
@@ -32,17 +32,17 @@ class Simulation:
     painting: Painting
 
     @classmethod
-    def of(cls, word: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
-        """The machine that the word names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
+    def of(cls, spec: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
+        """Return the machine that the spec names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
 
         The sheet lies where the easel says, and the easel may narrow the limits.
         """
-        if word not in _PACES:
-            raise InputError(f"there is no machine {word!r}; there are: {SPECS}")
+        if spec not in _PACES:
+            raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
         if len(painting.brushes) > 1:
             names = ", ".join(sorted(painting.brushes))
             raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
-        pace, limits = _PACES[word]
+        pace, limits = _PACES[spec]
         size = painting.sheet.width, painting.sheet.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
         brush = next(iter(painting.brushes.values()))
@@ -56,6 +56,16 @@ class Simulation:
         )
         robot.hold(painting.paints[0].colour)
         return cls(robot, painting)
+
+    @property
+    def note(self) -> str | None:
+        """What is simpler than it could be, a sentence; None where libmypaint draws."""
+        if isinstance(self.robot.sheet, MyPaintSheet):
+            return None
+        return (
+            "libmypaint is not installed, so the sheet takes our own brush model's ink; on Debian: "
+            "apt-get install libmypaint-1.5-1 mypaint-brushes"
+        )
 
     def ask(self, action: Prompt) -> None:
         """It helps itself."""

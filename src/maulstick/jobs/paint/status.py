@@ -39,4 +39,4 @@ def status_of(painting: Path) -> PaintStatus | None:
         return None
     strokes = read_painting(journal.painting()).strokes
     painted = sum(stroke.id in journal.painted for stroke in strokes)
-    return PaintStatus(len(strokes), painted, journal.unfinished, PaintOptions().after(journal.words))
+    return PaintStatus(len(strokes), painted, journal.unfinished, PaintOptions().after(journal.options))

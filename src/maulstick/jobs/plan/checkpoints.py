@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from maulstick.jobs.plan.options import PlanRequest, state_file
 from maulstick.jobs.plan.prepare import Prepared
+from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
 from maulstick.planning.from_picture import as_painting, with_metrics
 from maulstick.planning.planner import PlanProgress
@@ -38,7 +38,7 @@ def plan_with(
     reweighed: asked after every step for other weights of the terms, by which planning goes on; None as before.
     Raises InputError for weights that cannot be.
     """
-    file = state_file(out, prepared.options.seed)
+    file = state_file(out, prepared.settings.seed)
     state = read_state(file)[0] if file.is_file() else None
     due, going = time.monotonic() + _EVERY, True
 
@@ -61,6 +61,8 @@ def plan_with(
             break
         except _Reweighed as change:
             prepared, state = prepared.weighed(change.weights), change.state
-            asked = replace(asked, weights=dict(change.weights))
-    painting = as_painting(planned, prepared.layout, prepared.brush, prepared.style, prepared.made, prepared.names)
+            asked = replace(asked, options=replace(asked.options, weights=dict(change.weights)))
+    painting = as_painting(
+        planned, prepared.layout, prepared.brush, prepared.style, prepared.provenance, prepared.names
+    )
     return with_metrics(painting, prepared.layout, prepared.problem)

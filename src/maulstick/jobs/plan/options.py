@@ -1,93 +1,125 @@
-"""All that was asked of ``maulstick plan``, as it is written beside a plan in the making."""
+"""What can be asked of a plan: one set of options, checks and defaults for the command line, the studio and Python."""
 
-import hashlib
-import json
-from dataclasses import field
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
-from typing import Any, Self
+from typing import Final
 
-from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
-from pydantic.dataclasses import dataclass
+from pydantic import ConfigDict
 
-from maulstick.errors import InputError, validation_fault
-from maulstick.storage.files import file_sum
+from maulstick.errors import InputError, option
+from maulstick.painting.picture import FITS
+from maulstick.painting.raster import parse_size
+
+MOST_STROKES: Final = 100_000
+"""Strokes of one plan; more would fill the memory of a usual computer."""
+
+_USUAL_PAINTS = 12  # as many as a person mixes without losing patience
+_MOST_STEPS = 1_000_000  # steps, days of work
+_MOST_SEED = 2**32 - 1  # what NumPy's generators take
+_FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
-@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
-class PlanRequest:
-    """The words of the command line, checked as far as they can be by themselves; files as absolute paths."""
+@dataclass(frozen=True, kw_only=True)
+class PlanOptions:
+    """How to plan a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
 
-    photo: Path | None
-    text: str | None
-    look: Path | None
-    weights: dict[str, float]
-    clip: str | None
-    clip_weights: Path | None
-    clip_layers: tuple[int, ...] | None
-    size: str
-    paper: str
-    canvas: Path | None
-    fit: str
-    strokes: int
-    exact: bool
-    paints: int | None
-    ink: str | None
-    paints_from: Path | None
-    brush: str
-    pressure: float | None
-    style: str
-    steps: int
-    ask_every: int
-    px: int | None
-    seed: int
-    tries: int
-    video: str | None
-    sums: dict[str, str] = field(default_factory=dict)
+    strokes: at most so many; exactly so many with `exact`.
+    style: whose strokes, a name or the path of a JSON file.  brush: the same, of a brush.
+    pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
+    paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
+    paints_from: a CSV file of paints to use unmixed instead.
+    size: of the sheet, as in ``200x160mm`` or ``A4``.  paper: its colour.
+    fit: ``contain`` shows all of the picture, ``cover`` fills all of the sheet.
+    background: a photograph of the sheet, with what is painted on it so far.
+    text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
+    weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look.
+    clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
+    steps: of the optimiser.  ask_every: steps between two evaluations of networks.
+    px: pixels over the picture's height while planning, by default as many as the brush needs.
+    seed: repeats a plan to the bit on one machine.
+
+    Raises InputError for a value that is out of its range, and for options that contradict each other.
+    """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    strokes: int = 400
+    exact: bool = False
+    style: str = "free"
+    brush: str = "round"
+    pressure: float | None = None
+    paints: int | None = None
+    ink: str | None = None
+    paints_from: Path | None = None
+    size: str = "200x160mm"
+    fit: str = "contain"
+    paper: str = "white"
+    background: Path | None = None
+    text: str | None = None
+    look: Path | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)
+    clip: str | None = None
+    clip_weights: Path | None = None
+    clip_layers: tuple[int, ...] | None = None
+    steps: int = 1500
+    ask_every: int = 10
+    px: int | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        from maulstick.colour.palette import parse_colour  # loads scikit-image
+
+        _check_whole("strokes", self.strokes, 1, MOST_STROKES)
+        _check_whole("steps", self.steps, 1, _MOST_STEPS)
+        _check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
+        _check_whole("seed", self.seed, 0, _MOST_SEED)
+        if self.px is not None:
+            _check_whole("px", self.px, _FEWEST_PX, _MOST_PX)
+        parse_size(self.size)
+        if self.fit not in FITS:
+            raise InputError.of_choice("fit", self.fit, FITS)
+        paper = parse_colour(self.paper)
+        if self.background is not None and paper != (1.0, 1.0, 1.0):
+            raise InputError(
+                f"{option('background')} shows the sheet as it is, and {option('paper')} its colour; "
+                "leave one of them out"
+            )
+        if self.ink is not None:
+            parse_colour(self.ink)
+        self._check_paints()
+        if self.pressure is not None and not (isinstance(self.pressure, int | float) and 0 <= self.pressure <= 1):
+            allowed = "from 0, just touching, to 1, as deep as the brush goes"
+            raise InputError.of_range(option("pressure"), self.pressure, allowed)
+        if self.text is not None and not self.text.strip():
+            shown = "say what the painting should show, as in 'a sailing boat at dusk'"
+            raise InputError(f"{option('text')} is empty; {shown}")
+        for name, weight in self.weights.items():
+            if not isinstance(weight, int | float) or not isfinite(weight):
+                raise InputError.of_range(f"the weight of {name}", repr(weight), "a number")
+
+    @property
+    def mixed_paints(self) -> int | None:
+        """How many colours are mixed; None where an ink or paints out of a file are used."""
+        if self.ink is not None or self.paints_from is not None:
+            return None
+        return self.paints if self.paints is not None else min(_USUAL_PAINTS, self.strokes)
 
     @property
     def names_clip(self) -> bool:
-        """Whether networks are asked to be CLIP, by any of its words."""
-        return any(word is not None for word in (self.clip, self.clip_weights, self.clip_layers))
+        """Whether networks are asked to be CLIP, by any of its options."""
+        return any(value is not None for value in (self.clip, self.clip_weights, self.clip_layers))
 
-    def with_sums(self, more: dict[str, str]) -> "PlanRequest":
-        """The same, knowing what is in its files, and `more` by which anything else is known."""
-        return PlanRequest(**{**vars(self), "sums": {**{str(path): file_sum(path) for path in self._files()}, **more}})
-
-    def as_json(self) -> dict[str, JsonValue]:
-        """For a file."""
-        plain: dict[str, JsonValue] = TypeAdapter(PlanRequest).dump_python(self, mode="json")
-        return plain
-
-    @classmethod
-    def from_json(cls, plain: dict[str, JsonValue], source: Path) -> Self:
-        """Out of a file. Raises InputError, naming it, where it is none of this version's."""
-        try:
-            return TypeAdapter(cls).validate_python(plain)
-        except ValidationError as error:
-            fault = validation_fault(error)
-            raise InputError(f"{source} is of another version of Maulstick: {fault}; plan anew") from error
-
-    def check_unchanged(self, sums: dict[str, str]) -> None:
-        """Raise InputError where a file, the brush or the style is no longer what it was when planning began."""
-        for name, was in self.sums.items():
-            if sums.get(name) != was:
-                raise InputError(f"{name} has changed since planning began; put it back, or plan anew with --overwrite")
-
-    def _files(self) -> list[Path]:
-        files = (self.photo, self.look, self.canvas, self.paints_from, self.clip_weights)
-        return [file for file in files if file is not None]
+    def _check_paints(self) -> None:
+        given = {"paints": self.paints, "ink": self.ink, "paints_from": self.paints_from}
+        ways = [option(name) for name, value in given.items() if value is not None]
+        if len(ways) > 1:
+            raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
+        if self.paints is not None:
+            _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {self.strokes} strokes")
 
 
-def state_file(out: Path, seed: int) -> Path:
-    """Where the plan from this seed is kept while it is made."""
-    return out / f"plan-{seed}.npz"
-
-
-def state_files(out: Path) -> list[Path]:
-    """All plans in the making in the folder `out`."""
-    return sorted(file for file in out.glob("plan-*.npz") if file.stem.removeprefix("plan-").isdigit())
-
-
-def sum_of(plain: Any) -> str:
-    """SHA-256 of something as JSON."""
-    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
+def _check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:
+    if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= most:
+        raise InputError.of_range(option(name), repr(number), allowed or f"from {least} to {most}")

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy, option
 from maulstick.planning.features.network import ReadingNetwork
 from maulstick.storage.files import file_to_read
 
@@ -83,7 +83,7 @@ class Clip(ReadingNetwork):
             if isinstance(error, UnpicklingError) or "TorchScript" in str(error):
                 raise InputError(
                     f"{file} holds more than tensors, and reading it could run what is in it; "
-                    "give --clip-weights a .safetensors file"
+                    f"give {option('clip_weights')} a .safetensors file"
                 ) from error
             raise InputError(f"{file} gives no {name}: {shorten(str(error), 200)}") from error
         return cls(model, loaded, tokenize, open_clip.get_model_preprocess_cfg(loaded), layers)
@@ -137,7 +137,7 @@ def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
     import open_clip
 
     if not made:
-        raise InputError(f"nobody publishes weights of {name}; give a file of them with --clip-weights")
+        raise InputError(f"nobody publishes weights of {name}", Remedy.CLIP_WEIGHTS)
     from huggingface_hub import constants
 
     before = constants.HF_HUB_OFFLINE
@@ -148,8 +148,8 @@ def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
             return Path(open_clip.download_pretrained(made))
     except Exception as error:  # without a network nearly anything is raised
         raise InputError(
-            f"the {tag} weights of {name} are not on this machine and cannot be fetched; "
-            "give a file of them with --clip-weights, or try again with a network"
+            f"the {tag} weights of {name} are not on this machine and cannot be fetched",
+            Remedy.CLIP_WEIGHTS_OR_NETWORK,
         ) from error
     finally:
         constants.HF_HUB_OFFLINE = before

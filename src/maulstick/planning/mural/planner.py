@@ -24,13 +24,14 @@ from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import importance_of, problem_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
-from maulstick.planning.mural.windows import Image, Mural, Windows, enlarged
+from maulstick.planning.mural.windows import Mural, Windows, enlarged
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.state import State
 from maulstick.planning.stroke_canvas import as_array
+from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()

@@ -14,9 +14,8 @@ from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import FITS, decode_png, lay_out, place_of, scaled
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
+from maulstick.storage.arrays import Floats, Image
 
-Image = NDArray[np.float32]
-Floats = NDArray[np.float64]
 Box = tuple[int, int, int, int]
 """(left, top, right, bottom), pixels of the canvas."""
 

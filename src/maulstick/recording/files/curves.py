@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.recording.files.page import MOST_SAMPLES
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 
 _FINENESS = 1e-4
 _MOST_PARTS = 1000
@@ -29,15 +28,15 @@ def polylines(chains: Sequence[Floats]) -> list[Floats]:
     return [_sampled(chain, parts) for chain, parts in zip(chains, counts, strict=True)]
 
 
-def _parts(cubics: Floats, tolerance: float) -> NDArray[np.int64]:
+def _parts(cubics: Floats, tolerance: float) -> Ints:
     """Into how many equal parts of its parameter each curve is cut: Wang's bound, at most a thousand."""
     bend = np.abs(np.diff(cubics, n=2, axis=1)).max(axis=(1, 2), initial=0.0)
     parts = np.ceil(np.sqrt(0.75 * np.sqrt(2) * bend / max(tolerance, 1e-300)))
-    counts: NDArray[np.int64] = np.clip(np.nan_to_num(parts, posinf=_MOST_PARTS), 1, _MOST_PARTS).astype(np.int64)
+    counts: Ints = np.clip(np.nan_to_num(parts, posinf=_MOST_PARTS), 1, _MOST_PARTS).astype(np.int64)
     return counts
 
 
-def _sampled(cubics: Floats, parts: NDArray[np.int64]) -> Floats:
+def _sampled(cubics: Floats, parts: Ints) -> Floats:
     which = np.repeat(np.arange(len(cubics)), parts)
     steps = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts) + 1
     t = (steps / parts[which])[:, None]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, Remedy
 from maulstick.recording.files.inkml import read_inkml
 from maulstick.recording.files.page import Page, on_sheet
 from maulstick.recording.files.pointer_events import read_pointer_events
@@ -34,7 +34,7 @@ def read_ink_file(
     path = file_to_read(path, "drawing")
     if (kind := kind_of(path)) is not None:
         if kind == TAKE:
-            raise InputError(f"{path} holds a take; read it with maulstick record motive")
+            raise InputError(f"{path} holds a take", Remedy.READ_TAKE)
         raise InputError(f"{path} holds {kind} already; there is nothing to record; look at it with maulstick show")
     content = read_whole(path, "drawing", _LARGEST)
     name, reader = _reader(content, path)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 
 CANVAS_MARKERS = 3
 """Markers on a canvas, each at a corner of its own."""
@@ -39,7 +39,8 @@ def pen_and_canvas(
         named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CANVAS_MARKERS]
         if len(named) > 1 or (not named and loose != CANVAS_MARKERS):
             raise InputError(
-                "there is no telling which is the canvas; name it (--sheet), a rigid body of exactly three markers, "
+                f"there is no telling which is the canvas; name it ({option('sheet')}), a rigid body of "
+                "exactly three markers, "
                 f"or let exactly three markers be loose: {there}"
             )
         canvas = named[0] if named else None
@@ -47,7 +48,7 @@ def pen_and_canvas(
         others = [name for name in markers if name != canvas]
         named = _named(others, _PEN)
         if len(named) != 1 and len(others) != 1:
-            raise InputError(f"there is no telling which rigid body is the pen; name it (--pen): {there}")
+            raise InputError(f"there is no telling which rigid body is the pen; name it ({option('pen')}): {there}")
         pen = named[0] if len(named) == 1 else others[0]
     return pen, canvas
 

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 RELEASE = 2.0
 """How many times the threshold the tip must rise for one stroke to end and another to begin."""
@@ -23,7 +22,7 @@ _FOOT = 0.04  # seconds from where the tip leaves the paper to the threshold, at
 _SHARE = 0.25  # of the touch, at most
 _POWER = 1.5  # a tip leaves as on a parabola, which smoothing has bent: with 1.5 simulated ends come out unbiased
 
-Frames = NDArray[np.int64]
+Frames = Ints
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from maulstick.errors import InputError
 from maulstick.recording.mocap.take import Take
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 CORNERS = ("upper-left", "upper-right", "lower-right", "lower-left")
 """Where on the sheet the marker at the right angle may sit, as the pen's hand sees it; clockwise."""
@@ -95,7 +94,7 @@ def _sides(triangles: Floats) -> Floats:
     return sides
 
 
-def _order(triangles: Floats, pen: Floats) -> NDArray[np.int64]:
+def _order(triangles: Floats, pen: Floats) -> Ints:
     """(F, 3): the marker at the right angle, then the others, turning clockwise as seen from the pen."""
     corner = 2 - np.argmax(_sides(triangles), axis=1)  # opposite the longest side
     order = np.stack([corner, (corner + 1) % 3, (corner + 2) % 3], axis=1)
@@ -171,7 +170,7 @@ def _guess(times: Floats, ordered: Floats, seen: Bools) -> Bools:
     return known
 
 
-def _interpolate(times: Floats, values: Floats, known: Bools, frames: NDArray[np.int64]) -> Floats:
+def _interpolate(times: Floats, values: Floats, known: Bools, frames: Ints) -> Floats:
     flat = values.reshape(len(values), -1)
     columns = [np.interp(times[frames], times[known], column[known]) for column in flat.T]
     return np.stack(columns, axis=1).reshape(-1, *values.shape[1:])

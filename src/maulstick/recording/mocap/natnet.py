@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.recording.mocap.bodies import CANVAS_MARKERS, pen_and_canvas
 from maulstick.recording.mocap.take import Take, is_unit
 from maulstick.storage.arrays import Floats
@@ -83,7 +83,9 @@ def _address(server: str) -> tuple[str, int]:
     try:
         return socket.gethostbyname(host), int(port or PORT)
     except (OSError, ValueError):
-        raise InputError(f"there is no machine {host!r} to be found; check --server, as in 192.168.1.5") from None
+        raise InputError(
+            f"there is no machine {host!r} to be found; check {option('server')}, as in 192.168.1.5"
+        ) from None
 
 
 def _local_address(host: str, port: int, local: str | None) -> str:
@@ -91,7 +93,7 @@ def _local_address(host: str, port: int, local: str | None) -> str:
         try:
             probe.bind((local or "", 0))
         except (OSError, ValueError):
-            raise InputError(f"{local!r} is not an address of this machine; leave out --local") from None
+            raise InputError(f"{local!r} is not an address of this machine; leave out {option('local')}") from None
         try:
             probe.connect((host, port))
         except OSError as error:

@@ -5,11 +5,10 @@ from typing import Self
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 _FEWEST = 6  # sightings, to say anything of a stretch
 _OUTLYING, _TOLERATED = 5.0, 5e-4  # standard deviations; metres, within which nothing is an outlier
@@ -68,7 +67,7 @@ class _Sightings:
     3, -3, 1 at even times, 0 where they would cross from one stretch to the next.  interval: seconds.
     """
 
-    frames: NDArray[np.int64]
+    frames: Ints
     values: Floats
     differences: Floats
     interval: float

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, Remedy
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot, StoppedError
@@ -33,7 +33,7 @@ class Arm(Robot):
     @final
     def easel(self, width: float, height: float) -> Easel:
         """Raise InputError: an arm may stand anywhere, so nobody knows where a sheet of this size, metres, lies."""
-        raise InputError("an arm must be told where the sheet lies; run: maulstick calibrate touch --robot ...")
+        raise InputError("an arm must be told where the sheet lies", Remedy.CALIBRATE_TOUCH)
 
     @abstractmethod
     def _disconnect(self) -> None:

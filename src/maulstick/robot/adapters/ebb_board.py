@@ -5,7 +5,7 @@ from typing import Final, final
 
 from serial.tools import list_ports
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, Remedy
 from maulstick.robot.adapters.serial_line import GLANCE, Patience, SerialLine
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.stopping import Stopping
@@ -117,8 +117,8 @@ class EbbBoard:
     def _noise(self, text: str) -> MachineError:
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
-            f"there is noise on the line to {self._line.port} ({shown!r}); check cable and hub, "
-            "then go on with maulstick paint ... --resume"
+            f"there is noise on the line to {self._line.port} ({shown!r}); check cable and hub",
+            Remedy.GO_ON,
         )
 
 
@@ -131,7 +131,7 @@ def port_of_the_board() -> str:
     """Where the one board is plugged in. Raises InputError where there is none, or there are several."""
     found = [it.device for it in list_ports.comports() if (it.vid, it.pid) == _USB]
     if not found:
-        raise InputError("no AxiDraw is plugged in; connect its USB cable and power, or name its port: axidraw:PORT")
+        raise InputError("no AxiDraw is plugged in", Remedy.NAME_PORT)
     if len(found) > 1:
         raise InputError(f"there are several AxiDraws; name one of their ports: {', '.join(sorted(found))}")
     return str(found[0])

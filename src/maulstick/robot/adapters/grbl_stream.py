@@ -8,7 +8,7 @@ import re
 import time
 from typing import Final, final
 
-from maulstick.errors import MachineError
+from maulstick.errors import MachineError, Remedy
 from maulstick.robot.adapters.grbl_answers import ALARMS, ERRORS, Status
 from maulstick.robot.adapters.serial_line import Patience, SerialLine
 from maulstick.robot.robot import StoppedError
@@ -26,7 +26,7 @@ _BETWEEN_RESETS = 1.0  # seconds; a board that starts when its port is opened mi
 _QUIET = 0.1  # seconds in which a board that did not miss it starts once more
 _HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")
 _UNABLE = {
-    "Door": "its safety door is open; close it, then go on with maulstick paint ... --resume",
+    "Door": "its safety door is open; close it",
     "Check": "it only checks G-code; send $C, then start again",
     "Sleep": "it sleeps; reset it, then start again",
     "Alarm": "it is locked, as its position may be lost; home it with $H or unlock it with $X, then start again",
@@ -148,13 +148,15 @@ class GrblStream:
             return MachineError(f"the Grbl on {port} started again by itself; check its power, and home it with $H")
         shown = text if len(text) <= 40 else text[:37] + "..."
         return MachineError(
-            f"there is noise on the line to {port} ({shown!r}); check cable and ground, "
-            "then go on with maulstick paint ... --resume"
+            f"there is noise on the line to {port} ({shown!r}); check cable and ground",
+            Remedy.GO_ON,
         )
 
     def _check(self, status: Status) -> None:
-        if (remedy := _UNABLE.get(status.state.split(":")[0])) is not None:
-            raise MachineError(f"the Grbl on {self._line.port} cannot draw: {remedy}")
+        state = status.state.split(":")[0]
+        if (reason := _UNABLE.get(state)) is not None:
+            remedy = Remedy.GO_ON if state == "Door" else None
+            raise MachineError(f"the Grbl on {self._line.port} cannot draw: {reason}", remedy)
 
     def _starts(self) -> bool:
         """Whether it says its name in time."""

@@ -6,7 +6,7 @@ from typing import Final, final
 
 import serial
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, Remedy
 
 GLANCE: Final = 0.01
 """Seconds that one look for an answer takes at most."""
@@ -60,9 +60,7 @@ class SerialLine:
 
     def lost(self) -> MachineError:
         """What to raise once nothing comes any more."""
-        return MachineError(
-            f"the line to {self.port} went silent; check cable and power, then go on with maulstick paint ... --resume"
-        )
+        return MachineError(f"the line to {self.port} went silent; check cable and power", Remedy.GO_ON)
 
     def _read(self) -> bool:
         try:

@@ -8,13 +8,11 @@ from types import TracebackType
 from typing import Self, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError, MachineError
 from maulstick.painting.picture import read_picture
 from maulstick.robot.camera.opencv import opencv
-
-Image = NDArray[np.float32]
+from maulstick.storage.arrays import Image
 
 _BLACK = 0.02
 """A photograph whose mean is darker shows nothing."""
@@ -137,14 +135,14 @@ class WatchedFolder(Camera):
         return sizes
 
 
-def open_camera(text: str) -> Camera:
-    """The camera that ``usb:0`` or ``folder:PATH`` names.
+def open_camera(spec: str) -> Camera:
+    """Open the camera that a spec names: ``usb:0`` or ``folder:PATH``.
 
     Raises InputError where it names none, and CameraError where the camera cannot be had.
     """
-    kind, _, name = text.partition(":")
+    kind, _, name = spec.partition(":")
     if kind == "usb" and name.isascii() and name.isdecimal() and len(name) < 4:
         return UsbCamera(int(name))
     if kind == "folder" and name:
         return WatchedFolder(name)
-    raise InputError(f"{text!r} is not a camera; write usb:0, or folder:PATH for one that saves its pictures there")
+    raise InputError(f"{spec!r} is not a camera; write usb:0, or folder:PATH for one that saves its pictures there")

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.robot.camera.opencv import opencv
-
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats
 
 TAGS = (0, 1, 2, 3)
 """Upper left, upper right, lower right, lower left."""

@@ -16,7 +16,7 @@ Dialect = Literal["grbl", "marlin"]
 
 _MM = 1e3
 _MICROMETRES = 1e6
-_NEAR = 1e-3  # micrometres: what a limit may miss a whole number by and still mean it
+_NEAR = 1e-4  # what a limit, as written, may miss a whole last digit by and still mean it: within the limits' SLACK
 _SLOWEST = 1.0  # mm/min; slower is an error to GRBL
 _STRAIGHT = 1e-12  # metres
 _LONGEST_MESSAGE = 60  # characters, of what Marlin keeps of a line

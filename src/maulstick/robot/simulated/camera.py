@@ -13,9 +13,7 @@ from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.camera import Camera, CameraError
 from maulstick.robot.camera.opencv import opencv
 from maulstick.robot.camera.tag_frame import TAGS, TagFrame
-
-Image = NDArray[np.float32]
-Floats = NDArray[np.float64]
+from maulstick.storage.arrays import Floats, Image
 
 _FINER = 2  # samples across a pixel
 _VIEW = 1.06  # of what must be seen

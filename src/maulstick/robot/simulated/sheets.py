@@ -1,27 +1,22 @@
-"""Sheets that really take ink, for the simulator: painted by libmypaint, or stamped where that is not installed."""
+"""Sheets that take ink, for the simulator: painted by libmypaint, or where that is missing, by the brush model."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.robot.camera.opencv import opencv
+from maulstick.rendering.kernels import _cpu
 from maulstick.robot.simulated.mypaint import MyPaintPaper
-from maulstick.storage.arrays import Floats
-from maulstick.strokes.strokes import path_lengths, resample
+from maulstick.storage.arrays import Floats, Image
 
-Image = NDArray[np.float32]
 Colour = tuple[float, float, float]
 
-_THINNEST = 0.1e-3  # metres
-_FINE = 4  # bits of a pixel that OpenCV knows places to
+_DEPTH = 2e-3  # metres: of pressure 1, for a brush that does not say
 _SLOWLY = 6.0  # radii a second: the tips of libmypaint feel a hand's speed, and a machine's do not
-_STEP = 0.25  # of a half-width: from stamp to stamp
 
 
 @dataclass(frozen=True)
@@ -78,31 +73,34 @@ class MyPaintSheet(InkedSheet):
 
 
 @final
-class StampedSheet(InkedSheet):
-    """A sheet on which OpenCV stamps discs along a path. half_width: of the mark at pressure 0 and 1, metres."""
+class ModelSheet(InkedSheet):
+    """A sheet that takes ink as the brush model says; for a computer without libmypaint."""
 
-    def __init__(self, canvas: Canvas, half_width: tuple[float, float], depth: float) -> None:
-        """Raises InputError where OpenCV is not installed."""
-        self.canvas, self.depth, self._half_width = canvas, depth, half_width
-        self._cv2 = opencv()
-        self._image: Image = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32)
+    def __init__(self, canvas: Canvas, brush: Brush) -> None:
+        self.canvas, self.depth, self._brush = canvas, max(brush.depth) or _DEPTH, brush
+        self._image = np.ones((3, canvas.height_px, canvas.width_px), dtype=np.float32)
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""
-        step = _STEP * self._half_width[0]
-        path = resample(trajectory, 1 + int(np.ceil(path_lengths(trajectory[:, :2]) / step)))
-        radii = np.interp(path[:, 2], (0, 1), self._half_width) * self.canvas.pixels_per_metre
-        mask = np.zeros(self._image.shape[:2], dtype=np.uint8)
-        for (x, y), radius in zip(path[:, :2] * self.canvas.pixels_per_metre - 0.5, radii, strict=True):
-            centre = round(x * 2**_FINE), round(y * 2**_FINE)
-            size = round(radius * 2**_FINE)
-            self._cv2.circle(mask, centre, size, 255, self._cv2.FILLED, self._cv2.LINE_AA, _FINE)
-        share = mask[..., None].astype(np.float32) / 255
-        self._image = (self._image * (1 - share) + np.array(colour) * share).astype(np.float32)
+        points, half_width, opacity = self._brush.bare_mark(trajectory)
+        points, half_width = points * self.canvas.pixels_per_metre, half_width * self.canvas.pixels_per_metre
+        reach = max(float(half_width.max()), 0.0) + 1
+        size = (self.canvas.width_px, self.canvas.height_px)
+        left, top = np.floor(points.min(axis=0) - reach).clip(0, size).astype(int)
+        right, bottom = np.ceil(points.max(axis=0) + reach).clip(0, size).astype(int)
+        if left == right or top == bottom:
+            return
+        window = self._image[:, top:bottom, left:right]
+        painted = np.empty(window.shape, dtype=np.float32)
+        stroke = ([points - (left, top)], [half_width], [colour])
+        numbers = ([self._brush.falloff], [self._brush.plateau], [opacity])
+        arrays = (np.ascontiguousarray(each, dtype=np.float32) for each in (window, *stroke, *numbers))
+        _cpu.composite(_cpu.instruction_sets()[0], 1, *arrays, painted)
+        window[:] = painted
 
     def image(self) -> Image:
         """As in `InkedSheet`."""
-        return self._image.copy()
+        return np.ascontiguousarray(self._image.transpose(1, 2, 0)).clip(0, 1)
 
 
 def sheet_for(brush: Brush, canvas: Canvas) -> InkedSheet:
@@ -112,4 +110,4 @@ def sheet_for(brush: Brush, canvas: Canvas) -> InkedSheet:
     try:
         return MyPaintSheet(canvas, tool.medium, tool.radius, depth)
     except InputError:  # libmypaint is not installed
-        return StampedSheet(canvas, (0.9 * max(brush.thinnest, _THINNEST), 0.9 * brush.widest), depth)
+        return ModelSheet(canvas, brush)

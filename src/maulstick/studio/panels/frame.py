@@ -10,6 +10,7 @@ from nicegui import PageArguments, html, ui
 from maulstick.errors import MaulstickError
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.wording import said
 
 _PANELS = {
     "/": ("Draw", "draw", "maulstick.studio.panels.draw.draw"),
@@ -98,7 +99,7 @@ def _stop() -> None:
 def _tell(error: Exception) -> None:
     """Show a person's mistake on the page; NiceGUI prints any other error in the terminal."""
     if isinstance(error, MaulstickError):
-        first, _, rest = str(error).partition(" ")
+        first, _, rest = said(error).partition(" ")
         sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
         notify = partial(ui.notify, sentence, timeout=12000, multi_line=True)
     else:

@@ -15,7 +15,7 @@ import uvicorn
 from fastapi import FastAPI
 from nicegui import ui
 
-from maulstick.errors import InputError, MaulstickError
+from maulstick.errors import InputError, MaulstickError, option
 from maulstick.studio.panels.frame import page
 from maulstick.studio.server.gate import Gate
 from maulstick.studio.server.routes import routes
@@ -98,7 +98,7 @@ def _is_loopback(host: str) -> bool:
         return host == "localhost" or ip_address(host).is_loopback
     except ValueError:
         raise InputError(
-            f"--host is {host!r}; it must be an address of this machine, as in 192.168.1.20, or 0.0.0.0"
+            f"{option('host')} is {host!r}; it must be an address of this machine, as in 192.168.1.20, or 0.0.0.0"
         ) from None
 
 

@@ -13,7 +13,7 @@ from typing import final
 from nicegui import Event
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanRequest, state_files
+from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
@@ -133,7 +133,7 @@ class Plans:
 
     def add(self, asked: PlanRequest) -> Plan:
         """Plan what is asked, at once or when others are finished."""
-        wish = asked.photo.parent.name if asked.photo is not None else asked.text or "plan"
+        wish = asked.picture.parent.name if asked.picture is not None else asked.options.text or "plan"
         name = self._folder.free_name("plans", wish)
         plan = Plan(name, self._folder.of("plans", name), asked)
         with as_output_error(plan.folder):
@@ -169,7 +169,7 @@ class Plans:
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
         """Let terms count more, or less, from now on."""
         if plan.phase is Phase.PLANNING:
-            plan.asked = replace(plan.asked, weigh=weights)
+            plan.asked = replace(plan.asked, options=replace(plan.asked.options, weights=weights))
             plan.keep_words()
             self._processes[plan.name].tell(Weigh(weights))
             plan.stepped.emit()

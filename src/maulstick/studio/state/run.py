@@ -16,7 +16,6 @@ from maulstick.jobs.paint.status import PaintStatus, status_of
 from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.machine_names import on_the_page, told_on_the_page
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import PLANNING, Asking, Command, Done, Ended, Going, Note, Photograph
@@ -103,14 +102,12 @@ class Run:
     async def status(self, plan: str) -> PaintStatus | None:
         """How far a plan is painted, as its journal says; None where it was not begun. Raises InputError as that."""
         painting = self._painting(plan)
-        with told_on_the_page():
-            return await self._desk.do(status_of, painting) if journal_of(painting).exists() else None
+        return await self._desk.do(status_of, painting) if journal_of(painting).exists() else None
 
     def check(self, plan: str, options: PaintOptions, *, resume: bool = False) -> None:
         """Find out whether it, or the rest of it, can be painted, without moving anything."""
         request = PaintRequest(self._painting(plan), options, resume=resume)
-        with told_on_the_page():
-            options.check()
+        options.check()
         self._see_that_it_is_free()
         self._begin("checking", request, rehearse_in_process)
 
@@ -183,8 +180,7 @@ class Run:
 
     async def _start(self, request: PaintRequest, is_painted: bool | None) -> None:
         plan = request.painting.parent.name
-        with told_on_the_page():
-            request.options.check()
+        request.options.check()
         self._see_that_it_is_free()
         if missing := await self._mixing.missing(plan):
             raise InputError(_to_be_mixed(plan, missing, len(await self._mixing.paints(plan)) == 1))
@@ -239,7 +235,6 @@ class Run:
 
     def _end(self, sentence: str, *, fault: bool) -> None:
         self._process = None
-        sentence = on_the_page(sentence)
         self._now(phase="ended", sentence=sentence, fault=fault, question="", held=False, silent=False, will_look=False)
 
     def _wish(self, command: Command | Done, **changes: Any) -> None:

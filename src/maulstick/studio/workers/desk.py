@@ -37,7 +37,7 @@ class _Done:
 
 @dataclass(frozen=True)
 class _Refused:
-    why: str
+    error: MaulstickError
 
 
 @final
@@ -104,7 +104,8 @@ class Desk:
         if isinstance(word, _Done):
             self._answer.set_result(word.result)
         else:
-            self._answer.set_exception(MaulstickError(word.why))
+            error = word.error if isinstance(word, _Refused) else MaulstickError(word.why)
+            self._answer.set_exception(error)
 
 
 def _work(line: Line) -> None:
@@ -115,7 +116,7 @@ def _work(line: Line) -> None:
         try:
             line.say(_Done(task.function(*task.arguments, **task.named)))
         except MaulstickError as error:
-            line.say(_Refused(str(error)))
+            line.say(_Refused(error))
 
 
 def _load_usual() -> None:

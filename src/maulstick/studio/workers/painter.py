@@ -11,6 +11,7 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from maulstick.errors import InputError, MaulstickError
+from maulstick.studio.wording import said
 from maulstick.studio.workers.messages import Command, Done, Ended
 from maulstick.studio.workers.process import Line
 
@@ -53,7 +54,8 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
     except (MaulstickError, KeyboardInterrupt) as error:
         if commands.operator is None:
             raise
-        line.say(Ended("" if commands.operator.stopped else str(error), commands.operator.robot.lifted))
+        why = said(error) if isinstance(error, MaulstickError) and not commands.operator.stopped else ""
+        line.say(Ended(why, commands.operator.robot.lifted))
     else:
         line.say(Ended(None, True))
 

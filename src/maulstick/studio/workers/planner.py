@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from maulstick.jobs.plan.options import PlanRequest, state_files
+from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas

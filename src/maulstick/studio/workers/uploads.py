@@ -20,7 +20,7 @@ def known_as(path: Path, called: str) -> Iterator[None]:
     try:
         yield
     except MaulstickError as error:
-        raise type(error)(str(error).replace(str(path), called)) from error
+        raise error.replaced(str(path), called) from error
 
 
 def read_brought(content: bytes, read: Callable[[Path], Content], called: str) -> Content:

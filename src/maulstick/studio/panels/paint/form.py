@@ -8,9 +8,9 @@ from nicegui import events, ui
 
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.studio.state.machine_names import MACHINES
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.uploading import upload_button
+from maulstick.studio.wording import MACHINES
 
 SHORT_MENU = "outlined popup-content-class=short-menu"
 """Properties of a select whose menu opens downwards, and not up under the frame."""

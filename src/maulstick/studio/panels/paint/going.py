@@ -6,9 +6,9 @@ from nicegui import background_tasks, html, ui
 
 from maulstick.errors import MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
-from maulstick.studio.state.machine_names import name_of
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.wording import name_of
 from maulstick.studio.workers.messages import PAINTING
 from maulstick.studio.workers.planned_paints import PlannedPaint
 

@@ -10,9 +10,9 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
 from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
-from maulstick.studio.state.machine_names import ANEW, FINER
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.wording import FINER, RESTART, said
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")
@@ -74,7 +74,7 @@ class _Setting:
                 self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
                 self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
                 self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
-                self._restart = ui.button(ANEW, icon="note_add", on_click=self._ask_for_a_new_sheet)
+                self._restart = ui.button(RESTART, icon="note_add", on_click=self._ask_for_a_new_sheet)
                 self._restart.props("outline")
             self._mix = ui.link("", "/paints").classes("hint")
             later = ui.expansion(FINER).classes("more")
@@ -133,7 +133,7 @@ class _Setting:
             missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
             status = await self._run.status(plan)
         except MaulstickError as error:
-            fault = str(error)
+            fault = said(error)
         if plan != self.plan or self.root.is_deleted:
             return
         is_other = status is not None and (self._status is None or status.options != self._status.options)
@@ -168,7 +168,7 @@ class _Setting:
 
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        return self.plan, self._form.options(None if known is None else known.asked.photo)
+        return self.plan, self._form.options(None if known is None else known.asked.picture)
 
     def _rehearse(self) -> None:
         self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)

@@ -12,6 +12,7 @@ from maulstick.studio.panels.paints.tray import build_tray
 from maulstick.studio.panels.paints.tubes import build_tubes
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.wording import said
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paints.css")
@@ -78,7 +79,7 @@ class _Paints:
             mixed, missing = self._studio.mixing.mixed(plan), await self._studio.mixing.missing(plan)
         except MaulstickError as error:
             if plan == self._plan.value:
-                self._show_nothing(str(error))
+                self._show_nothing(said(error))
             return
         if plan != self._plan.value or self._root.is_deleted:
             return

@@ -5,7 +5,7 @@ from math import ceil
 from nicegui import html, ui
 
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanRequest
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.panels.plan.form import in_words
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
@@ -133,8 +133,10 @@ class PlanCard:
 
 
 def _asked(request: PlanRequest) -> str:
-    colours = "one ink" if request.ink is not None else "1 paint" if request.paints == 1 else f"{request.paints} paints"
-    return f"{request.style}, {request.brush}, {request.strokes} strokes, {colours}, {in_words(request.size)}"
+    options = request.options
+    mixed = options.mixed_paints
+    colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
+    return f"{options.style}, {options.brush}, {options.strokes} strokes, {colours}, {in_words(options.size)}"
 
 
 def _said(plan: Plan) -> str:

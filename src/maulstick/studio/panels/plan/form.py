@@ -6,7 +6,8 @@ from nicegui import app, html, ui
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanRequest
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import BRUSHES
 from maulstick.painting.raster import parse_size
 from maulstick.studio.panels.plan.pictures import PictureChoice
@@ -16,19 +17,19 @@ from maulstick.studio.widgets.showing import shown_by
 
 _SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
 _EFFORTS = {300: "A sketch, quickly", 1500: "As usual", 4000: "Fine, and slowly"}
+_DEFAULT = PlanOptions()
 _USUAL = {
     "text": "",
-    "brush": "marker",
-    "strokes": 800,
-    "size": _SIZES[0],
+    "brush": _DEFAULT.brush,
+    "strokes": _DEFAULT.strokes,
+    "size": _DEFAULT.size,
     "kind": "paints",
-    "paints": 12,
+    "paints": _DEFAULT.mixed_paints,
     "ink": "#000000",
-    "effort": 1500,
+    "effort": _DEFAULT.steps,
 }
-_ASK_EVERY = 10
-_PAUSE = 1.0  # seconds
-_MOST_STROKES, _MOST_PAINTS = 20_000, 64
+_PAUSE = 1.0  # seconds in which a second click plans nothing
+_MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
 
 
 class PlanForm:
@@ -78,8 +79,8 @@ class PlanForm:
 
     def _asked(self) -> PlanRequest:
         text = str(self._text.value or "").strip() or None
-        photo = self._picture.path
-        if photo is None and text is None:
+        picture = self._picture.path
+        if picture is None and text is None:
             raise InputError("there is nothing to paint yet; bring a picture, or write a text")
         if text is not None and find_spec("open_clip") is None:
             raise InputError("this studio cannot read texts, for CLIP is not installed; bring a picture")
@@ -89,35 +90,20 @@ class PlanForm:
         if ink is not None:
             parse_colour(ink)
         weights = {name: slider.value for name, slider in self._weights.items()}
-        return PlanRequest(
-            photo=photo,
+        options = PlanOptions(
             text=text,
-            look=None,
-            weigh={} if photo is None else weights if text is not None else checked(weights),
-            clip=None,
-            clip_weights=None,
-            clip_layers=None,
+            weights={} if picture is None else weights if text is not None else checked(weights),
             size=size,
-            paper="white",
-            canvas=None,
-            fit="contain",
             strokes=strokes,
-            exact=False,
             paints=None
             if ink is not None
             else min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes),
             ink=ink,
-            paints_from=None,
             brush=str(self._brush.value),
-            pressure=None,
             style=str(self._style.value),
             steps=int(self._effort.value or 0),
-            ask_every=_ASK_EVERY,
-            px=None,
-            seed=0,
-            tries=1,
-            frames=None,
         )
+        return PlanRequest(picture, options)
 
 
 def in_words(size: str) -> str:

@@ -41,20 +41,23 @@ class PlanWeights(ui.expansion):
 
     def __init__(self, studio: Studio, plan: Plan) -> None:
         super().__init__("What matters")
-        self._studio, self._plan, self._followed = studio, plan, plan.asked.weigh
-        terms = (*(OF_A_PICTURE if plan.asked.photo is not None else ()), *(("text",) if plan.asked.text else ()))
+        self._studio, self._plan, self._followed = studio, plan, plan.asked.options.weights
+        terms = (
+            *(OF_A_PICTURE if plan.asked.picture is not None else ()),
+            *(("text",) if plan.asked.options.text else ()),
+        )
         usual = {"tone": 1.0, "text": 1.0}
         with self:
-            weights = {name: plan.asked.weigh.get(name, usual.get(name, 0.0)) for name in terms}
+            weights = {name: plan.asked.options.weights.get(name, usual.get(name, 0.0)) for name in terms}
             self._sliders = weight_sliders(weights, self._weigh)
 
     def follow(self) -> None:
         """Show what the plan is weighed by now, which another page may have changed."""
-        if self._plan.asked.weigh is self._followed:  # or a slider would slip from under a person's finger
+        if self._plan.asked.options.weights is self._followed:  # or a slider would slip from under a person's finger
             return
-        self._followed = self._plan.asked.weigh
+        self._followed = self._plan.asked.options.weights
         for name, slider in self._sliders.items():
-            slider.set(self._plan.asked.weigh.get(name, slider.value))
+            slider.set(self._plan.asked.options.weights.get(name, slider.value))
 
     def _weigh(self) -> None:
         weights = checked({name: slider.value for name, slider in self._sliders.items()})

@@ -7,6 +7,7 @@ from typing import TypeVar
 from nicegui import html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.studio.wording import said
 from maulstick.style.cards import StyleCard
 
 Result = TypeVar("Result")
@@ -41,7 +42,7 @@ async def fill(place: ui.element, result_to_come: Awaitable[Result], show: Calla
         if not place.is_deleted:
             place.clear()
             with place:
-                ui.label(f"This cannot be shown: {error}").classes("fault")
+                ui.label(f"This cannot be shown: {said(error)}").classes("fault")
         return
     if not place.is_deleted:
         place.clear()

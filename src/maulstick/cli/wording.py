@@ -1,0 +1,27 @@
+"""How the command line says errors."""
+
+from typing import Final
+
+from maulstick.errors import Remedy, Wording
+
+COMMAND_LINE: Final = Wording(
+    option=lambda name: f"--{name.replace('_', '-')}",
+    machine=str,
+    remedies={
+        Remedy.RESUME_OR_RESTART: "go on with --resume, or start on a new sheet with --restart",
+        Remedy.RESTART: "start again with --restart",
+        Remedy.PUT_BACK_OR_RESTART: "put that one back, or start again with --restart",
+        Remedy.MEND_OR_RESTART: "mend it, or start again with --restart",
+        Remedy.START: "leave out --resume",
+        Remedy.SAME_MACHINE_OR_RESTART: "leave out --robot, or start on a new sheet with --restart",
+        Remedy.GO_ON: "then go on with maulstick paint ... --resume",
+        Remedy.NAME_PICTURE: "name it with --picture",
+        Remedy.NAME_CAMERA: "name it with --camera usb:0, or folder:PATH",
+        Remedy.LEAVE_OUT_CAMERA: "leave out --camera",
+        Remedy.WITHOUT_REPLAN: "go on with --replan 0",
+        Remedy.HOLD_PRESSURE: "plan it again with maulstick plan --pressure 0.5",
+        Remedy.SLOW_DOWN: "slow all strokes down with --speed {speed}",
+        Remedy.CLIP_WEIGHTS: "give a file of them with --clip-weights",
+        Remedy.CLIP_WEIGHTS_OR_NETWORK: "give a file of them with --clip-weights, or try again with a network",
+    },
+)

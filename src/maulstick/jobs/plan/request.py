@@ -1,0 +1,105 @@
+"""A plan that is asked for, as it is written beside a plan in the making."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
+
+from maulstick.errors import InputError, option, validation_fault
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.painting.video import Video
+from maulstick.storage.files import file_sum
+
+_MOST_TRIES = 64  # plans; each is a process of its own
+_MOST_SEED = 2**32 - 1  # what NumPy's generators take
+
+
+@dataclass(frozen=True)
+class PlanRequest:
+    """A picture, or None where the options have a text alone, and how to plan it; files as absolute paths.
+
+    tries: plans from so many seeds, of which the best is kept.  video: the format to record the planning in, if any.
+    sums: SHA-256 of each file, and of the brush and the style, by name.
+
+    Raises InputError for a value that is out of its range, and where there is neither a picture nor a text.
+    """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    picture: Path | None
+    options: PlanOptions = field(default_factory=PlanOptions)
+    tries: int = 1
+    video: str | None = None
+    sums: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.tries <= _MOST_TRIES:
+            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {_MOST_TRIES}")
+        if self.options.seed + self.tries - 1 > _MOST_SEED:
+            raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {_MOST_SEED + 1 - self.tries}")
+        if self.video is not None:
+            Video(self.video)
+            if self.tries > 1:
+                raise InputError(
+                    f"{option('video')} records one plan, and {option('tries')} makes several; leave one of them out"
+                )
+
+    def with_sums(self, more: dict[str, str]) -> "PlanRequest":
+        """The same, knowing what is in its files, and `more` by which anything else is known."""
+        return replace(self, sums={**{str(path): file_sum(path) for path in self._files()}, **more})
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """The request for a file."""
+        plain: dict[str, JsonValue] = TypeAdapter(PlanRequest).dump_python(self, mode="json")
+        return plain
+
+    @property
+    def provenance_options(self) -> dict[str, JsonValue]:
+        """The options for a painting's provenance: files by their names alone, and how many paints were mixed."""
+        named = {
+            name: Path(value.name) if isinstance(value, Path) else value
+            for name, value in asdict(self.options).items()
+            if name != "weights"
+        }
+        plain: dict[str, JsonValue] = TypeAdapter(dict[str, Any]).dump_python(named, mode="json")
+        return {**plain, "paints": self.options.mixed_paints, "tries": self.tries}
+
+    @classmethod
+    def from_json(cls, plain: dict[str, JsonValue], source: Path) -> Self:
+        """The request out of a file. Raises InputError, naming it, where it is none of this version's."""
+        try:
+            return TypeAdapter(cls).validate_python(plain)
+        except ValidationError as error:
+            fault = validation_fault(error)
+            raise InputError(f"{source} is of another version of Maulstick: {fault}; plan anew") from error
+
+    def check_unchanged(self, sums: dict[str, str]) -> None:
+        """Raise InputError where a file, the brush or the style is no longer what it was when planning began."""
+        for name, was in self.sums.items():
+            if sums.get(name) != was:
+                raise InputError(
+                    f"{name} has changed since planning began; put it back, or plan anew with {option('overwrite')}"
+                )
+
+    def _files(self) -> list[Path]:
+        options = self.options
+        files = (self.picture, options.look, options.background, options.paints_from, options.clip_weights)
+        return [file for file in files if file is not None]
+
+
+def state_file(out: Path, seed: int) -> Path:
+    """The file that keeps the plan from this seed while it is made."""
+    return out / f"plan-{seed}.npz"
+
+
+def state_files(out: Path) -> list[Path]:
+    """All plans in the making in the folder `out`."""
+    return sorted(file for file in out.glob("plan-*.npz") if file.stem.removeprefix("plan-").isdigit())
+
+
+def sum_of(plain: Any) -> str:
+    """SHA-256 of something as JSON."""
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
