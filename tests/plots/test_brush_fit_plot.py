@@ -18,7 +18,7 @@ LIGHTER, DARKER = (196, 69, 44), (47, 102, 144)
 
 
 def a_view(name: str, size: tuple[int, int] = (20, 40), after: float = 0.0, predicted: float = 0.0) -> HeldOutStroke:
-    """Make a view of one darkness."""
+    """Make a view whose two pictures are each of one darkness."""
     shape = (*size, 1)
     return HeldOutStroke(name, np.full(shape, after, dtype=np.float32), np.full(shape, predicted, dtype=np.float32))
 
@@ -100,7 +100,7 @@ def test_a_difference_is_red_where_the_prediction_is_too_light_and_blue_where_to
 
 
 def plot_rows() -> slice:
-    """Find the axes of a plot that show the views."""
+    """Rows of pixels of a plot that show the views."""
     return slice(540, 1290)
 
 

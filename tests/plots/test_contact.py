@@ -31,7 +31,7 @@ def pixels(drawing: TakeInk) -> np.ndarray:
 
 
 def share(picture: np.ndarray, colour: tuple[int, int, int]) -> float:
-    """Take the picture without its legend."""
+    """Share of pixels of that colour, in the picture without its legend."""
     return float((np.abs(picture[80:] - colour).max(axis=2) <= 2).mean())
 
 

@@ -52,7 +52,7 @@ def asked(folder: Folder, ask: Callable[[Mixing], Awaitable[T]]) -> T:
 
 
 async def missing(mixing: Mixing, plan: str) -> list[str]:
-    """Return the labels of the mixed paints."""
+    """Return the labels of the paints that are still to be mixed."""
     return [paint.label for paint in await mixing.missing(plan)]
 
 

@@ -28,13 +28,13 @@ def wait_for_stroke(page: Page, number: int) -> None:
 
 
 def outcome(page: Page) -> str:
-    """Wait for the outcome."""
+    """Wait for the outcome, and return its text."""
     expect(page.locator(".outcome")).to_have_text(re.compile("lifted|is painted|It fits"))
     return page.locator(".outcome").inner_text()
 
 
 def go_on(page: Page) -> None:
-    """Choose a quick machine, and fill in the rest."""
+    """Go on with the rest, on a quick machine."""
     expect(page.get_by_text("It was begun")).to_be_visible()  # what was asked before is filled in by then
     page.get_by_label("Machine").click()
     page.get_by_role("option", name=QUICK).click()

@@ -19,7 +19,7 @@ from tests.survey.conftest import NAMES, SYSTEMS, Server, sources
 
 @pytest.fixture
 def token(folder: Path) -> str:
-    """One who has not begun."""
+    """Token of a participant who has not begun."""
     return Answers(folder).mint(1)[0]
 
 

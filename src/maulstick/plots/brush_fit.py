@@ -14,7 +14,7 @@ from maulstick.plots.rows import Row, largest_scale, rows_of
 from maulstick.plots.sheet import ACCENT, FAINT, INK, PAPER, Plot
 from maulstick.storage.arrays import Pixels
 
-_WIDTH, _HEIGHT, _LINES = 2016, 1440, 64  # pixels; lines in the height
+_WIDTH, _HEIGHT, _LINES = 2016, 1440, 64  # pixels, pixels, and lines of text in the height
 _CHART_TOP, _CHART_HIGH = 8.5, 10.0  # lines, as are all that follow
 _CHART_WIDE, _BETWEEN = 20.0, 6.0
 _NUMBERS_TOP, _NUMBER = 7.7, 1.3

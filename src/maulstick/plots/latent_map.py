@@ -15,6 +15,8 @@ from maulstick.storage.arrays import Floats, Ints
 from maulstick.style.store import Fitted
 
 COLOURS = (INK, ACCENT, "#2f6690", "#5f8a3a", "#b98220", "#7a4f95")
+"""Colours of the styles on a map, in their order."""
+
 _PROPORTION = 1.4  # width of the plot over its height
 _MOST = 400  # strokes on a map: of more, each would be too small to be seen
 _PERPLEXITY = 30  # of t-SNE, the default of scikit-learn; less where there are few strokes

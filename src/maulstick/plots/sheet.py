@@ -16,7 +16,7 @@ from matplotlib.patches import Rectangle
 TABLE, PAPER, INK, QUIET, FAINT, ACCENT = "#f4f2ed", "#ffffff", "#211f1c", "#7d786f", "#dcd8cf", "#c4452c"
 
 _DPI = 128  # a power of two: pixels / dpi * dpi is then exact
-_TYPE = ["STIXGeneral", "DejaVu Sans"]
+_TYPE = ["STIXGeneral", "DejaVu Sans"]  # both come with matplotlib; the second has the letters the first lacks
 
 LINES = 56
 """Number of lines of text in the height of a plot."""

@@ -1,1 +1,1 @@
-"""The studio: one web page from a hand to a painting."""
+"""Studio: one web page for the way from a hand to a painting."""

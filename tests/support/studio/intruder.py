@@ -46,7 +46,7 @@ class Intruder:
         return Answer(b"".join(parts))
 
     def upload(self, path: str, content: bytes, name: str = "a.png", parts: int = 1) -> "Answer":
-        """As a form of the page does."""
+        """Upload a file, as a form of the page does."""
         one = (
             f'--x\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'.encode()
             + content
@@ -58,7 +58,7 @@ class Intruder:
 
     @contextmanager
     def socket(self, origin: str | None = None, query: str = "") -> Iterator[ClientConnection]:
-        """The page's own; origin: where they say that they come from, or the studio's."""
+        """Open the page's websocket. origin: the header that is sent, by default the studio's own address."""
         address = f"ws://{self.here}/_nicegui_ws/socket.io/?EIO=4&transport=websocket{query}"
         carries = [tuple(line.split(": ", 1)) for line in self.carries]
         came_from = f"http://{self.here}" if origin is None else origin or None
@@ -97,7 +97,7 @@ class Tab:
 
     @property
     def listeners(self) -> dict[str, list[tuple[int, str]]]:
-        """By kind of event: elements, and what their handlers are called."""
+        """Ids of elements and of their handlers, by kind of event."""
         found: dict[str, list[tuple[int, str]]] = {}
         told = re.search(r"createApp\(parseElements\(String\.raw`(.*?)`\)", self.html, re.DOTALL)
         assert told is not None

@@ -81,7 +81,7 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
 
 
 async def _warm(studio: Studio) -> None:
-    """Let the desk load what the first task would wait for, once the first page has loaded."""
+    """Warm up the desk, once the first page has loaded."""
     await asyncio.sleep(_FIRST_PAGE)
     with suppress(MaulstickError):
         await studio.desk.warm_up()

@@ -1,1 +1,1 @@
-"""What all pages of the studio show, and keep on disk."""
+"""State of the studio: shown on all pages, and kept on disk."""

@@ -17,7 +17,7 @@ MOST_OF_A_STROKE = 10_000
 MOST_POINTS = 500_000
 """Limits of a sheet, so that its file stays below what ``maulstick record ink`` reads."""
 
-_MEMBERS = ("timeStamp", "x", "y", "pressure", "tiltX", "tiltY")
+_MEMBERS = ("timeStamp", "x", "y", "pressure", "tiltX", "tiltY")  # of a point, as in a PointerEvent
 _ROUNDED = np.array([10.0, 1e3, 1e3, 1e3, 1.0, 1.0])  # steps per unit that are kept of each member
 _LATEST = 1e13  # milliseconds; a browser counts them from 1970
 _SLACK = 1e-3  # millimetres beyond the sheet, which rounding may add

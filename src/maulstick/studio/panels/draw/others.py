@@ -13,11 +13,11 @@ from maulstick.studio.widgets.uploading import incoming, upload_button
 from maulstick.studio.wording import said
 from maulstick.studio.workers.hand_work import PICTURE, HandCard
 
-_ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"
+_ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"  # that the browser offers; the content decides
 
 
 class OtherHands:
-    """All hands but the one on the sheet."""
+    """Cards of all hands but the one on the sheet."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client

@@ -18,7 +18,7 @@ _MARGIN = 30.0  # units around the map
 _LARGE_WIDE, _LARGE_HIGH, _LARGE_MARGIN = 600, 300, 40  # units of the drawing of the chosen stroke
 _BAR = 0.01  # metres: usual length of the scale bar
 _NOTHING = f'<svg viewBox="0 0 {_LARGE_WIDE} {_LARGE_HIGH}" aria-hidden="true"></svg>'
-_DIRECTIONS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
+_DIRECTIONS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}  # of the arrow keys; y is down
 _SCRIPT = Path(__file__).with_name("map.js")
 
 
