@@ -1,7 +1,8 @@
-# make demo    install into .venv and paint a photograph into demo/
-# make test    lint, import contracts, types and tests
-# make bench   speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
-# make clean   remove whatever these made
+# make demo           install into .venv and paint a photograph into demo/
+# make test           lint, import contracts, types and tests
+# make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
+# make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
+# make clean          remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
 
@@ -19,7 +20,22 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --constraint constraints.txt
 EDITABLE := --build-constraint constraints.txt --editable
 
-.PHONY: demo test bench clean
+# The oldest that PyTorch (with MKL and oneDNN), OpenBLAS, the C library and NumPy have for this kind of processor. What
+# means nothing to it is passed over; NumPy warns instead, so it is asked what it has. tests/conftest.py looks whether
+# all this took effect, and chooses our own kernels.
+OLDEST := MAULSTICK_BASELINE=1 OMP_NUM_THREADS=1 ATEN_CPU_CAPABILITY=default MKL_CBWR=COMPATIBLE \
+	ONEDNN_MAX_CPU_ISA=SSE41 OPENBLAS_CORETYPE=Nehalem GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA
+OF_NUMPY := from numpy._core._multiarray_umath import __cpu_dispatch__ as known, __cpu_features__ as here; \
+	print(*(name for name in known if here[name]))
+
+# What computes; not what only speaks to machines, starts processes, or runs by all instructions in any case.
+NUMERICAL := $(addprefix tests/,brush_fit calibration colour ordering painting planning plots recording rendering \
+	robot strokes style)
+ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kernels/test_gpu.py \
+	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
+	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
+
+.PHONY: demo test test-baseline bench clean
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
@@ -30,6 +46,10 @@ test: $(VENV)/installed-dev
 	$(BIN)/lint-imports
 	$(BIN)/mypy --strict src
 	$(BIN)/pytest --numprocesses 2
+
+test-baseline: $(VENV)/installed-dev
+	$(OLDEST) NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c '$(OF_NUMPY)')" \
+		$(BIN)/pytest --numprocesses 2 $(NUMERICAL) $(ELSEWHERE)
 
 bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/kernel.py

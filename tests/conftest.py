@@ -1,6 +1,11 @@
-"""For all tests: with MAULSTICK_NO_SKIPS=1, as on the machine that decides (.ci/run), a skipped test has failed."""
+"""For all tests.
+
+With MAULSTICK_NO_SKIPS=1, as on the machine that decides (.ci/run), a skipped test has failed.
+With MAULSTICK_BASELINE=1, as in `make test-baseline`, all is computed by the oldest instructions.
+"""
 
 import os
+import platform
 import signal
 from collections.abc import Generator
 from typing import TypeVar
@@ -8,6 +13,10 @@ from typing import TypeVar
 import pytest
 import torch
 from hypothesis import settings
+from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+from threadpoolctl import threadpool_info
+
+from maulstick.rendering.kernels import cpu
 
 # Data that is measured with and never shipped (../shared/data): the one thing that no machine can install.
 MAY_BE_ABSENT = "shared data absent"
@@ -60,3 +69,18 @@ def _hears_ctrl_c() -> Generator[None]:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _as_another_processor() -> Generator[None]:
+    """With MAULSTICK_BASELINE=1 our kernels use their oldest instructions; the libraries were told to, and do."""
+    with pytest.MonkeyPatch.context() as patch:
+        if os.environ.get("MAULSTICK_BASELINE") == "1":
+            for draw in (cpu.darkness, cpu.composite):
+                patch.setitem(draw.__kwdefaults__, "instructions", cpu.INSTRUCTION_SETS[-1])
+            assert torch.backends.cpu.get_cpu_capability() == "DEFAULT"
+            assert not [name for name in __cpu_dispatch__ if __cpu_features__[name]], "NumPy"
+            if platform.machine() == "x86_64":
+                blas = {library["architecture"] for library in threadpool_info() if library["user_api"] == "blas"}
+                assert blas == {"Nehalem"}
+        yield

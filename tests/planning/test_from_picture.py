@@ -22,10 +22,9 @@ from maulstick.strokes import strokes
 from maulstick.style import load_style
 from tests.planning.conftest import QUICK, options
 from tests.support.nominal import nominal
-from tests.support.tolerances import FILE_METRES
+from tests.support.tolerances import FILE_METRES, LIGHTNESS_DRIFT
 
 NO_NETWORK = LossOptions(weights={"likeness": 0.0})
-LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
 
 
 def painted(layout: Layout, brush: Brush, wanted: PlannerSettings = QUICK) -> Painting:

@@ -22,9 +22,7 @@ from maulstick.style.free import FreeStyle
 from tests.planning.conftest import QUICK, mse, options, problem
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import exemplar_of, zigzag
-from tests.support.tolerances import FLOAT32_METRES, LEEWAY
-
-LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order
+from tests.support.tolerances import FLOAT32_METRES, LEEWAY, LIGHTNESS_DRIFT
 
 
 @pytest.fixture(scope="module")
@@ -122,8 +120,8 @@ def test_every_paint_is_taken_up_once_the_lightest_first(asked: PlanningProblem)
     assert changes(found) == len(torch.unique(found.paint_of)) - 1
     shades = lightness(found.paints[torch.unique_consecutive(found.paint_of)].double().numpy())
     assert np.diff(shades).max() < LIGHTNESS_DRIFT
-    assert shades[0] == shades.max()
-    assert shades[-1] == shades.min()
+    assert shades[0] > shades.max() - LIGHTNESS_DRIFT  # two that are nearly as light may change places
+    assert shades[-1] < shades.min() + LIGHTNESS_DRIFT
 
 
 def test_a_plan_has_all_its_numbers_in_range(asked: PlanningProblem, planned: PlanResult) -> None:

@@ -1,4 +1,3 @@
-import threading
 from collections.abc import Iterator
 from types import SimpleNamespace
 
@@ -16,6 +15,7 @@ from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 from tests.support.robot.fake_ebb import FakeEbb
+from tests.support.robot.under_way import once
 from tests.support.tolerances import CLOCK, STEP_METRES
 
 PEN = Pen(up=20000, down=15000, seconds=0.1)
@@ -172,13 +172,14 @@ def test_late_answers_only_take_longer() -> None:
 def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen() -> None:
     with FakeEbb(pace=1, steps=(8000, 0)) as device:  # at its place already
         with AxiDraw(device.port, PEN) as robot:
-            timer = threading.Timer(0.5, robot.stop)
-            timer.start()
-            with pytest.raises(StoppedError):
+
+            def is_under_way() -> bool:
+                return bool(np.linalg.norm(places_of([device.steps])[0] - ABOVE[:2]) > 0.01)
+
+            with once(is_under_way, robot.stop), pytest.raises(StoppedError):
                 robot.stroke(CIRCLE, SPEED)
-            timer.join()
         at = places_of([device.steps])[0]
-        assert 0.002 < np.linalg.norm(at - ABOVE[:2]) < 0.04  # under way
+        assert 0.01 < np.linalg.norm(at - ABOVE[:2]) < 0.04  # under way
         assert not device.down
         assert device.seconds < 1.2
         with robot:

@@ -1,5 +1,3 @@
-import threading
-import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -16,6 +14,7 @@ from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
+from tests.support.robot.under_way import once
 from tests.support.tolerances import CLOCK, GCODE_METRES
 
 SERVO = Pen(up=500, down=700, seconds=0.1)
@@ -213,20 +212,15 @@ def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen(pen: Pen | 
     with FakeGrbl(pace=1, start=(50.0, 50.0, 5.0)) as device:
         with Grbl(device.port, pen) as robot:
             robot.move(ABOVE)
-            stopped: list[float] = []
 
-            def stop() -> None:
-                stopped.append(time.monotonic())
-                robot.stop()
+            def is_under_way() -> bool:
+                return bool(np.linalg.norm(np.array(device.place)[:2] - 1e3 * ABOVE[:2]) > 10)
 
-            timer = threading.Timer(0.5, stop)
-            timer.start()
-            with pytest.raises(StoppedError):
+            with once(is_under_way, robot.stop), pytest.raises(StoppedError):
                 robot.stroke(CIRCLE, SPEED)
-            timer.join()
             assert device.state == "Idle"  # no alarm: it braked before it was reset
             at = np.array(device.place)
-            assert 2 < np.linalg.norm(at[:2] - 1e3 * ABOVE[:2]) < 40  # under way
+            assert 10 < np.linalg.norm(at[:2] - 1e3 * ABOVE[:2]) < 40  # under way
             assert device.servo == pen.up if pen is not None else at[2] == pytest.approx(1e3 * ABOVE[2])
             with pytest.raises(StoppedError):
                 robot.move(ABOVE)

@@ -77,6 +77,7 @@ INK_COLOUR = 0.03
 OPACITY = 0.06
 
 # Colours of paints, sRGB.
+LIGHTNESS_DRIFT = 6.0  # of 100: paints go on adapting after they are put in order, the lightest first
 MIXED = 1e-7  # of a mix that must be what it was made of: the two pieces of sRGB's curve miss each other by 3e-8
 
 # What is written to plotters: half of the last decimal, step or unit, and rounding.

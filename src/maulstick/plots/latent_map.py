@@ -46,7 +46,7 @@ def places_of(styles: Sequence[Fitted]) -> MapPositions:
     """Place strokes of the styles' hands on a map, by t-SNE of their codes in the first style.
 
     Strokes lie near each other where the style gives them similar codes; directions and long distances mean nothing.
-    Of more than 400 strokes an even selection is placed.
+    Strokes that are all the same lie in the middle. Of more than 400 strokes an even selection is placed.
 
     Raises InputError where there are more styles than colours.
     """
@@ -99,9 +99,9 @@ def _placed(codes: Floats) -> Floats:
 
 
 def _spread(places: Floats) -> Floats:
-    """Scale places (N, 2) to fill the square of side 1 about the origin."""
+    """Scale places (N, 2) to fill the square of side 1 about the origin; what does not differ is in its middle."""
     low, size = places.min(axis=0), np.ptp(places, axis=0)
-    spread: Floats = (places - low) / size.clip(min=1e-12) - 0.5
+    spread: Floats = (places - low - size / 2) / size.clip(min=1e-12)
     return spread
 
 
