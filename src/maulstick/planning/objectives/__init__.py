@@ -4,7 +4,7 @@ from maulstick.planning.objectives.edges import Edges
 from maulstick.planning.objectives.likeness import Likeness, sketch
 from maulstick.planning.objectives.look import Look
 from maulstick.planning.objectives.objective import NetworkLoss, Objective
+from maulstick.planning.objectives.text import TextMatch
 from maulstick.planning.objectives.tone import Tone, halved
-from maulstick.planning.objectives.words import TextMatch
 
 __all__ = ["Edges", "Likeness", "Look", "NetworkLoss", "Objective", "TextMatch", "Tone", "halved", "sketch"]

@@ -26,7 +26,7 @@ class TextMatch(NetworkLoss):
 
     @property
     def name(self) -> str:
-        """``words``."""
+        """``text``."""
         return "text"
 
     @property
