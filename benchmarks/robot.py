@@ -1,4 +1,4 @@
-"""How machines paint: the order of strokes beside vpype's linesort, and their time; one JSON object a line.
+"""How machines paint: the order of strokes beside vpype's linesort, and their time; one JSON object per line.
 
     .venv/bin/python benchmarks/robot.py [--quick]
 
@@ -107,7 +107,7 @@ def colours(painting: Painting, name: str) -> Row:
 
 
 def mixed(painting: Painting) -> Painting:
-    """The same strokes in an order left to chance."""
+    """The same strokes in a random order."""
     order = np.random.default_rng(0).permutation(len(painting.strokes))
     return painting.model_copy(update={"strokes": tuple(painting.strokes[i] for i in order)})
 

@@ -61,7 +61,7 @@ ROOM = 0.3
 """Metres: what a sheet of strokes to learn from needs at least."""
 
 INK, FLAT = 8000.0, 5000.0
-"""Pixels a metre of the simulated sheet, finer than any photograph, and of photographs that are made flat."""
+"""Pixels per metre of the simulated sheet, finer than any photograph, and of photographs that are made flat."""
 
 
 @dataclass(frozen=True)
