@@ -133,7 +133,7 @@ def rows(sizes: tuple[int, ...]) -> Iterator[Row]:
 
 
 if __name__ == "__main__":
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--quick", action="store_true")
-    for row in rows(SIZES[:1] if words.parse_args().quick else SIZES):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true")
+    for row in rows(SIZES[:1] if parser.parse_args().quick else SIZES):
         print(json.dumps({k: round(x, 3) if isinstance(x, float) else x for k, x in row.items()}), flush=True)
