@@ -1,7 +1,7 @@
 """How few calls of a network do, for `plan.py --objective network`.
 
-Three plans of 400 strokes at 256 pixels, with the same brush, style and paints, are judged by the same network
-through the same 16 views, which none of them was led by:
+Three plans of 400 strokes at 256 pixels, with the same brush, style and paints, are compared by the same network
+through the same 16 views, which none of them was planned with:
 
 plain: the published way: strokes begin anywhere, RMSprop, a rate that rises and falls, 2,000 steps, and at each of them
     the network is asked through two of 32 views.
@@ -103,7 +103,7 @@ def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
         planning = Stopwatch()
         with planning:
             network_losses = (Weighted(network_loss, asked.network_losses[0].weight),)
-            planned = way(PlanningProblem(**{**vars(asked), "network losses": network_losses}), options, seen)
+            planned = way(PlanningProblem(**{**vars(asked), "network_losses": network_losses}), options, seen)
         row[f"{prefix}calls"] = network_loss.calls
         row[f"{prefix}seconds"] = round(planning.seconds - examining.seconds, 1)
         seen(_rendered(asked, planned))
@@ -123,7 +123,7 @@ def few_calls_time(image: str) -> Row:
     asked = _problem(image, options, network)
     network_loss = Counted(asked.network_losses[0].term)
     started = time.perf_counter()
-    plan(PlanningProblem(**{**vars(asked), "network losses": (Weighted(network_loss, 1.0),)}), options)
+    plan(PlanningProblem(**{**vars(asked), "network_losses": (Weighted(network_loss, 1.0),)}), options)
     seconds, calls = time.perf_counter() - started, network_loss.calls
     canvas = asked.paper.clone().requires_grad_()
     started = time.perf_counter()
