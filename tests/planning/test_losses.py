@@ -96,8 +96,8 @@ def test_with_one_ink_colours_are_not_compared() -> None:
 @pytest.mark.parametrize(
     ("weights", "text"),
     [
-        ({"beauty": 1.0}, "there is no term to weigh 'beauty'; there are: edges, likeness, look, sketch, tone, words"),
-        ({"": 1.0}, "there is no term to weigh ''; there are: edges, likeness, look, sketch, tone, words"),
+        ({"beauty": 1.0}, "there is no term to weigh 'beauty'; there are: edges, likeness, look, sketch, text, tone"),
+        ({"": 1.0}, "there is no term to weigh ''; there are: edges, likeness, look, sketch, text, tone"),
         ({"tone": -1.0}, "the weight of tone is -1.0; it must be from 0 to 1000"),
         ({"tone": float("nan")}, "the weight of tone is nan; it must be from 0 to 1000"),
         ({"tone": float("inf")}, "the weight of tone is inf; it must be from 0 to 1000"),
@@ -134,5 +134,5 @@ def test_what_compares_with_a_picture_is_refused_without_one(name: str) -> None:
 
 
 def test_a_network_that_cannot_read_is_refused_a_text() -> None:
-    with refused("seeing cannot read; a text needs CLIP: name a model with --clip"):
+    with refused("seeing cannot read; a text needs CLIP: name a model with clip"):
         losses_of(LossOptions("a boat"), WITHOUT_PICTURE, SeeingNetwork)

@@ -39,7 +39,7 @@ _ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3
 def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
     """A sheet of strokes as the style draws them, apart from one another, to learn a brush from.
 
-    brush: about as wide as what is to be learned.  Where it pressures, all pressures come alike, from the lightest on.
+    brush: about as wide as what is to be learned.  Where it presses, all pressures come alike, from the lightest on.
     Raises InputError where so many do not fit on the sheet.
     """
     torch_rng = torch.Generator().manual_seed(seed)
