@@ -157,11 +157,8 @@ def _plain(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> Pl
 
 
 def _warm(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
-    torch_rng, tone, network_loss = (
-        Generator().manual_seed(options.seed),
-        problem.objectives[0],
-        problem.network_losses[0],
-    )
+    torch_rng = Generator().manual_seed(options.seed)
+    tone, network_loss = problem.objectives[0], problem.network_losses[0]
     start, _ = Initialiser(problem, options, np.random.default_rng(options.seed), torch_rng).first()
 
     def loss(canvas: Tensor) -> Tensor:
