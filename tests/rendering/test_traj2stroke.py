@@ -108,7 +108,7 @@ def test_placing_agrees_with_that_of_strokes_and_has_gradients() -> None:
 
 
 def test_a_mark_lies_where_the_design_says() -> None:
-    # Standardised (0.02, 0.01) turned by 90 degrees is (-0.01, 0.02); then m, b and the place: docs/equations.md, The brush model.
+    # Standardised (0.02, 0.01) turned by 90 degrees is (-0.01, 0.02); then m, b and the place: docs/equations.md.
     path = torch.tensor([[[0.0, 0.0], [0.02, 0.01]]])
     placed = place(path, torch.tensor([[0.1, 0.05, math.pi / 2]]))
     commanded = torch.cat([placed, torch.full((1, 2, 1), 0.25)], dim=2)
