@@ -1,4 +1,4 @@
-"""Where strokes begin: places from tone and detail, directions along the picture's edges (design §5)."""
+"""Where strokes begin: places from tone and detail, directions along the picture's edges (docs/equations.md)."""
 
 from dataclasses import dataclass
 
