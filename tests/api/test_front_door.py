@@ -21,6 +21,7 @@ from maulstick.painting.metrics import Metrics
 from maulstick.painting.raster import Canvas
 from maulstick.robot.simulated.easel import SimulatedEasel
 from maulstick.robot.simulated.sheets import sheet_for
+from tests.cli.test_brush_fit import draw_trials
 
 QUICK = {"strokes": 6, "steps": 3, "px": 24, "paints": 2, "size": "60x60mm"}
 FUNCTIONS = [name for name in ms.__all__ if name != "__version__"]
@@ -233,3 +234,16 @@ def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting
 def test_a_painting_is_a_record_with_more_to_say(painting: ms.Painting) -> None:
     assert isinstance(painting, records.Painting)
     assert records.Painting(**dict(painting)) == records.Painting(**dict(ms.Painting.of(painting)))
+
+
+def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    draw_trials("trials", 12)
+    with pytest.warns(UserWarning):
+        brush = ms.fit_brush("trials", "twig", keep=True)
+    assert (brush.name, ms.load_brush("twig")) == ("twig", brush)
+    assert brush.widest > 0
+    with pytest.raises(InputError, match="the brush marker comes with Maulstick; choose another name"):
+        ms.fit_brush("trials", "marker", keep=True)
