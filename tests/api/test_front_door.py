@@ -241,7 +241,7 @@ def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tel
 ) -> None:
     monkeypatch.chdir(tmp_path)
     draw_trials("trials", 12)
-    with pytest.warns(UserWarning):
+    with pytest.warns(UserWarning, match="strokes"):
         brush = ms.fit_brush("trials", "twig", keep=True)
     assert (brush.name, ms.load_brush("twig")) == ("twig", brush)
     assert brush.widest > 0
