@@ -1,12 +1,18 @@
 import os
+import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
-from tests.cli.conftest import run, run_command
+from maulstick.cli.app import app
+from tests.cli.conftest import COMMAND, run, run_command
 
 
 def test_the_version_is_the_one_that_is_installed() -> None:
@@ -25,6 +31,77 @@ def test_help_says_what_each_exit_code_means() -> None:
     assert ran.code == 0
     for meaning in ("0 done", "1 a result could not be written", "2 a file or an option", "130 stopped with Ctrl-C"):
         assert meaning in " ".join(ran.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["plann"], "no such command 'plann'; there is 'plan'"),
+        (["style", "frobnicate"], "no such command 'frobnicate'"),
+        (["--colour"], "no such option: --colour"),
+        (["render"], "missing argument 'painting'"),
+        (["style", "fit", "me.ink.npz"], "missing option '--name'"),
+        (["studio", "--port", "99999"], "invalid value for '--port': "),
+        (["paint", "a\nb", "more"], "got unexpected extra argument"),
+    ],
+)
+def test_arguments_that_cannot_be_read_are_one_line_that_names_the_help(words: list[str], said: str) -> None:
+    ran = run(*words)
+    assert ran.code == 2
+    assert ran.mistake.lower().startswith(said)
+    command, _, rest = ran.mistake.rpartition("; see ")[2].rpartition(" ")
+    assert (run(*command.split()[1:], "--help").code, rest) == (0, "--help")
+
+
+def commands(group: Any, *names: str) -> Iterator[tuple[str, Any]]:
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from commands(command, *names, name)
+        else:
+            yield " ".join(["maulstick", *names, name]), command
+
+
+COMMANDS = dict(commands(typer.main.get_command(app)))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_ends_its_help_with_an_example_that_it_can_read(name: str) -> None:
+    command = COMMANDS[name]
+    example = " ".join(command.help.split("\n\n")[-1].split()).removeprefix("Example: ")
+    assert example.startswith(name)
+    command.make_context(name, shlex.split(example.removeprefix(name)))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_has_a_sentence_that_begins_with_a_noun_or_a_verb(name: str) -> None:
+    for parameter in COMMANDS[name].params:
+        assert re.match("[A-Z0-9][^.]*", parameter.help or ""), parameter.name
+        first = parameter.help.split()[0]
+        assert first not in {"Of", "By", "For", "Whose", "Where", "What", "How", "Another", "In", "Without", "From"}
+        assert parameter.help.endswith("."), parameter.name
+
+
+def test_bash_completes_commands_and_options_by_the_script_that_is_shown(tmp_path: Path) -> None:
+    script = tmp_path / "completion.bash"
+    asked = f"""
+        export PATH={COMMAND.parent}:$PATH
+        maulstick --show-completion bash > {script} && source {script}
+        COMP_WORDS=(maulstick pl); COMP_CWORD=1; _maulstick_completion maulstick; echo ${{COMPREPLY[@]}}
+        COMP_WORDS=(maulstick plan --backg); COMP_CWORD=2; _maulstick_completion maulstick; echo ${{COMPREPLY[@]}}
+    """
+    ran = subprocess.run(["bash", "-c", asked], capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == ["plan", "--background"]
+    assert ran.stderr == ""
+
+
+def test_bash_has_the_completion_installed_in_a_home_of_its_own(tmp_path: Path) -> None:
+    asked = f"{COMMAND} --install-completion bash; true"
+    ran = subprocess.run(
+        ["bash", "-c", asked], capture_output=True, text=True, env={**os.environ, "HOME": str(tmp_path)}
+    )
+    assert "bash completion installed in" in ran.stdout
+    assert "_maulstick_completion" in (tmp_path / ".bash_completions" / "maulstick.sh").read_text()
+    assert "maulstick.sh" in (tmp_path / ".bashrc").read_text()
 
 
 def test_the_command_that_is_installed_leaves_with_one_line_and_a_code() -> None:

@@ -193,7 +193,7 @@ def test_other_words_do_not_go_on_with_a_folder(monkeypatch: pytest.MonkeyPatch)
         ran = calibrate(*words)
         assert ran.code == 2
         assert ran.mistake == (
-            "calibration was begun with other words; go on with the same ones, or choose another --out"
+            "calibration was begun with other options; go on with the same ones, or choose another --out"
         )
 
 

@@ -1,13 +1,15 @@
-"""All words of the command line."""
+"""All commands of the command line."""
 
+import sys
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any, Final
 
 import typer
 
 from maulstick.cli.brush import brush
 from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
+from maulstick.cli.exit_codes import STOPPED, UNUSABLE
 from maulstick.cli.export import export
 from maulstick.cli.mix import mix
 from maulstick.cli.paint import paint
@@ -18,6 +20,8 @@ from maulstick.cli.show import show
 from maulstick.cli.studio import studio
 from maulstick.cli.style import style
 from maulstick.cli.survey import survey
+
+_UsageError: Final[Any] = typer.BadParameter.__base__  # Click's, or that of the copy of Click within Typer
 
 app = typer.Typer(
     rich_markup_mode="markdown", add_completion=True, no_args_is_help=True, pretty_exceptions_enable=False
@@ -45,7 +49,7 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback(
     epilog="Exit codes: 0 done; 1 a result could not be written; 2 a file or an option cannot be used; "
-    "3 a machine or a camera failed; 130 stopped with Ctrl-C (paint saves the plan so far)."
+    "3 a machine or a camera failed; 130 stopped with Ctrl-C (plan saves the plan so far)."
 )
 def maulstick(
     version: Annotated[
@@ -55,4 +59,33 @@ def maulstick(
         ),
     ] = False,
 ) -> None:
-    """Plan paintings out of strokes that a pen plotter or a robot can paint."""
+    """Plan paintings out of strokes that a pen plotter or a robot can paint.
+
+    Example: maulstick plan photo.jpg --out cat
+    """
+
+
+def run() -> int:
+    """Run the command that the arguments name, and return its exit code; a wrong argument is one line."""
+    try:
+        code = app(prog_name="maulstick", standalone_mode=False)  # so that errors come here, and are not drawn in a box
+    except typer.Abort:
+        return STOPPED
+    except _UsageError as error:
+        if type(error).__name__ != "NoArgsIsHelpError":  # the help is printed by then
+            print(f"maulstick: {_usage_fault(error)}", file=sys.stderr)
+        return UNUSABLE
+    return code if isinstance(code, int) else 0
+
+
+def _usage_fault(error: Any) -> str:
+    """Return Click's sentence in the form of ours: a fault, and after a semicolon where to read on."""
+    fault = error.message if hasattr(error, "option_name") else error.format_message()  # the latter guesses at options
+    fault = " ".join(fault.split()).replace(". Did you mean ", "; there is ").rstrip(".?")
+    named = "maulstick"
+    command: Any = typer.main.get_command(app)  # error.ctx is not always there
+    for argument in sys.argv[1:]:
+        if (command := getattr(command, "commands", {}).get(argument)) is None:
+            break
+        named += f" {argument}"
+    return f"{fault[:1].lower()}{fault[1:]}; see {named} --help"

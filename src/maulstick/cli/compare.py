@@ -1,4 +1,4 @@
-"""``maulstick compare``: plans side by side, as a picture and in figures."""
+"""``maulstick compare``: shows paintings side by side, with a table of their numbers."""
 
 import os
 from collections import Counter
@@ -26,23 +26,24 @@ from maulstick.storage.files import atomic_write
 if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
 
-_MOST = 6
-_NOTHING = "-"
-_SEVERAL = 3  # names that are told, at most
+_MOST = 6  # paintings that fit beside each other in a picture and a table
+_NOTHING = "-"  # cell of the table without a value
+_SEVERAL = 3  # names listed in a cell of the table, at most
 
 
 def compare(
-    paintings: Annotated[list[Path], typer.Argument(metavar="PAINTING", help="Two to six painting.json.")],
+    paintings: Annotated[list[Path], typer.Argument(metavar="PAINTING", help="Two to six files painting.json.")],
     photo: Annotated[
-        Path | None, typer.Option(metavar="PICTURE", help="What they are paintings of, to measure the likeness to.")
+        Path | None, typer.Option(metavar="PICTURE", help="Picture to measure the likeness of the paintings to.")
     ] = None,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="The picture, a PNG.")] = Path("comparison.png"),
-    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
-    ] = False,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The PNG file to write.")] = Path("comparison.png"),
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture in pixels.")] = 1024,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier picture.")] = False,
 ) -> None:
-    """Compare paintings: a picture of them side by side at one scale, and their figures."""
+    """Draw paintings side by side at one scale, and print a table of their numbers.
+
+    Example: maulstick compare cat/painting.json ink/painting.json --photo photo.jpg
+    """
     check_picture(out, px, overwrite)
     plans = _read(paintings)
     picture = None if photo is None else read_picture(photo, longest_px=READ_PX)
@@ -75,7 +76,7 @@ def compare(
 
 
 def _read(paths: Sequence[Path]) -> list[Painting]:
-    """Raise InputError where they are too few, too many, one of them twice, or not all paintings."""
+    """Read two to six paintings. Raises InputError for another number, one named twice, and files of other kinds."""
     if not 2 <= len(paths) <= _MOST:
         raise InputError.of_range("the number of paintings to compare", len(paths), f"from 2 to {_MOST}")
     seen: set[str] = set()
@@ -91,7 +92,7 @@ def _read(paths: Sequence[Path]) -> list[Painting]:
 
 
 def _names(paths: Sequence[Path]) -> list[str]:
-    """What each is called: by its folder where that is all that tells it apart."""
+    """Return a different name for each painting: its file's, else its folder's, else its path."""
     for names in ([path.stem for path in paths], [path.absolute().parent.name for path in paths]):
         if all(names) and len(set(names)) == len(names):
             return names
@@ -114,7 +115,7 @@ def _metrics(likeness: "Metrics | None") -> str:
 
 
 def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> dict[str, list[str]]:
-    """A value for each plan in each row."""
+    """Return the rows of the table: one value per painting under the name of the row."""
     from maulstick.rendering.likeness import measured_canvas
     from maulstick.rendering.preview import coverage
 
@@ -156,7 +157,7 @@ def _option(plan: Painting, name: str) -> str:
 
 
 def _plain(value: JsonValue) -> str:
-    """An option as a person would write it."""
+    """Return the value of an option as a person would write it."""
     if value is None:
         return _NOTHING
     if isinstance(value, dict):

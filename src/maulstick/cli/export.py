@@ -1,5 +1,6 @@
-"""``maulstick export``: a painting for machines that other programs drive."""
+"""``maulstick export``: writes a painting for machines that other programs drive."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -21,46 +22,57 @@ from maulstick.robot.tray import Tray, read_tray
 from maulstick.storage.files import atomic_write
 
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
-
-
 _FORMATS = ("gcode", "hpgl", "svg", "json")
 _DIALECTS: tuple[Dialect, ...] = ("grbl", "marlin")
-_SPEED = 0.05  # metres a second
+_SPEED = 0.05  # metres per second: slow enough for most pens and plotters
+
+_writing = partial(typer.Option, rich_help_panel="What is written")
+_machine = partial(typer.Option, rich_help_panel="The machine")
 
 
 def export(
     painting: Annotated[Path, typer.Argument(help="The painting.json to export.")],
     format: Annotated[
         str,
-        typer.Option(
-            metavar="FORMAT", help="gcode; hpgl; svg, with codes for AxiDraw's own software; json, a motion a line."
+        _writing(
+            metavar="FORMAT",
+            help="Format: gcode, hpgl, svg for AxiDraw's own software, or json with one motion per line.",
         ),
     ] = "gcode",
     dialect: Annotated[
-        str | None, typer.Option(metavar="grbl|marlin", show_default="grbl", help="Whose G-code.")
+        str | None, _writing(metavar="grbl|marlin", show_default="grbl", help="Dialect of the G-code.")
     ] = None,
     servo: Annotated[
         str | None,
-        typer.Option(
+        _machine(
             metavar="UP,DOWN",
-            show_default="by height",
-            help="In G-code, lift the pen by a servo: its numbers.",
+            show_default="none, the height lifts the pen",
+            help="Numbers of the servo that lifts and lowers the pen, in G-code.",
         ),
     ] = None,
     speed: Annotated[
-        float | None, typer.Option(metavar="MM/S", show_default="50", help="Draw no faster than this.")
+        float | None, _machine(metavar="MM/S", show_default="50", help="Speed of drawing, at most.")
     ] = None,
     easel: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", show_default="lower left corner at the origin", help="Where the sheet lies, and the limits."
+        _machine(
+            metavar="FILE",
+            show_default="lower left corner at the origin",
+            help="Place of the sheet and limits of the machine, from `maulstick calibrate touch`.",
         ),
     ] = None,
-    tray: Annotated[Path | None, typer.Option(metavar="FILE", help="Wells, water and cloth, for a brush.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="By default beside the painting.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+    tray: Annotated[
+        Path | None, _machine(metavar="FILE", help="Places of paint wells, water and cloth, for a dipped brush.")
+    ] = None,
+    out: Annotated[
+        Path | None, _writing(metavar="FILE", show_default="beside the painting", help="File to write.")
+    ] = None,
+    overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
-    """Write a painting for a machine that another program drives, its strokes in a quick order."""
+    """Write a painting for a machine that another program drives, with its strokes in a quick order.
+
+    Example: maulstick export cat/painting.json --format gcode --servo 30,90
+    """
     spoken = next((each for each in _DIALECTS if each == (dialect or "grbl")), None)
     if format not in _FORMATS:
         raise InputError.of_choice("format", format, _FORMATS)
@@ -108,13 +120,13 @@ def _servo(text: str) -> Pen:
 
 
 def _at_the_origin(plan: Painting) -> Easel:
-    """The sheet's lower left corner at the machine's origin, and pressed as deep as the brushes know."""
+    """Return an easel with the sheet's lower left corner at the origin, and the deepest pressure of the brushes."""
     deepest = max((max(brush.depth) for brush in plan.brushes.values()), default=0.0)
     return Easel(corner=(0, plan.sheet.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=deepest)
 
 
 def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
-    """Limits for a machine that is not known: the sheet, as deep as the easel allows, and the tray, at that speed."""
+    """Return limits for an unknown machine: the sheet, as deep as the easel allows, and the tray, at that speed."""
     width, height = plan.sheet.width, plan.sheet.height
     ends = [[x, y, z] for x in (0, width) for y in (0, height) for z in (-max(easel.deepest, _THIN), _CLEAR)]
     places = [np.array(ends)]

@@ -1,4 +1,4 @@
-"""Where results go: nothing there is lost by accident."""
+"""Checks that no file is lost where results are written."""
 
 import os
 from pathlib import Path
@@ -8,13 +8,13 @@ from maulstick.storage.folders import as_output_error
 
 
 def check_absent(path: Path, option: str, overwrite: bool) -> None:
-    """Raise OutputError where there is something at `path`, which that option sets, that is not to be overwritten."""
+    """Raise OutputError where there is a file at `path`, which `option` sets, and it is not to be overwritten."""
     if os.path.lexists(path) and not overwrite:
         raise OutputError(f"{path} is already there; choose another {option}, or add --overwrite")
 
 
 def check_free(out: Path, overwrite: bool) -> None:
-    """Raise OutputError where `out` is a file, or a folder with something in it that is not to be overwritten."""
+    """Raise OutputError where `out` is a file, or a folder with files in it that are not to be overwritten."""
     with as_output_error(out):
         if out.exists() and not out.is_dir():
             raise OutputError(f"{out} is a file, not a folder; choose another --out")

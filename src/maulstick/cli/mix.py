@@ -1,4 +1,4 @@
-"""``maulstick mix``: how to mix the paints of a painting from tubes."""
+"""``maulstick mix``: recipes to mix the paints of a painting from tubes."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,21 +16,24 @@ if TYPE_CHECKING:
 
 
 def mix(
-    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json whose paints are wanted.")],
+    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json whose paints to mix.")],
     source: Annotated[
         Path | None,
         typer.Option(
             "--from",
             metavar="FILE",
             show_default="a dozen usual acrylics",
-            help="The paints that are at hand: CSV lines name,#rrggbb.",
+            help="Paints at hand: a CSV file with lines name,#rrggbb.",
         ),
     ] = None,
 ) -> None:
-    """Advise how to mix a painting's paints from tubes.
+    """Print recipes to mix the paints of a painting from tubes.
 
-    Colours come from a model of paint and are a start: mix, compare, correct. A paint that has a name is taken for what
-    is in its tube, unless `--from` names others. At 5 (CIEDE2000) and above a colour is out of these paints' reach.
+    A recipe comes from a model of paint and is a start: mix, compare, correct. A paint with a name is used as it comes
+    from its tube, unless `--from` names other paints. With an error of 5 (CIEDE2000) or more, these paints cannot reach
+    the colour.
+
+    Example: maulstick mix cat/painting.json --from tubes.csv
     """
     plan = read_painting(painting)
     from maulstick.colour.mixing import mixing_advice  # these take a moment
@@ -57,7 +60,7 @@ def _recipe(advice: "Recipe | None") -> Text:
 
 
 def _given(advice: "Recipe | None") -> Text:
-    """What comes of the recipe, and how near that is."""
+    """Return the colour that a recipe gives, and its error; nothing for a paint from its tube."""
     if advice is None:
         return Text("")
     colour = hex_colour(advice.colour)

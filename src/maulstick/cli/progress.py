@@ -1,4 +1,4 @@
-"""What watches a plan as it is made: the progress bar, Ctrl-C and the camera."""
+"""Progress bar, Ctrl-C and the recording of a video while a plan is made."""
 
 import signal
 from collections.abc import Callable, Iterator, Mapping
@@ -14,12 +14,12 @@ from maulstick.painting.video import Video
 if TYPE_CHECKING:
     from maulstick.planning.planner import PlanProgress as Step
 
-_FRAMES = 160
+_FRAMES = 160  # of a video, at most: enough for some seconds of it
 
 
 @contextmanager
 def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, float, Mapping[str, float]], None]]:
-    """A bar that shows how far planning is, in [0, 1], the loss, and its parts by name, which it is called with."""
+    """Show a progress bar; yields a function that takes the share done in [0, 1], the loss, and its parts by name."""
     columns = (
         TextColumn(f"{strokes} strokes"),
         BarColumn(),
@@ -40,7 +40,7 @@ def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, fl
 
 @contextmanager
 def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
-    """Whether to go on: until the first Ctrl-C. The second one interrupts as usual."""
+    """Yield a function that returns whether to go on: True until the first Ctrl-C. The second interrupts as usual."""
     going = [True]
 
     def stop(*_: object) -> None:
@@ -56,7 +56,7 @@ def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
 
 
 class VideoRecorder:
-    """Records a plan of so many steps, at most 160 frames of it."""
+    """Recorder of a video of planning, with at most 160 frames over the `steps`."""
 
     def __init__(self, video: Video, steps: int) -> None:
         self.video = video
@@ -64,7 +64,7 @@ class VideoRecorder:
         self._seen = 0
 
     def watch(self, step: "Step") -> None:
-        """Take a frame of this step, if it is its turn."""
+        """Add the canvas of this step to the video, if a frame is due."""
         if self._seen % self._every == 0:
             self.video.add(step.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy())
         self._seen += 1

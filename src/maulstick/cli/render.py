@@ -1,4 +1,4 @@
-"""``maulstick render``: draw a painting again."""
+"""``maulstick render``: draws a painting as an image of any size."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,11 +14,16 @@ from maulstick.storage.files import atomic_write
 
 def render(
     painting: Annotated[Path, typer.Argument(help="The painting.json to draw.")],
-    px: Annotated[int, typer.Option(metavar="N", help="Height of the image, in pixels.")] = 1024,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the painting.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an image that is there.")] = False,
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the image in pixels.")] = 1024,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", show_default="beside the painting", help="The PNG file to write.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier image.")] = False,
 ) -> None:
-    """Draw a painting again, at any size."""
+    """Draw a painting as an image of any size.
+
+    Example: maulstick render cat/painting.json --px 3000
+    """
     path = out or painting.with_name(f"{painting.stem}-{px}px.png")
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")

@@ -1,4 +1,4 @@
-"""``maulstick show``: a picture of whatever Maulstick has written."""
+"""``maulstick show``: draws a picture of a file that Maulstick has written."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,20 +11,23 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write, read_whole
 
-_SMALLEST_PX, _LARGEST_PX = 240, 2400
-_WIDEST_PX = 8192
-_LARGEST_FILE = 256 * 2**20  # bytes
+_SMALLEST_PX, _LARGEST_PX = 240, 2400  # pixels: texts in a plot cannot be read below, and fill memory above
+_WIDEST_PX = 8192  # pixels: a wider picture of a painting would fill memory
+_LARGEST_FILE = 256 * 2**20  # bytes: more than any file of ours has
 
 
 def show(
-    file: Annotated[Path, typer.Argument(help="Ink, strokes, a style, a brush or a painting: NAME.npz or NAME.json.")],
-    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the file.")] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
-    ] = False,
+    file: Annotated[Path, typer.Argument(help="File with ink, strokes, a style, a brush or a painting.")],
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture in pixels.")] = 1024,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", show_default="beside the file", help="The PNG file to write.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier picture.")] = False,
 ) -> None:
-    """Draw a picture of ink, strokes, a style, a brush or a painting."""
+    """Draw a picture of ink, strokes, a style, a brush or a painting.
+
+    Example: maulstick show me.ink.npz --out me.png
+    """
     path = out or file.with_name(f"{file.stem}-{px}px.png")
     check_picture(path, px, overwrite)
     kind = _kind(file)
@@ -33,7 +36,7 @@ def show(
 
 
 def check_picture(path: Path, px: int, overwrite: bool) -> None:
-    """Raise InputError where there can be no such picture, and OutputError where what is at `path` would be lost."""
+    """Raise InputError where no such picture can be drawn, and OutputError where the file at `path` would be lost."""
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; a picture is written as PNG, so let its name end in .png")
     if not _SMALLEST_PX <= px <= _LARGEST_PX:
@@ -42,13 +45,13 @@ def check_picture(path: Path, px: int, overwrite: bool) -> None:
 
 
 def kind_in(file: Path) -> str | None:
-    """Which of the things that Maulstick writes seems to be in the file, if any."""
+    """Return the kind of content that a file of Maulstick seems to have, such as ``ink``; None for other files."""
     kind = kind_of(file)
     return _kind_of_json(file) if kind is None and file.suffix.lower() == ".json" else kind
 
 
 def _kind(file: Path) -> str:
-    """Which of the things that have a picture is in the file."""
+    """Return the kind of content of a file. Raises InputError where there is no picture of it."""
     kind = kind_in(file)
     if kind not in _PICTURES:
         raise InputError(
@@ -59,7 +62,7 @@ def _kind(file: Path) -> str:
 
 
 def _kind_of_json(file: Path) -> str | None:
-    """A painting by its paints, a brush by its alpha, a style by its arrays' sum; their readers say if all is well."""
+    """Return the kind of a JSON file by one of its field names; its reader checks the rest."""
     content = read_whole(file, "file", _LARGEST_FILE)
     signs = {"painting": b'"paints"', "brush": b'"alpha"', "style": b'"sha256"'}
     return next((kind for kind, sign in signs.items() if sign in content), None)

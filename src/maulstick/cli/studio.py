@@ -1,4 +1,4 @@
-"""``maulstick studio``: one web page from a hand to a painting."""
+"""``maulstick studio``: a web page to draw, plan and paint."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,15 +9,22 @@ from maulstick.errors import InputError
 
 
 def studio(
-    folder: Annotated[Path, typer.Argument(help="Where drawings, plans and surveys are kept.")] = Path("studio"),
-    port: Annotated[int, typer.Option(metavar="N", min=0, max=65535, help="0 for any that is free.")] = 8337,
+    folder: Annotated[Path, typer.Argument(help="Folder for drawings, plans and surveys.")] = Path("studio"),
+    port: Annotated[
+        int, typer.Option(metavar="N", min=0, max=65535, help="Port of the page; 0 takes any that is free.")
+    ] = 8337,
     host: Annotated[
         str,
-        typer.Option(metavar="ADDRESS", help="An address of this machine: lets others in, by a link with a token."),
+        typer.Option(
+            metavar="ADDRESS", help="Address of this computer that others may open the page at, by a link with a token."
+        ),
     ] = "127.0.0.1",
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open a browser, too.")] = True,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Draw a hand, plan, mix and paint, on a page in a browser."""
+    """Draw strokes, learn styles, plan, mix and paint on a page in a browser, until Ctrl-C.
+
+    Example: maulstick studio my-paintings --port 8400
+    """
     try:
         from maulstick.studio.server.server import serve  # loads NiceGUI
     except ModuleNotFoundError as error:

@@ -1,4 +1,4 @@
-"""``maulstick survey``: links for the participants of a survey, their pages, and what came out."""
+"""``maulstick survey``: links for the participants of a survey, their pages, and its results."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,22 +15,25 @@ from maulstick.survey.questionnaire import read_survey
 
 
 def survey(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The survey's folder, with survey.json.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of the survey, with its survey.json.")],
     links: Annotated[
-        int | None, typer.Option(metavar="N", help="Make links for N more participants, print them, and end.")
+        int | None, typer.Option(metavar="N", help="Make and print links for N more participants.")
     ] = None,
     results: Annotated[
-        bool, typer.Option("--results", metavar="", help="Print the results, write DIR/answers.csv, and end.")
+        bool, typer.Option("--results", metavar="", help="Print the results, and write answers.csv into the folder.")
     ] = False,
     host: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="This computer's address, as participants reach it.")
+        str, typer.Option(metavar="ADDRESS", help="Address of this computer for participants.")
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(metavar="PORT", help="Where it listens, from 1 to 65535.")] = 8338,
+    port: Annotated[int, typer.Option(metavar="N", help="Port of the pages, from 1 to 65535.")] = 8338,
 ) -> None:
-    """Ask people about drawings: serve a survey's pages until Ctrl-C.
+    """Ask people about drawings on the pages of a survey, until Ctrl-C.
 
-    Every participant needs a link of their own: `--links 20` makes twenty. It leads to their questions and to nothing
-    else. Answers are kept in DIR/answers.sqlite.
+    Every participant needs a link of their own, which leads to their questions and to nothing else: `--links 20` makes
+    twenty links and ends. `--results` prints the results so far and ends. Answers are kept in answers.sqlite in the
+    folder.
+
+    Example: maulstick survey my-survey --links 20
     """
     if not 1 <= port <= 65535:
         raise InputError.of_range("the port", port, "from 1 to 65535")

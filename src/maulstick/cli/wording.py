@@ -1,4 +1,4 @@
-"""How the command line says errors."""
+"""Words of the command line for errors: its options and remedies."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""``maulstick brush``: fit a brush to photographs of its strokes, and look at brushes."""
+"""``maulstick brush``: fits a brush to photographs of its strokes, and shows brushes."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""``maulstick brush fit``: from photographs of strokes to the brush that drew them."""
+"""``maulstick brush fit``: fits a brush to photographs of its strokes."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -21,25 +21,27 @@ from maulstick.storage.files import atomic_write
 if TYPE_CHECKING:
     from maulstick.brush_fit.fit import Fit
 
-_MOST_SAID = 10
+_MOST_SAID = 10  # strokes left out that are named, so that the summary stays on the screen
 
 
 def fit(
     trials: Annotated[
-        Path, typer.Argument(metavar="TRIALS", help="The folder of strokes drawn once each, with their photographs.")
+        Path, typer.Argument(metavar="TRIALS", help="Folder of strokes drawn once each, with their photographs.")
     ],
-    name: Annotated[str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")],
+    name: Annotated[str, typer.Option(metavar="NAME", help="Name of the new brush.")],
     plot: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="A picture of the fit, too: a PNG with photographs beside predictions."),
+        typer.Option(metavar="FILE", help="PNG file of photographs beside the fitted brush's marks."),
     ] = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace your brush of that name, or the picture.")
+        bool, typer.Option("--overwrite", metavar="", help="Replace your earlier brush of that name, and the picture.")
     ] = False,
 ) -> None:
-    """Fit a brush to photographs taken before and after strokes; 100 of them make a good one.
+    """Fit a brush to photographs taken before and after strokes; 100 strokes make a good one.
 
-    It is kept among your own brushes, and maulstick plan --brush NAME paints with it.
+    It is kept among your own brushes, and maulstick plan --brush NAME plans with it.
+
+    Example: maulstick brush fit trials --name sharpie --plot sharpie.png
     """
     BRUSHES.check_own_name(name, overwrite)
     if plot is not None:
@@ -75,7 +77,7 @@ def _check_plot(plot: Path, overwrite: bool) -> None:
 
 
 def _source(trials: Trials) -> str:
-    """For people, and without what cannot be printed."""
+    """Return where the brush comes from, for people, without characters that cannot be printed."""
     folder = "".join(letter if letter.isprintable() else "?" for letter in trials.folder.resolve().name)
     return f"{trials.medium}, fitted to the trials in {folder}"
 

@@ -1,4 +1,4 @@
-"""``maulstick brush list``: which brushes there are."""
+"""``maulstick brush list``: lists all brushes."""
 
 from rich.console import Console
 from rich.table import Table
@@ -10,7 +10,10 @@ from maulstick.painting.brush import BRUSHES, load_brush
 
 
 def list_brushes() -> None:
-    """List the brushes that come with Maulstick, and your own."""
+    """List the brushes that come with Maulstick, and your own.
+
+    Example: maulstick brush list
+    """
     table = Table()
     for column in ("name", "width", "from"):
         table.add_column(column, justify="right" if column == "width" else "left", overflow="fold")

@@ -1,4 +1,4 @@
-"""``maulstick calibrate``: what must be known before a machine paints."""
+"""``maulstick calibrate``: measures the sheet's place, the camera, the light and a brush before a machine paints."""
 
 import typer
 
@@ -9,7 +9,7 @@ from maulstick.cli.calibrate.tags import tags
 from maulstick.cli.calibrate.touch import touch
 
 calibrate = typer.Typer(
-    no_args_is_help=True, help="Tell a machine where its sheet lies, a camera what it sees, and learn a brush."
+    no_args_is_help=True, help="Measure where the sheet lies, what a camera sees, and how a brush paints."
 )
 calibrate.command()(touch)
 calibrate.command()(tags)

@@ -1,5 +1,6 @@
-"""``maulstick calibrate brush``: a machine draws strokes, a camera looks at them, and a brush is fitted."""
+"""``maulstick calibrate brush``: lets a machine draw strokes, photographs them, and fits a brush."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,56 +28,65 @@ if TYPE_CHECKING:
 
     from maulstick.robot.easel import Easel
 
-_FEWEST, _MOST = 5, 1000
-_PHOTOGRAPHS = ("each", "one")
+_FEWEST, _MOST = 5, 1000  # strokes: too few for a fit, and hours of drawing
+_PHOTOGRAPHS = ("each", "one")  # one after each stroke, or one of the whole sheet
+
+_fitting = partial(typer.Option, rich_help_panel="The brush and its strokes")
+_machine = partial(typer.Option, rich_help_panel="The machine")
+_camera = partial(typer.Option, rich_help_panel="The camera")
+_writing = partial(typer.Option, rich_help_panel="What is written")
 
 
 def brush(
-    name: Annotated[
-        str, typer.Option(metavar="NAME", help="What the brush is to be called, as in sharpie.")
-    ] = "calibrated",
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{SPECS}.")] = "sim",
+    name: Annotated[str, _fitting(metavar="NAME", help="Name of the new brush.")] = "calibrated",
+    robot: Annotated[str, _machine(metavar="MACHINE", help=f"The machine that draws: {SPECS}.")] = "sim",
     camera: Annotated[
-        str | None, typer.Option(metavar="CAMERA", show_default="the easel's, with sim", help="usb:0, or folder:PATH.")
+        str | None,
+        _camera(metavar="CAMERA", show_default="the easel's, with sim", help="The camera: usb:0, or folder:PATH."),
     ] = None,
     like: Annotated[
-        str, typer.Option(metavar="BRUSH", help="One that is about as wide, and presses or does not, as it does.")
+        str,
+        _fitting(metavar="BRUSH", help="Brush of about the same width that varies with pressure, or not, as it does."),
     ] = "marker",
-    style: Annotated[str, typer.Option(metavar="STYLE", help="Whose strokes to draw.")] = "loops",
-    strokes: Annotated[int, typer.Option(metavar="N", help="How many to draw.")] = 60,
+    style: Annotated[str, _fitting(metavar="STYLE", help="Style of the strokes.")] = "loops",
+    strokes: Annotated[int, _fitting(metavar="N", help="Number of strokes.")] = 60,
     photographs: Annotated[
         str,
-        typer.Option(metavar="each|one", help="One after each stroke, or one of the whole sheet, which is quicker."),
+        _camera(metavar="each|one", help="Photograph the sheet after each stroke, or once, which is quicker."),
     ] = "each",
-    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet.")] = "A4-landscape",
+    size: Annotated[str, _machine(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")] = "A4-landscape",
     easel: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Where the sheet lies, from maulstick calibrate touch.")
+        Path | None,
+        _machine(metavar="FILE", help="Place of the sheet, from `maulstick calibrate touch`. Arms need it."),
     ] = None,
-    tag: Annotated[float, typer.Option(metavar="MM", help="The side of the tags' black squares.")] = 20,
+    tag: Annotated[float, _camera(metavar="MM", help="Side of the black squares of the tags.")] = 20,
     view: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Without tags: from maulstick calibrate camera --keep.")
+        Path | None,
+        _camera(metavar="FILE", help="The camera's view, from `maulstick calibrate camera --keep`, instead of tags."),
     ] = None,
     speed: Annotated[
-        float | None, typer.Option(metavar="MM/S", show_default="the machine's", help="Draw no faster than this.")
+        float | None, _machine(metavar="MM/S", show_default="the machine's", help="Speed of drawing, at most.")
     ] = None,
     out: Annotated[
         Path,
-        typer.Option(metavar="FOLDER", help="For strokes and photographs; an unfinished one is gone on with."),
+        _writing(metavar="FOLDER", help="Folder for strokes and photographs. An unfinished one is continued."),
     ] = Path("calibration"),
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace your brush of that name.")
+        bool, _writing("--overwrite", metavar="", help="Replace your earlier brush of that name.")
     ] = False,
 ) -> None:
-    """Draw strokes apart from one another, photograph them, and fit the brush that draws so.
+    """Draw strokes apart from one another, photograph them, and fit a brush to them.
 
-    Put in the pen or brush and a bare sheet first. Ctrl-C stops; the same words go on.
+    Put in the pen or brush and a bare sheet first. Ctrl-C stops; the same command goes on.
+
+    Example: maulstick calibrate brush --name sharpie --robot axidraw --camera usb:0 --strokes 60
     """
     BRUSHES.check_own_name(name, overwrite)
     if not _FEWEST <= strokes <= _MOST:
         raise InputError.of_range("--strokes", strokes, f"{_FEWEST} to {_MOST}")
     if photographs not in _PHOTOGRAPHS:
         raise InputError.of_choice("way to photograph", photographs, _PHOTOGRAPHS)
-    asked = PaintOptions(
+    options = PaintOptions(
         robot=robot,
         easel=easel,
         speed=None if speed is None else speed * 1e-3,
@@ -84,7 +94,7 @@ def brush(
         view=view,
         tag=tag * 1e-3,
     )
-    asked.check()
+    options.check()
     if robot.startswith("sim"):
         if camera is not None:
             raise InputError("the simulated easel has a camera of its own; leave out --camera")
@@ -92,20 +102,20 @@ def brush(
         raise InputError("a camera over the sheet is needed; name it with --camera usb:0, or folder:PATH")
     place = read_easel(easel) if easel is not None else None
     sheet = _sheet(out, parse_size(size), load_brush(like), style, strokes, place)
-    _collect(sheet, out, asked, place, each=photographs == "each")
+    _collect(sheet, out, options, place, each=photographs == "each")
     fit_trials(out / "trials", name, None, overwrite)
 
 
 def _sheet(
     out: Path, size: tuple[float, float], like: Brush, style: str, strokes: int, easel: "Easel | None"
 ) -> Painting:
-    """The strokes to draw: those of an unfinished folder, or new ones, which are written there."""
+    """Return the strokes to draw: those of an unfinished folder, or new ones, which are written there."""
     path = out / "practice.json"
     if path.exists():
         begun = read_painting(path)
         there = (begun.sheet.width, begun.sheet.height), [*begun.brushes], begun.provenance.options.get("style")
         if (*there, len(begun.strokes)) != (size, [like.name], style, strokes):
-            raise InputError(f"{out} was begun with other words; go on with the same ones, or choose another --out")
+            raise InputError(f"{out} was begun with other options; go on with the same ones, or choose another --out")
         return begun
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise OutputError(f"{out} holds something else; choose another --out")
@@ -124,7 +134,7 @@ def _sheet(
     return sheet
 
 
-def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | None", *, each: bool) -> None:
+def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | None", *, each: bool) -> None:
     """Draw what is left, take the photographs, and cut the trials out of them."""
     from maulstick.calibration.camera import read_view
     from maulstick.calibration.collect import collect, trials_of
@@ -137,23 +147,23 @@ def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | No
 
     def look() -> "NDArray[np.float32]":
         with operator.interruptible():
-            sight = eye.look()
-        for note in sight.notes:
+            seen = eye.look()
+        for note in seen.notes:
             operator.note(note)
-        if sight.shift is not None:
+        if seen.shift is not None:
             raise MachineError("strokes are learned by their places, and the sheet has moved; put it back, and go on")
-        return sight.image
+        return seen.image
 
-    tags = TagFrame(sheet.sheet.width, sheet.sheet.height, side=asked.tag_side)
+    tags = TagFrame(sheet.sheet.width, sheet.sheet.height, side=options.tag_side)
     if (out / "trials").exists():
         return
-    view = None if asked.view is None else read_view(asked.view)
+    view = None if options.view is None else read_view(options.view)
     path, (brush,) = out / "practice.json", sheet.brushes.values()
-    simulation = Simulation.of(asked.machine, sheet, place, None) if asked.simulated else None
-    robot = machine(asked.machine, place) if simulation is None else simulation.robot
+    simulation = Simulation.of(options.machine, sheet, place, None) if options.simulated else None
+    robot = machine(options.machine, place) if simulation is None else simulation.robot
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
-    seeing = open_camera(asked.camera or "") if simulation is None else simulation.camera(tags)
-    with machine_lock(asked.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
+    seeing = open_camera(options.camera or "") if simulation is None else simulation.camera(tags)
+    with machine_lock(options.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
         if journal.revision is None:
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
@@ -167,9 +177,9 @@ def _collect(sheet: Painting, out: Path, asked: PaintOptions, place: "Easel | No
         else:
             eye = Eye.opened(seeing, canvas, tags, view=view)
             eye.write(kept)
-        operator = TerminalOperator(console, sheet, robot, len(journal.painted), "the same words go on")
+        operator = TerminalOperator(console, sheet, robot, len(journal.painted), "the same command goes on")
         ask = operator.ask if simulation is None else simulation.ask
-        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=asked.speed)
+        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=options.speed)
         with operator.on_duty():
             taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)

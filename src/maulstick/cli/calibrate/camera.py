@@ -1,4 +1,4 @@
-"""``maulstick calibrate camera``: from a photograph to the flat sheet."""
+"""``maulstick calibrate camera``: makes the sheet in a photograph flat."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,28 +21,32 @@ if TYPE_CHECKING:
 
 
 def camera(
-    photo: Annotated[Path, typer.Argument(help="A photograph of the sheet with its four tags.")],
-    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
-    tag: Annotated[float, typer.Option(metavar="MM", help="The side of the tags' black squares.")] = 20,
+    photo: Annotated[Path, typer.Argument(help="Photograph of the sheet with its four tags.")],
+    size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
+    tag: Annotated[float, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = 20,
     corners: Annotated[
         str | None,
         typer.Option(
             metavar="X,Y X,Y X,Y X,Y",
-            help="Without tags: the sheet's upper left, upper right, lower right and lower left corner, pixels.",
+            help="Corners of the sheet in pixels, instead of tags: upper left, upper right, lower right, lower left.",
         ),
     ] = None,
     colours: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Of this light, from maulstick calibrate colours.")
+        Path | None, typer.Option(metavar="FILE", help="The camera's colours, from `maulstick calibrate colours`.")
     ] = None,
     keep: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Keep where the sheet is, for a camera that does not move.")
+        Path | None, typer.Option(metavar="FILE", help="File for the camera's view, if the camera does not move.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="The PNG; by default beside the photograph.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a picture there.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", show_default="beside the photograph", help="The PNG file to write.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace earlier files.")] = False,
 ) -> None:
-    """Make the sheet in a photograph flat, and say how far that can be wrong.
+    """Make the sheet in a photograph flat, and print how far that can be wrong.
 
-    What is written suits maulstick plan --background.
+    The picture that is written suits maulstick plan --background.
+
+    Example: maulstick calibrate camera photo.jpg --size 200x160mm --out flat.png
     """
     sheet = parse_size(size)
     path = out or photo.with_name(f"{photo.stem}-flat.png")
@@ -72,7 +76,7 @@ def camera(
 
 
 def view_of(picture: "NDArray[np.float32]", frame: "TagFrame", corners: str | None) -> "CameraView":
-    """By the tags, or by the words of four corners."""
+    """Return where the camera sees the sheet: by its tags, or by four corners in pixels, as in ``10,12 630,9 …``."""
     from maulstick.calibration.camera import locate, view_of_corners
 
     if corners is None:
@@ -82,7 +86,7 @@ def view_of(picture: "NDArray[np.float32]", frame: "TagFrame", corners: str | No
 
 
 def four_points(words: str, option: str) -> Floats:
-    """(4, 2) from four words of two numbers."""
+    """Return four points (4, 2) from their text. Raises InputError, which names the `option`, for other texts."""
     try:
         points = np.array([[float(x) for x in word.split(",")] for word in words.split()], dtype=np.float64)
         if points.shape != (4, 2) or not np.isfinite(points).all():

@@ -1,5 +1,6 @@
-"""``maulstick calibrate colours``: what the lamp and the camera do to colours."""
+"""``maulstick calibrate colours``: measures how the light and the camera change colours."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -12,30 +13,37 @@ from maulstick.errors import InputError
 from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import flat_canvas, parse_size
 
+_sheet = partial(typer.Option, rich_help_panel="The sheet")
+_truth = partial(typer.Option, rich_help_panel="True colours")
+_writing = partial(typer.Option, rich_help_panel="What is written")
+
 
 def colours(
-    bare: Annotated[Path, typer.Argument(help="A photograph of the bare sheet with its tags.")],
-    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
+    bare: Annotated[Path, typer.Argument(help="Photograph of the bare sheet with its tags.")],
+    size: Annotated[str, _sheet(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
     chart: Annotated[
         Path | None,
-        typer.Option(metavar="PHOTO", help="Another, with a chart of 24 patches lying on the sheet."),
+        _truth(metavar="PHOTO", help="Photograph with a colour chart of 24 patches on the sheet."),
     ] = None,
     patches: Annotated[
         str | None,
-        typer.Option(
+        _truth(
             metavar="X,Y X,Y X,Y X,Y",
-            help="Where on the sheet, in mm: the middles of the patches dark skin, bluish green, black and white.",
+            help="Middles of the patches dark skin, bluish green, black and white, in mm on the sheet.",
         ),
     ] = None,
     grey: Annotated[
-        Path | None, typer.Option(metavar="PHOTO", help="Another, with a grey card over the middle of the sheet.")
+        Path | None, _truth(metavar="PHOTO", help="Photograph with a grey card over the middle of the sheet.")
     ] = None,
-    paper: Annotated[str, typer.Option(metavar="COLOUR", help="Of the sheet: white, or #rrggbb.")] = "white",
-    tag: Annotated[float, typer.Option(metavar="MM", help="The side of the tags' black squares.")] = 20,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Where the colours go.")] = Path("colours.json"),
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+    paper: Annotated[str, _sheet(metavar="COLOUR", help="Colour of the sheet: white, or #rrggbb.")] = "white",
+    tag: Annotated[float, _sheet(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    out: Annotated[Path, _writing(metavar="FILE", help="File to write.")] = Path("colours.json"),
+    overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
-    """Learn the light from a bare sheet, and true colours from a chart or a grey card."""
+    """Measure the light by a bare sheet, and the camera's colours by a chart or a grey card.
+
+    Example: maulstick calibrate colours bare.jpg --size 200x160mm --grey card.jpg --out colours.json
+    """
     if chart is not None and grey is not None:
         raise InputError("--chart tells all that --grey does; leave one of them out")
     if (chart is None) != (patches is None):

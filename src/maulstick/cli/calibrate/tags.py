@@ -1,4 +1,4 @@
-"""``maulstick calibrate tags``: the cards that tell a camera where the sheet lies."""
+"""``maulstick calibrate tags``: draws the tags by which a camera finds the sheet."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,15 +10,18 @@ from maulstick.painting.raster import parse_size
 
 
 def tags(
-    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
-    tag: Annotated[float, typer.Option(metavar="MM", help="The side of a tag's black square.")] = 20,
-    page: Annotated[str, typer.Option(metavar="SIZE", help="Of the paper to print on.")] = "A4",
-    out: Annotated[Path, typer.Option(metavar="FILE", help="A PDF or a PNG, which prints at its true size.")] = Path(
-        "tags.pdf"
-    ),
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+    size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
+    tag: Annotated[float, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    page: Annotated[str, typer.Option(metavar="SIZE", help="Size of the paper to print on.")] = "A4",
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="PDF or PNG file to write, to print at its true size.")
+    ] = Path("tags.pdf"),
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
-    """Draw the four tags to print and fix beside the sheet's corners."""
+    """Draw four tags to print and to fix beside the corners of the sheet.
+
+    Example: maulstick calibrate tags --size 200x160mm --out tags.pdf
+    """
     width, height = parse_size(size)
     check_absent(out, "--out", overwrite)
     from maulstick.calibration.tag_page import write_tag_page

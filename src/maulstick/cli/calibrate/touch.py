@@ -1,4 +1,4 @@
-"""``maulstick calibrate touch``: where the sheet lies before a machine."""
+"""``maulstick calibrate touch``: measures where the sheet lies before a machine."""
 
 import select
 import sys
@@ -23,23 +23,25 @@ if TYPE_CHECKING:
     from maulstick.robot.robot import Robot
     from maulstick.storage.arrays import Floats
 
-_LIFT = 0.02  # metres, from corner to corner
-_ENTER = ("c-m", "c-j")  # as terminals send it
+_LIFT = 0.02  # metres above the sheet from corner to corner, clear of clips and tape
+_ENTER = ("c-m", "c-j")  # names of Enter, which terminals send as either
 
 
 def touch(
-    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"{SPECS}.")],
-    size: Annotated[str, typer.Option(metavar="SIZE", help="Of the sheet: 200x160mm, A4-landscape.")],
+    robot: Annotated[str, typer.Option(metavar="MACHINE", help=f"The machine: {SPECS}.")],
+    size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
     force: Annotated[
-        bool, typer.Option("--force", metavar="", help="Go down by itself until it feels the paper, if it can feel.")
+        bool, typer.Option("--force", metavar="", help="Lower the tip until the machine feels the paper.")
     ] = False,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Where the easel goes.")] = Path("easel.json"),
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write.")] = Path("easel.json"),
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
-    """Take the tip to the corners of the sheet, and learn where the paper lies and how deep it may be pressed.
+    """Take the tip to the corners of the sheet, and measure where the paper lies and how deep it may be pressed.
 
-    Arrow keys move it, Page Up and Page Down lift and lower it, 1, 2 and 3 set the step: 10, 1 or 0.1 mm; Enter takes
-    the point.
+    Arrow keys move the tip, Page Up and Page Down lift and lower it; 1, 2 and 3 set the step to 10, 1 or 0.1 mm; Enter
+    takes the point.
+
+    Example: maulstick calibrate touch --robot xarm:192.168.1.5 --size 200x160mm --out easel.json
     """
     if robot.startswith("sim"):
         raise InputError(f"{robot} knows where its sheet lies, and shows no tip to take there; name a real machine")
@@ -85,7 +87,7 @@ def touch(
 
 
 def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console) -> "Easel":
-    """The easel with its deepest pressure, asked for until it is one, for the corners took a while."""
+    """Return the easel with its deepest pressure; asks again where it is wrong, since the corners took a while."""
     from maulstick.calibration.touch import with_deepest
 
     while True:
@@ -102,7 +104,7 @@ def _raise(arm: "Robot") -> None:
 
 
 def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "Floats":
-    """Where the operator has taken the tip, (3,)."""
+    """Let the operator move the tip; returns its place (3,), metres, once they press Enter."""
     from maulstick.calibration.touch import Jog
 
     console.print(f"{ask}, and press Enter", soft_wrap=True)
@@ -120,7 +122,7 @@ def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "F
 
 
 def _keyboard() -> Iterator[str]:
-    """The keys that are pressed, by their names; Ctrl-C interrupts, and while the machine moves above all."""
+    """Yield the names of the keys that are pressed; Ctrl-C interrupts, also while the machine moves."""
     from prompt_toolkit.input import create_input
     from prompt_toolkit.keys import Keys
 

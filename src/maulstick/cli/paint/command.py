@@ -1,4 +1,4 @@
-"""The options of ``maulstick paint``."""
+"""Options of ``maulstick paint``."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The person beside the machine: what they see, the keys they press, and what they are asked."""
+"""Operator in a terminal: progress bar, keys and questions."""
 
 import signal
 import sys
@@ -23,14 +23,14 @@ from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 
-_LOOK = 0.05  # seconds between two looks at the keyboard
+_LOOK = 0.05  # seconds between two looks at the keyboard: no delay that a person notices
 
 
 @final
 class TerminalOperator(Operator):
-    """Shows how far a painting is, and brings what a person wants to the machine: Ctrl-C or s stops, space pauses.
+    """Operator who sees a progress bar and presses keys: Ctrl-C or s stops, space pauses.
 
-    painted: strokes that are there already.  what_next: what they are told where it ends early.
+    painted: number of strokes that are painted already.  what_next: sentence that is shown if painting ends early.
     """
 
     def __init__(self, console: Console, painting: Painting, robot: Robot, painted: int, what_next: str) -> None:
@@ -56,9 +56,9 @@ class TerminalOperator(Operator):
 
     @contextmanager
     def on_duty(self) -> Iterator[None]:
-        """As in `Operator`: there is a progress bar, and keys and signals reach the machine.
+        """As in `Operator`: shows a progress bar, and passes keys and signals to the machine.
 
-        Where it ends early, they are told what is next; where they wanted that, the command ends there.
+        If painting ends early, prints what is next; if the operator stopped it, the command ends.
         """
         over = threading.Event()
         keys = threading.Thread(target=self._listen, args=(over,), daemon=True)
@@ -108,7 +108,7 @@ class TerminalOperator(Operator):
         )
 
     def ask(self, action: Prompt) -> None:
-        """Say what is to be done, and wait for Enter; s stops."""
+        """Print what is to be done, and wait for Enter; s stops."""
         self._bars.stop()
         self._asking = True
         try:
@@ -124,7 +124,7 @@ class TerminalOperator(Operator):
             self._bars.start()
 
     def say(self, sentence: str) -> None:
-        """Tell them."""
+        """Print a sentence for the operator."""
         self._console.print(sentence, soft_wrap=True)
 
     def note(self, sentence: str) -> None:
@@ -132,17 +132,17 @@ class TerminalOperator(Operator):
         self.say(f"note: {sentence}")
 
     def show(self, photograph: Path) -> None:
-        """A terminal shows no pictures."""
+        """Do nothing: a terminal shows no pictures."""
 
     def expect_strokes(self, number: int) -> None:
-        """A terminal shows lengths."""
+        """Do nothing: the progress bar shows lengths."""
 
     def leave(self, photograph: Path) -> None:
         """As in `Operator`."""
         print(photograph, flush=True)
 
     def wants_a_look(self) -> bool:
-        """Never: the camera looks after every so many strokes."""
+        """Return False: the camera looks after every so many strokes."""
         return False
 
     def _listen(self, over: threading.Event) -> None:
@@ -169,7 +169,7 @@ class TerminalOperator(Operator):
 
 
 def in_words(estimate: Estimate) -> str:
-    """What a run will come to."""
+    """Return an estimate as a sentence."""
     if not estimate.strokes:
         return "all strokes are painted"
     what = f"{_counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
@@ -188,7 +188,7 @@ def _clock(seconds: float) -> str:
 
 
 def confirm(console: Console, question: str, otherwise: str) -> bool:
-    """Whether a person says yes; asked until the answer is one.
+    """Ask a question until the answer is yes or no; returns whether it is yes.
 
     Raises InputError where nobody answers, which says what to do `otherwise`.
     """

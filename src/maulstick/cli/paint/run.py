@@ -1,4 +1,4 @@
-"""A run in a terminal."""
+"""Painting from a terminal."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from maulstick.jobs.paint.setup import PaintSetup
 class Run:
     """A request, and how to carry it out.
 
+    dry_run: only print what would be painted.
     unfinished: whether the stroke that was under the brush is painted, where that is known.
     """
 
@@ -24,7 +25,7 @@ class Run:
 
 
 def run(run: Run) -> None:
-    """Paint, go on painting, or say what would be painted."""
+    """Paint, go on painting, or print what would be painted."""
     console = Console(stderr=True, markup=False, highlight=False)
     if run.dry_run:
         console.print(in_words(session.rehearse(run.request)), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""``maulstick plan``: from a picture or a text to a painting in a folder."""
+"""``maulstick plan``: plans a painting of a picture or a text."""
 
 from maulstick.cli.plan.command import plan
 

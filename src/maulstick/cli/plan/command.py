@@ -1,4 +1,4 @@
-"""The options of ``maulstick plan``, and what can be said against them before anything is read."""
+"""Options of ``maulstick plan``, and checks of them before anything is read."""
 
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ _writing = partial(typer.Option, rich_help_panel="What is written")
 def plan(
     context: typer.Context,
     picture: Annotated[
-        Path | None, typer.Argument(metavar="[PICTURE]", help="The picture to paint: JPEG, PNG, TIFF, WebP …")
+        Path | None, typer.Argument(metavar="[PICTURE]", help="The picture to paint: JPEG, PNG, TIFF, WebP and others.")
     ] = None,
     demo: Annotated[bool, typer.Option("--demo", metavar="", help="Paint the portrait that comes along.")] = False,
     strokes: Annotated[
@@ -28,7 +28,8 @@ def plan(
     ] = PlanOptions.strokes,
     exact: Annotated[bool, _painting("--exact", metavar="", help="Paint exactly that many strokes.")] = False,
     style: Annotated[
-        str, _painting(metavar="STYLE", help="Whose strokes: a name from `maulstick style list`, or a JSON file.")
+        str,
+        _painting(metavar="STYLE", help="Style of the strokes: a name from `maulstick style list`, or a JSON file."),
     ] = PlanOptions.style,
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="The brush: round, marker, fineliner, one of your own, or a JSON file.")
@@ -76,7 +77,7 @@ def plan(
     clip: Annotated[
         str | None,
         _objectives(
-            metavar="MODEL", show_default="RN101 with --text", help="Compare by a CLIP model: RN101, ViT-B-32 …"
+            metavar="MODEL", show_default="RN101 with --text", help="Compare by a CLIP model, as RN101 or ViT-B-32."
         ),
     ] = None,
     clip_weights: Annotated[

@@ -1,4 +1,4 @@
-"""Planning under the eyes of a person: progress, Ctrl-C, a video, and a file to go on from."""
+"""Planning from a terminal: progress bar, Ctrl-C, a video, and a file to go on from."""
 
 import time
 from pathlib import Path
@@ -23,7 +23,7 @@ from maulstick.storage.folders import made_folder
 
 
 def begin(request: PlanRequest, out: Path) -> None:
-    """Plan what is asked, and write it into the folder `out`."""
+    """Plan a request, and write the results into the folder `out`."""
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; choose a smaller --px")
@@ -35,9 +35,9 @@ def begin(request: PlanRequest, out: Path) -> None:
 
 
 def go_on(out: Path) -> None:
-    """Go on with the plan that was cut off in the folder `out`; a video of it begins here.
+    """Go on with the unfinished plan in the folder `out`; its video begins here.
 
-    Raises InputError where there is none, or what it was made with has changed.
+    Raises InputError where there is none, or a file that it was made with has changed.
     """
     files = state_files(out) if out.is_dir() else []
     if not files:

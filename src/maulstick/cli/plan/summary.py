@@ -1,4 +1,4 @@
-"""What ``maulstick plan`` says in the end."""
+"""Summary that ``maulstick plan`` prints at the end."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from maulstick.planning.losses import STRENGTHS
 
 
 def print_summary(painting: Painting, seconds: float, out: Path, written: list[str]) -> None:
-    """What was planned, what each term of the loss comes to in the end, and where it is."""
+    """Print the numbers of a painting, the terms of its loss, and the files written."""
     metrics = painting.provenance.metrics
     rows = {
         "strokes": f"{len(painting.strokes)}",

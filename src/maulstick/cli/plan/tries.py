@@ -1,4 +1,4 @@
-"""Plans from several seeds, each in a process of its own."""
+"""Planning from several seeds, each in a process of its own."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting
 from maulstick.planning.planner import PlanProgress
 
-_TOLD_EVERY = 0.2  # seconds between two words of a process
+_REPORT_EVERY = 0.2  # seconds between two reports of a process: enough for a progress bar
 
 
 def plan_in_processes(
@@ -30,18 +30,18 @@ def plan_in_processes(
     show: Callable[[float, float, Mapping[str, float]], None],
     wanted: Callable[[], bool],
 ) -> Painting:
-    """The best of as many plans as are to be tried, each from a seed of its own and in a process of its own."""
+    """Plan from as many seeds as the request tries, each in a process; returns the painting with the least loss."""
     seeds = range(request.options.seed, request.options.seed + request.tries)
     context = get_context("spawn")
-    words, stop = context.Queue(), context.Event()
+    reports, stop = context.Queue(), context.Event()
     said = dict.fromkeys(seeds, (0.0, float("inf")))
-    with ProcessPoolExecutor(min(request.tries, os.cpu_count() or 1), context, _listen, (words, stop)) as pool:
+    with ProcessPoolExecutor(min(request.tries, os.cpu_count() or 1), context, _listen, (reports, stop)) as pool:
         with _deaf_to_interrupts():
             tries = [pool.submit(_try, request, out, seed) for seed in seeds]
         try:
             while not all(each.done() for each in tries):
                 with suppress(Empty):
-                    seed, done, loss = words.get(timeout=_TOLD_EVERY)
+                    seed, done, loss = reports.get(timeout=_REPORT_EVERY)
                     said[seed] = (done, loss)
                     show(sum(done for done, _ in said.values()) / len(said), min(loss for _, loss in said.values()), {})
                 if not wanted():
@@ -60,7 +60,7 @@ def plan_in_processes(
 
 @contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """Processes that begin in here hear of Ctrl-C from their parent alone, though the terminal tells all of them."""
+    """Start processes within that ignore Ctrl-C, which the terminal sends to all of them; their parent stops them."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
@@ -68,14 +68,14 @@ def _deaf_to_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-_words: "Queue[tuple[int, float, float]]"
+_reports: "Queue[tuple[int, float, float]]"
 _stop: Event
 
 
-def _listen(words: "Queue[tuple[int, float, float]]", stop: Event) -> None:
-    """Begin a process that plans."""
-    global _words, _stop
-    _words, _stop = words, stop
+def _listen(reports: "Queue[tuple[int, float, float]]", stop: Event) -> None:
+    """Prepare a process that plans."""
+    global _reports, _stop
+    _reports, _stop = reports, stop
 
 
 def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
@@ -86,9 +86,9 @@ def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
         nonlocal told
         if not parent.is_alive():  # killed: there is nobody to plan for
             os._exit(1)
-        if time.monotonic() - told > _TOLD_EVERY:
+        if time.monotonic() - told > _REPORT_EVERY:
             told = time.monotonic()
-            _words.put((seed, progress.done, progress.loss))
+            _reports.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
     return plan_with(

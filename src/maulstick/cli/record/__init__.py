@@ -1,4 +1,4 @@
-"""``maulstick record``: from a recording to ink."""
+"""``maulstick record``: reads recordings of a person drawing, and writes ink."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""``maulstick record ink``: from a file that another program drew to ink."""
+"""``maulstick record ink``: reads a drawing of another program, and writes its ink."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,29 +10,34 @@ from maulstick.errors import InputError
 from maulstick.painting.raster import parse_length, parse_size
 from maulstick.storage.folders import made_folder
 
-_SMALLEST, _LARGEST = 1e-3, 50.0  # metres
+_SMALLEST, _LARGEST = 1e-3, 50.0  # metres: sides of a drawing; others are slips of the unit
 
 
 def ink(
-    file: Annotated[Path, typer.Argument(help="InkML, SVG, Wacom's UIM or WILL 2, or JSON of pointer events.")],
+    file: Annotated[
+        Path, typer.Argument(help="The drawing: InkML, SVG, Wacom's UIM or WILL 2, or JSON of pointer events.")
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
             show_default="FILE.ink.npz here",
-            help="NAME.ink.npz; or NAME.strokes.npz for standardised strokes.",
+            help="File to write: NAME.ink.npz, or NAME.strokes.npz for standardised strokes.",
         ),
     ] = None,
     size: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="The sheet that the page fills, as in 150x150mm or A4.")
+        str | None, typer.Option(metavar="SIZE", help="Size of the sheet that the page fills: 150x150mm, A4.")
     ] = None,
     longest: Annotated[
         str | None,
-        typer.Option(metavar="LENGTH", help="The longer side of the drawing; 150mm where the file gives no scale."),
+        typer.Option(metavar="LENGTH", help="Length of the drawing's longer side, as in 150mm."),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace a file that is there.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
-    """Read a drawing that a pen tablet, a web page or a drawing program wrote."""
+    """Read a drawing of a pen tablet, a web page or a drawing program, and write its ink.
+
+    Example: maulstick record ink drawing.svg --size A4 --out me.ink.npz
+    """
     out = out or Path(f"{file.stem}.ink.npz")
     check_out(out, overwrite)
     if size is not None and longest is not None:

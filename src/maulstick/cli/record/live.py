@@ -1,6 +1,7 @@
-"""``maulstick record live``: from what Motive streams to ink."""
+"""``maulstick record live``: records what Motive streams, and writes its ink."""
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,23 +22,27 @@ if TYPE_CHECKING:
     from maulstick.recording.mocap.natnet import Seen
     from maulstick.recording.mocap.take import Take
 
+_recording = partial(typer.Option, rich_help_panel="The recording")
+
 
 def live(
-    out: Annotated[Path, typer.Option(metavar="FILE", help="NAME.ink.npz, or NAME.strokes.npz.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", rich_help_panel=options.WRITING, help=options.OUT)],
     server: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="Of Motive's machine, where it is not this one: 192.168.1.5.")
+        str, _recording(metavar="ADDRESS", help="Address of the computer that runs Motive, as in 192.168.1.5.")
     ] = "127.0.0.1",
     local: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS", show_default="the one that reaches it", help="Of this machine, on the same network."
+        _recording(
+            metavar="ADDRESS",
+            show_default="the one that reaches it",
+            help="Address of this computer on the same network.",
         ),
     ] = None,
     multicast: Annotated[
-        bool, typer.Option("--multicast", metavar="", help="Motive streams in multicast, rather than in unicast.")
+        bool, _recording("--multicast", metavar="", help="Receive a multicast stream instead of a unicast one.")
     ] = False,
     seconds: Annotated[
-        float | None, typer.Option(metavar="N", show_default="until Ctrl-C", help="How long to record.")
+        float | None, _recording(metavar="N", show_default="until Ctrl-C", help="Seconds to record.")
     ] = None,
     pen_length: options.PenLength = None,
     pen_axis: options.PenAxis = "-y",
@@ -51,10 +56,12 @@ def live(
     plot: options.Plot = None,
     overwrite: options.Overwrite = False,
 ) -> None:
-    """Record a pen that OptiTrack's Motive is tracking, and find its strokes.
+    """Record a pen that OptiTrack's Motive tracks, and find its strokes.
 
-    Ctrl-C ends the recording, or leaves where none has begun. It is kept as NAME.take.npz, which
-    `maulstick record motive` reads as well: to try another threshold, say.
+    Ctrl-C ends the recording. It is kept as NAME.take.npz, which `maulstick record motive` reads again, as with another
+    threshold.
+
+    Example: maulstick record live --pen-length 139mm --out me.ink.npz
     """
     contact = options.contact_options(threshold, merge, shortest)
     plot = check_outs(out, plot, overwrite)
@@ -97,9 +104,9 @@ def _record(
 
 
 class _Recording:
-    """Shows what comes, and says how long to go on.
+    """Display of a recording, and the decision when it ends.
 
-    `recorded` lasts as long as the recording. Ctrl-C ends it in order only once there is something to keep.
+    recorded: lasts as long as the recording. Ctrl-C ends it in order only once there is something to keep.
     """
 
     def __init__(self, status: Status, recorded: ExitStack, seconds: float | None) -> None:
@@ -108,11 +115,11 @@ class _Recording:
         self._wanted: Callable[[], bool] | None = None
 
     def going(self) -> bool:
-        """Until Ctrl-C, or until there are so many seconds."""
+        """Return whether to go on: until Ctrl-C, or until there are enough seconds."""
         return (self._wanted is None or self._wanted()) and (self._most is None or self._seconds < self._most)
 
     def show(self, seen: "Seen") -> None:
-        """Say what has come."""
+        """Show what has been received so far."""
         if self._wanted is None:
             self._wanted = self._recorded.enter_context(stop_on_interrupt(Console(quiet=True)))
         self._seconds = seen.seconds

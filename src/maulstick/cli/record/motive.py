@@ -1,4 +1,4 @@
-"""``maulstick record motive``: from a take of OptiTrack's Motive to ink."""
+"""``maulstick record motive``: reads a take of OptiTrack's Motive, and writes its ink."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,7 +11,9 @@ from maulstick.storage.folders import made_folder
 
 
 def motive(
-    take: Annotated[Path, typer.Argument(help="The take as CSV, with its header, rigid bodies and markers.")],
+    take: Annotated[
+        Path, typer.Argument(help="The take: CSV with its header, rigid bodies and markers, or NAME.take.npz.")
+    ],
     pen_length: options.PenLength = None,
     pen_axis: options.PenAxis = "-y",
     pivot: options.PivotTake = None,
@@ -23,7 +25,12 @@ def motive(
     shortest: options.Shortest = options.SHORTEST,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", show_default="TAKE.ink.npz here", help="NAME.ink.npz, or NAME.strokes.npz."),
+        typer.Option(
+            metavar="FILE",
+            show_default="TAKE.ink.npz here",
+            rich_help_panel=options.WRITING,
+            help=options.OUT,
+        ),
     ] = None,
     plot: options.Plot = None,
     overwrite: options.Overwrite = False,
@@ -31,7 +38,9 @@ def motive(
     """Find the strokes in a motion-capture take of a pen and a canvas.
 
     The canvas has a marker at three of its corners, and the pen is a rigid body. Writes the ink, and a plot of the
-    tip's height over time with the strokes marked in it: where they are wrong, set a threshold by it.
+    tip's height over time with the strokes marked in it. Where they are wrong, read a threshold from the plot.
+
+    Example: maulstick record motive take.csv --pen-length 139mm --out me.ink.npz
     """
     name = take.name.replace(".take.npz", ".npz")  # of a live take
     out = out or Path(f"{Path(name).stem}.ink.npz")

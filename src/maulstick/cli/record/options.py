@@ -1,4 +1,4 @@
-"""The options of the words that record a tracked pen."""
+"""Options of the commands that read a tracked pen."""
 
 import re
 from pathlib import Path
@@ -15,26 +15,33 @@ if TYPE_CHECKING:
     from maulstick.recording.mocap.contact import ContactOptions
 
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
-_LONGEST_PEN = 2.0  # metres
+_LONGEST_PEN = 2.0  # metres: longer ones are slips of the unit
 _SECONDS = {"ms": 1e-3, "s": 1.0}
 
 MERGE, SHORTEST = "20ms", "30ms"
-"""What `ContactOptions` has by default, which loads scipy."""
+"""Defaults of `ContactOptions`, written as options; importing that loads scipy."""
 
 _THE_PEN = "The pen and the canvas"
 _TOUCHING = "When the pen touches"
+WRITING = "What is written"
+"""Heading of the options for files."""
+
+OUT = "File to write: NAME.ink.npz, or NAME.strokes.npz for standardised strokes."
+"""Help of ``--out``."""
 
 PenLength = Annotated[
     str | None,
-    typer.Option(metavar="LENGTH", rich_help_panel=_THE_PEN, help="From its rigid body to its tip, as in 139mm."),
+    typer.Option(
+        metavar="LENGTH", rich_help_panel=_THE_PEN, help="Distance from the pen's rigid body to its tip, as in 139mm."
+    ),
 ]
 PenAxis = Annotated[
     str,
     typer.Option(
         metavar="AXIS",
         rich_help_panel=_THE_PEN,
-        help="Of its rigid body, towards the tip: x, -x, y, -y, z, -z. It is -y where the pen stood upright when its "
-        "rigid body was made, since y is up in Motive.",
+        help="Direction from the rigid body to the tip: x, -x, y, -y, z or -z. It is -y if the pen stood upright when "
+        "its rigid body was made.",
     ),
 ]
 PivotTake = Annotated[
@@ -42,19 +49,25 @@ PivotTake = Annotated[
     typer.Option(
         metavar="FILE",
         rich_help_panel=_THE_PEN,
-        help="Instead of the length: a take of the pen leaning to all sides about its tip, which stands still.",
+        help="Take of the pen leaning to all sides while its tip stands still, instead of --pen-length.",
     ),
 ]
 Pen = Annotated[
     str | None,
     typer.Option(
-        metavar="NAME", rich_help_panel=_THE_PEN, show_default="found by its name", help="The pen's rigid body."
+        metavar="NAME",
+        rich_help_panel=_THE_PEN,
+        show_default="found by its name",
+        help="Name of the pen's rigid body.",
     ),
 ]
 Board = Annotated[
     str | None,
     typer.Option(
-        metavar="NAME", rich_help_panel=_THE_PEN, show_default="found by its name", help="The canvas's rigid body."
+        metavar="NAME",
+        rich_help_panel=_THE_PEN,
+        show_default="found by its name",
+        help="Name of the canvas's rigid body.",
     ),
 ]
 Corner = Annotated[
@@ -62,7 +75,7 @@ Corner = Annotated[
     typer.Option(
         metavar="CORNER",
         rich_help_panel=_THE_PEN,
-        help="Where the marker at the right angle sits: upper-left, upper-right, lower-right, lower-left.",
+        help="Corner with the marker at the right angle: upper-left, upper-right, lower-right, lower-left.",
     ),
 ]
 Threshold = Annotated[
@@ -71,28 +84,34 @@ Threshold = Annotated[
         metavar="HEIGHT",
         rich_help_panel=_TOUCHING,
         show_default="proposed from the data",
-        help="Over the paper, under which the tip touches, as in 0.5mm.",
+        help="Height over the paper below which the tip touches it, as in 0.5mm.",
     ),
 ]
 Merge = Annotated[
-    str, typer.Option(metavar="TIME", rich_help_panel=_TOUCHING, help="A lift that is no longer is none.")
+    str,
+    typer.Option(
+        metavar="TIME", rich_help_panel=_TOUCHING, help="Join strokes over lifts that are no longer than this."
+    ),
 ]
 Shortest = Annotated[
-    str, typer.Option(metavar="TIME", rich_help_panel=_TOUCHING, help="A touch that is shorter is none.")
+    str, typer.Option(metavar="TIME", rich_help_panel=_TOUCHING, help="Leave out touches that are shorter than this.")
 ]
 Plot = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
+        rich_help_panel=WRITING,
         show_default="NAME.contact.png",
-        help="Where the plot of heights goes, to judge the threshold by.",
+        help="File of the plot of heights, to choose the threshold by.",
     ),
 ]
-Overwrite = Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace files that are there.")]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", metavar="", rich_help_panel=WRITING, help="Replace earlier files.")
+]
 
 
 def contact_options(threshold: str | None, merge: str, shortest: str) -> "ContactOptions":
-    """Options from what was written. Raises InputError where they make no sense."""
+    """Return the options from their texts. Raises InputError for one that cannot be used."""
     from maulstick.recording.mocap.contact import ContactOptions  # loads scipy
 
     height = None if threshold is None else parse_length(threshold)
@@ -100,9 +119,9 @@ def contact_options(threshold: str | None, merge: str, shortest: str) -> "Contac
 
 
 def tip_of(length: str | None, axis: str, pivot: Path | None, pen: str | None, board: str | None) -> tuple[Floats, str]:
-    """The tip (3,), metres in the frame of the pen's rigid body, and how it is known, for people.
+    """Return the tip (3,), metres in the frame of the pen's rigid body, and a sentence on how it is known.
 
-    Raises InputError where not exactly one of length and pivot take is there, or it cannot be used.
+    Raises InputError unless exactly one of length and pivot take is given, and where it cannot be used.
     """
     if (length is None) == (pivot is None):
         raise InputError("say where the pen's tip is: with --pen-length, as in 139mm, or with a pivot take, --pivot")

@@ -1,4 +1,4 @@
-"""What a recording becomes: a file, whose name says what is in it, and for a tracked pen a plot beside it."""
+"""Files of a recording: its ink or its strokes, by the ending of the name, and a plot for a tracked pen."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,14 +16,14 @@ _INK, _STROKES = ".ink.npz", ".strokes.npz"
 
 
 def check_out(out: Path, overwrite: bool) -> None:
-    """Raise InputError where nothing can be written under that name, and OutputError where `out` would be lost."""
+    """Raise InputError for a name with another ending, and OutputError where the file at `out` would be lost."""
     if not out.name.endswith((_INK, _STROKES)):
         raise InputError(f"--out is {out}; let its name end in {_INK} for the ink, or in {_STROKES} for its strokes")
     check_absent(out, "--out", overwrite)
 
 
 def check_outs(out: Path, plot: Path | None, overwrite: bool) -> Path:
-    """Where the plot goes. Raises as `check_out` does where it, or `out`, cannot."""
+    """Return the path of the plot. Raises as `check_out` for it and for `out`."""
     check_out(out, overwrite)
     plot = plot or beside(out, ".contact.png")
     if plot.suffix.lower() != ".png":
@@ -33,7 +33,7 @@ def check_outs(out: Path, plot: Path | None, overwrite: bool) -> Path:
 
 
 def beside(out: Path, ending: str) -> Path:
-    """The file beside `out`, NAME.ink.npz or NAME.strokes.npz, that is called NAME with another ending."""
+    """Return the path beside `out`, NAME.ink.npz or NAME.strokes.npz, that is NAME with another ending."""
     return out.with_name(out.name.rsplit(".", 2)[0] + ending)
 
 
@@ -50,7 +50,7 @@ def write_result(ink: Ink, out: Path, overwrite: bool) -> None:
 
 
 def write_drawing(drawing: "TakeInk", out: Path, plot: Path, overwrite: bool) -> None:
-    """Write the ink and the plot, and say what was decided and where they are.
+    """Write the ink and the plot, and print what was decided and their paths.
 
     Raises OutputError where they cannot be written.
     """

@@ -1,4 +1,4 @@
-"""``maulstick style compare``: how alike the strokes of two hands are."""
+"""``maulstick style compare``: measures how alike the strokes of two hands are."""
 
 from typing import Annotated
 
@@ -10,10 +10,13 @@ from rich.text import Text
 
 
 def compare(
-    a: Annotated[str, typer.Argument(metavar="A", help="Name of a style, or its JSON.")],
-    b: Annotated[str, typer.Argument(metavar="B", help="Name of the other.")],
+    a: Annotated[str, typer.Argument(metavar="A", help="Name of a style, or its JSON file.")],
+    b: Annotated[str, typer.Argument(metavar="B", help="Name of the other style, or its JSON file.")],
 ) -> None:
-    """Compare the strokes of the hands that two styles were learned from."""
+    """Compare the strokes that two styles were learned from.
+
+    Example: maulstick style compare loops hatching
+    """
     from maulstick.cli.style.reading import read_fitted  # these load torch
     from maulstick.style.compare import Comparison
 

@@ -1,4 +1,4 @@
-"""``maulstick style fit``: from a hand's strokes to a style."""
+"""``maulstick style fit``: learns a style from strokes of one hand."""
 
 import time
 from pathlib import Path
@@ -25,22 +25,26 @@ _FREEDOM = ("kept close to the hand's", "varied a little", "varied freely", "var
 
 def fit(
     files: Annotated[
-        list[Path], typer.Argument(metavar="FILE", help="Strokes of one hand: NAME.ink.npz or NAME.strokes.npz.")
+        list[Path],
+        typer.Argument(metavar="FILE", help="Files with strokes of one hand: NAME.ink.npz or NAME.strokes.npz."),
     ],
-    name: Annotated[str, typer.Option(metavar="NAME", help="What the style is to be called, as in cat.")],
+    name: Annotated[str, typer.Option(metavar="NAME", help="Name of the new style.")],
     kind: Annotated[
         str,
         typer.Option(
-            metavar="KIND", help="exemplar: from the strokes themselves; trajvae: the paper's network, trained on them."
+            metavar="KIND",
+            help="Kind of style: exemplar keeps the strokes themselves, trajvae trains the paper's network on them.",
         ),
     ] = "exemplar",
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace your style of that name, if there is one.")
+        bool, typer.Option("--overwrite", metavar="", help="Replace your earlier style of that name.")
     ] = False,
 ) -> None:
-    """Learn a style from the strokes of a hand; 20 of them make a good one.
+    """Learn a style from the strokes of one hand; 20 strokes make a good one.
 
-    It is kept among your own styles, and maulstick plan --style NAME paints in it.
+    It is kept among your own styles, and maulstick plan --style NAME plans with it.
+
+    Example: maulstick style fit me.ink.npz --name me
     """
     if kind not in KINDS:
         raise InputError.of_choice("kind", kind, KINDS)

@@ -1,4 +1,4 @@
-"""``maulstick style list``: which styles there are."""
+"""``maulstick style list``: lists all styles."""
 
 from rich.console import Console
 from rich.table import Table
@@ -10,7 +10,10 @@ from maulstick.style.cards import STYLES, read_card
 
 
 def list_styles() -> None:
-    """List the styles that come with Maulstick, and your own."""
+    """List the styles that come with Maulstick, and your own.
+
+    Example: maulstick style list
+    """
     table = Table()
     for column in ("name", "kind", "strokes", "from"):
         table.add_column(column, justify="right" if column == "strokes" else "left", overflow="fold")

@@ -1,4 +1,4 @@
-"""The styles that have a hand, for the words that look at it."""
+"""Reading of styles for the commands that show their strokes."""
 
 import os
 from collections.abc import Sequence
@@ -10,9 +10,9 @@ from maulstick.style.store import Fitted, read_style
 
 
 def read_fitted(names: Sequence[str]) -> list[Fitted]:
-    """The styles of these names or at these paths.
+    """Read the styles with these names or paths.
 
-    Raises InputError where there is none, where it is nobody's, and where two are the same.
+    Raises InputError where there is none, for ``free``, which has no strokes, and for one that is named twice.
     """
     paths: dict[str, Path] = {}
     for name in names:

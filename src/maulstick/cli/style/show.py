@@ -1,4 +1,4 @@
-"""``maulstick style show``: a picture of a style, or a map of some."""
+"""``maulstick style show``: draws a picture of a style, or a map of several."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,23 +12,23 @@ from maulstick.storage.files import atomic_write
 
 def show(
     names: Annotated[
-        list[str], typer.Argument(metavar="NAME", help="Of a style, or its JSON; with --map up to six of them.")
+        list[str], typer.Argument(metavar="NAME", help="Name of a style, or its JSON file; with --map, up to six.")
     ],
     on_map: Annotated[
         bool,
-        typer.Option(
-            "--map", metavar="", help="The map of the latent space instead: each of the hand's strokes at its place."
-        ),
+        typer.Option("--map", metavar="", help="Draw a map of the latent space, with each stroke at its place."),
     ] = False,
-    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture, in pixels.")] = 1024,
+    px: Annotated[int, typer.Option(metavar="N", help="Height of the picture in pixels.")] = 1024,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", show_default="NAME.png or NAME-map.png here", help="The PNG.")
+        Path | None,
+        typer.Option(metavar="FILE", show_default="NAME.png or NAME-map.png here", help="The PNG file to write."),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", metavar="", help="Replace a picture that is there.")
-    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier picture.")] = False,
 ) -> None:
-    """Draw strokes of the hand that a style was learned from, and strokes that it draws itself."""
+    """Draw strokes that a style was learned from beside strokes that it draws itself.
+
+    Example: maulstick style show loops hatching --map --out styles.png
+    """
     if len(names) > 1 and not on_map:
         raise InputError(f"a sheet shows one style, and {len(names)} are named; name one, or add --map")
     called = "-".join(Path(name).stem for name in names)
