@@ -4,7 +4,7 @@ Three plans of 400 strokes at 256 pixels, with the same brush, style and paints,
 through the same 16 views, which none of them was led by:
 
 plain: the published way: strokes begin anywhere, RMSprop, a rate that rises and falls, 2,000 steps, and at each of them
-    the network is problem through two of 32 views.
+    the network is asked through two of 32 views.
 warm: the same with our start, and with tones beside the network.
 few_calls: Maulstick's way, whose 2,000 steps ask the network 200 times, with the same weights of both terms as `warm`.
 
@@ -59,7 +59,7 @@ class Stopwatch:
 
 
 class Counted(NetworkLoss):
-    """Another network loss, and how often it was problem."""
+    """Another network loss, and how often it was asked."""
 
     def __init__(self, network_loss: NetworkLoss) -> None:
         self._network_loss, self.calls = network_loss, 0
@@ -157,7 +157,11 @@ def _plain(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> Pl
 
 
 def _warm(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
-    torch_rng, tone, network_loss = Generator().manual_seed(options.seed), problem.objectives[0], problem.network_losses[0]
+    torch_rng, tone, network_loss = (
+        Generator().manual_seed(options.seed),
+        problem.objectives[0],
+        problem.network_losses[0],
+    )
     start, _ = Initialiser(problem, options, np.random.default_rng(options.seed), torch_rng).first()
 
     def loss(canvas: Tensor) -> Tensor:

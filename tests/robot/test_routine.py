@@ -92,8 +92,7 @@ def test_a_speed_beyond_the_machines_is_the_machines() -> None:
 def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:
     soft = painting_of([line(1), line(2, pressure=(0.2, 0.7))])
     assert refused(soft, limits=LIFTS) == (
-        "stroke 2 varies its pressure by 0.50, and this machine only lifts its pen; "
-        "plan it again with pressure=0.5"
+        "stroke 2 varies its pressure by 0.50, and this machine only lifts its pen; plan it again with pressure=0.5"
     )
 
 
