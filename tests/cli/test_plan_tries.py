@@ -75,7 +75,10 @@ def test_a_process_that_is_killed_is_told_in_one_line(tmp_path: Path, monkeypatc
         (["--tries", "9999999999"], "--tries is 9999999999; it must be from 1 to 64"),
         (["--tries", "65"], "--tries is 65; it must be from 1 to 64"),
         (["--tries", "2", "--seed", "4294967295"], "--seed is 4294967295; it must be from 0 to 4294967294"),
-        (["--tries", "2", "--video", "gif"], "--video videos one plan, and --tries makes several; leave one of them"),
+        (
+            ["--tries", "2", "--video", "gif"],
+            "--video records one plan, and --tries makes several; leave one of them out",
+        ),
     ],
 )
 def test_tries_that_cannot_be_made_are_refused(tmp_path: Path, words: list[str], text: str) -> None:

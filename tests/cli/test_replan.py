@@ -168,12 +168,12 @@ def test_the_photograph_shows_what_is_on_the_sheet(monkeypatch: pytest.MonkeyPat
     ("words", "text"),
     [
         (("--replan", "-1", "--picture", "picture.png"), "--replan is -1; it must be at least 1 stroke"),
-        (("--replan", "5"), "--replan goes by the picture that the painting is of; name it with --picture"),
+        (("--replan", "5"), "planning again needs the picture that the painting is of; name it with --picture"),
         (("--picture", "picture.png"), NEEDS_REPLAN),
         (("--camera", "usb:0"), NEEDS_REPLAN),
         (
             ("--replan", "5", "--picture", "picture.png", "--robot", "grbl:/dev/null"),
-            "--replan needs a camera over the sheet; name it with --camera usb:0, or folder:PATH",
+            "planning again needs a camera over the sheet; name it with --camera usb:0, or folder:PATH",
         ),
         (
             ("--replan", "5", "--picture", "painting.json"),

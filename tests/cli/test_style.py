@@ -88,9 +88,9 @@ def test_a_network_is_trained_where_it_is_asked_for(
     network = {name: 0.1 * torch.randn(size, generator=rng) for name, size in shapes().items()}
     network |= {"hands.covariance": torch.eye(GIST + 1), "hands.residual": torch.ones(RESIDUAL)}
 
-    def fine_tune(weights: Weights, hand: Hand, seed: int, called: str) -> TrajVAE:
-        assert (len(hand), seed, called) == (12, 0, "net")
-        return TrajVAE(called, hand, weights)
+    def fine_tune(weights: Weights, hand: Hand, seed: int, name: str) -> TrajVAE:
+        assert (len(hand), seed, name) == (12, 0, "net")
+        return TrajVAE(name, hand, weights)
 
     monkeypatch.setattr(trajvae, "activity", lambda *_: ActiveLatents(active, 7.2))
     monkeypatch.setattr(train, "pretrained", lambda: network)

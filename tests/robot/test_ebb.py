@@ -138,11 +138,11 @@ def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
     assert not device.refused
 
 
+GO_ON = r"then go on with paint\(\.\.\., resume=True\)$"
 FAULTS = {
     "!5 Err: <axis1> step rate out of range.": r"refused 'SM,.*': 5 Err: <axis1> step rate out of range\.$",
-    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub; "
-    r"then go on with paint\(\.\.\., resume=True\)",
-    "silent": r"the line to /dev/\S+ went silent; check cable and power; then go on with paint",
+    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub; " + GO_ON,
+    "silent": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "closed": r"the line to /dev/\S+ went silent",
 }
 

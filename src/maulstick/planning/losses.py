@@ -88,7 +88,7 @@ def losses_of(
 
 
 def _objective(name: str, reference: Reference) -> Objective:
-    assert reference.target is not None  # `Wishes.weights_of_terms` has seen to it
+    assert reference.target is not None  # `LossOptions.weights_of_terms` has seen to it
     if name == "edges":
         return Edges(reference.target, reference.weights)
     return Tone(reference.target, reference.weights, halftone=reference.one_ink)

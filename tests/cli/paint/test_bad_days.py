@@ -54,8 +54,8 @@ def test_a_full_disk_stops_the_machine_with_one_sentence_and_painting_goes_on_la
         ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0")
     assert ran.code == 1
     assert ran.stderr.splitlines()[-1] == (
-        f"maulstick: cannot write {journal_of(painting)}: No space left on device; mend that, and maulstick paint "
-        "--resume goes on"
+        f"maulstick: cannot write {journal_of(painting)}: No space left on device; mend that; then go on with "
+        "maulstick paint ... --resume"
     )
     assert not recorder.down
     ran = run("paint", painting, "--robot", "grbl:/dev/ttyUSB0", "--resume", "--unfinished", "painted")

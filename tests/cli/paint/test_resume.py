@@ -75,7 +75,7 @@ def test_a_painting_that_is_finished_has_nothing_left(painting: Path) -> None:
 def test_a_painting_that_was_not_begun_cannot_go_on(painting: Path) -> None:
     ran = run("paint", painting, "--resume")
     assert ran.code == 2
-    assert ran.mistake == f"there is no journal {journal_of(painting)}; nothing was begun, so leave out --resume"
+    assert ran.mistake == f"there is no journal {journal_of(painting)}, so nothing was begun; leave out --resume"
 
 
 @pytest.mark.parametrize("content", [b"", b'{"event": "rev'])
@@ -83,7 +83,7 @@ def test_a_journal_of_which_nothing_reached_the_disk_is_no_hindrance(painting: P
     journal_of(painting).write_bytes(content)
     ran = run("paint", painting, "--resume")
     assert ran.code == 2
-    assert ran.mistake == f"the journal {journal_of(painting)} is empty; nothing was begun, so leave out --resume"
+    assert ran.mistake == f"the journal {journal_of(painting)} is empty, so nothing was begun; leave out --resume"
     assert run("paint", painting).code == 0
     assert sorted(painted(painting)) == ALL
 

@@ -91,6 +91,7 @@ def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
             _reports.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
-    return plan_with(
-        prepare(replace(request, options=replace(request.options, seed=seed), tries=1)), out, request, watch
-    )
+    prepared = prepare(replace(request, options=replace(request.options, seed=seed), tries=1))
+    options = {**prepared.provenance.options, "tries": request.tries}
+    provenance = prepared.provenance.model_copy(update={"options": options})
+    return plan_with(replace(prepared, provenance=provenance), out, request, watch)
