@@ -26,9 +26,9 @@ from maulstick.storage.files import atomic_write
 if TYPE_CHECKING:
     from maulstick.painting.metrics import Metrics
 
-_MOST = 6
-_NOTHING = "-"
-_SEVERAL = 3  # names that are told, at most
+_MOST = 6  # paintings whose columns fit on a terminal
+_NOTHING = "-"  # shown for a value that a painting does not have
+_SEVERAL = 3  # names of a list that are shown before "more", so that a column stays narrow
 
 
 def compare(

@@ -25,7 +25,7 @@ _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine 
 
 _FORMATS = ("gcode", "hpgl", "svg", "json")
 _DIALECTS: tuple[Dialect, ...] = ("grbl", "marlin")
-_SPEED = 0.05  # metres a second
+_SPEED = 0.05  # metres per second while drawing, where no --speed is given
 
 
 def export(

@@ -14,7 +14,7 @@ from maulstick.painting.video import Video
 if TYPE_CHECKING:
     from maulstick.planning.planner import PlanProgress as Step
 
-_FRAMES = 160
+_FRAMES = 160  # most frames of a video: some ten seconds, in a file that can be sent
 
 
 @contextmanager

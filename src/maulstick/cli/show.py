@@ -12,8 +12,8 @@ from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write, read_whole
 
 _SMALLEST_PX, _LARGEST_PX = 240, 2400
-_WIDEST_PX = 8192
-_LARGEST_FILE = 256 * 2**20  # bytes
+_WIDEST_PX = 8192  # widest picture, pixels, which bounds memory
+_LARGEST_FILE = 256 * 2**20  # bytes: a larger file is refused before it is read into memory
 
 
 def show(

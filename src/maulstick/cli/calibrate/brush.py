@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from maulstick.robot.easel import Easel
 
-_FEWEST, _MOST = 5, 1000
-_PHOTOGRAPHS = ("each", "one")
+_FEWEST, _MOST = 5, 1000  # strokes: fewer tell too little of a brush, more take hours
+_PHOTOGRAPHS = ("each", "one")  # a photograph after each stroke, or one at the end
 
 
 def brush(

@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from maulstick.recording.mocap.contact import ContactOptions
 
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
-_LONGEST_PEN = 2.0  # metres
+"""Directions by name, in the frame of the pen's rigid body."""
+
+_LONGEST_PEN = 2.0  # metres: beyond, the unit is probably wrong
 _SECONDS = {"ms": 1e-3, "s": 1.0}
+"""Seconds per unit of time."""
 
 MERGE, SHORTEST = "20ms", "30ms"
 """What `ContactOptions` has by default, which loads scipy."""

@@ -59,7 +59,7 @@ class Operator(ABC):
 
     @abstractmethod
     def wants_a_look(self) -> bool:
-        """Return whether the operator wants a photograph now, and clear the wish; called after each stroke."""
+        """Return whether the operator asks for a photograph now, once per request; called after each stroke."""
 
     @final
     @contextmanager

@@ -20,7 +20,7 @@ from maulstick.robot.simulated.sheets import MyPaintSheet, sheet_for
 from maulstick.robot.tray import Tray
 from maulstick.storage.files import atomic_write
 
-_FINE = 6000  # pixels per metre of the simulated sheet: six across the line of a fineliner
+_FINE = 6000  # pixels per metre of the simulated sheet: two across the thinnest line, that of a fineliner
 _MOST_PX = 2048  # longest side of the simulated sheet, which bounds memory and time
 _PACES = {"sim": (float("inf"), WEIGHTLESS), "sim:real": (1.0, ARM)}
 """Pace, in times of real time, and limits of each simulated machine."""
