@@ -134,5 +134,5 @@ def test_what_compares_with_a_picture_is_refused_without_one(name: str) -> None:
 
 
 def test_a_network_that_cannot_read_is_refused_a_text() -> None:
-    with refused("seeing cannot read; a text needs CLIP: name a model with --clip"):
+    with refused("seeing cannot read; a text needs CLIP: name a model with clip"):
         losses_of(LossOptions("a boat"), WITHOUT_PICTURE, SeeingNetwork)

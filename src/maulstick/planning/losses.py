@@ -26,7 +26,7 @@ _HEAVIEST = 1000  # largest weight: beyond, no other term counts, and float32 ma
 
 @dataclass(frozen=True)
 class LossOptions:
-    """What a painting should look like, beside its picture.
+    """Options of the loss: what a painting should look like, beside its picture.
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
     weights: of the terms by name, 1 for the usual strength; `weights_of_terms` says what holds for those left out.
@@ -65,7 +65,7 @@ class LossOptions:
 
 @dataclass(frozen=True)
 class Reference:
-    """What terms compare the canvas with.
+    """Images that the terms compare the canvas with.
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
     one_ink: whether the painting has one ink, whose greys are made of the distance between lines.

@@ -28,10 +28,8 @@ from maulstick.storage.arrays import Bools
 
 _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
 _STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
-_COST_SAMPLES = 256  # strokes, at least, whose mean cost counts as usual for the style: a steady mean
-_RELOCATED_SHARE = (
-    0.1  # share of the strokes that one relocation moves: a few at a time, since each move changes the rest
-)
+_COST_SAMPLES = 256  # strokes, about, whose mean cost counts as usual for the style: enough for a steady mean
+_RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, since each move changes the rest
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
 

@@ -84,7 +84,7 @@ NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
 
 @dataclass(frozen=True)
 class PlanningProblem:
-    """What is to be painted, and with what.
+    """Problem of a planner: what is to be painted, and with what.
 
     target: (3, H, W) of the canvas' pixels, sRGB in [0, 1], or None where there is no picture.  paper: (3, H, W), what
     is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the

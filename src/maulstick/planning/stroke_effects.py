@@ -18,7 +18,7 @@ _PROBES = 8  # random signs per estimate of curvature, one backward pass each: e
 
 @dataclass(frozen=True)
 class TargetView:
-    """How a canvas is compared with the target (C, H, W).
+    """View of the target (C, H, W), with which a canvas is compared.
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
     """

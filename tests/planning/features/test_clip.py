@@ -195,7 +195,7 @@ def test_weights_that_there_are_not_are_refused_with_those_that_there_are() -> N
 
 
 def test_a_model_without_published_weights_needs_a_file(weights: dict[str, Path]) -> None:
-    with pytest.raises(InputError, match=r"nobody publishes weights of tiny-resnet; give .* with --clip-weights"):
+    with pytest.raises(InputError, match=r"nobody publishes weights of tiny-resnet; give .* with clip_weights"):
         Clip.load("tiny-resnet")
 
 
