@@ -1,4 +1,4 @@
-"""How near a fitted brush comes to real strokes, and how long the fit takes, as one JSON object a line.
+"""How near a fitted brush comes to real strokes, and how long the fit takes, as one JSON object per line.
 
     .venv/bin/python benchmarks/brush.py           # all tables
     .venv/bin/python benchmarks/brush.py models    # one of models, fit, photographs

@@ -1,4 +1,4 @@
-"""How true the simulated webcam's photographs become: one JSON object a line, the mean over three cameras.
+"""How true the simulated webcam's photographs become: one JSON object per line, the mean over three cameras.
 
     .venv/bin/python benchmarks/camera.py
 

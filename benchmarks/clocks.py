@@ -15,7 +15,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not i
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.franka_simulator import SECONDS_PER_STEP, FrankaSimulator
 
-SPEED = 0.05  # metres a second
+SPEED = 0.05  # metres per second
 SERVO = Pen(up=500, down=700, seconds=0.2)
 BEFORE_AN_ARM = Easel(corner=(0.42, 0.08, 0.35), right=(1, 0, 0), down=(0, -1, 0), deepest=2e-3)
 

@@ -1,7 +1,7 @@
 """How few calls of a network do, for `plan.py --objective network`.
 
-Three plans of 400 strokes at 256 pixels, with the same brush, style and paints, are judged by the same network
-through the same 16 views, which none of them was led by:
+Three plans of 400 strokes at 256 pixels, with the same brush, style and paints, are compared by the same network
+through the same 16 views, which none of them was planned with:
 
 plain: the published way: strokes begin anywhere, RMSprop, a rate that rises and falls, 2,000 steps, and at each of them
     the network is asked through two of 32 views.
@@ -84,15 +84,15 @@ class Counted(NetworkLoss):
 def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
     """A row, and of each way the loss after so many calls."""
     options = PlannerSettings(exact=True, steps=STEPS, ask_every=EVERY)
-    asked = _problem(image, options, EfficientNetLite0())
-    assert asked.target is not None
-    unseen = random_views(EXAM, *asked.weights.shape, Generator().manual_seed(1))
-    exam = Likeness(EfficientNetLite0(), asked.target, unseen, torch.ones(3))
+    problem = _problem(image, options, EfficientNetLite0())
+    assert problem.target is not None
+    unseen = random_views(EXAM, *problem.weights.shape, Generator().manual_seed(1))
+    exam = Likeness(EfficientNetLite0(), problem.target, unseen, torch.ones(3))
     row: Row = {"name": "few_calls", "image": image, "network": EfficientNetLite0().name, "strokes": options.strokes}
     curves: dict[str, Curve] = {}
     for name, way in {"few_calls": _few, "plain": _plain, "warm": _warm}.items():
         prefix = "" if name == "few_calls" else f"{name}_"
-        network_loss, curve, examining = Counted(asked.network_losses[0].term), [], Stopwatch()
+        network_loss, curve, examining = Counted(problem.network_losses[0].term), [], Stopwatch()
 
         def seen(
             canvas: Tensor, network_loss: Counted = network_loss, curve: Curve = curve, watch: Stopwatch = examining
@@ -102,11 +102,11 @@ def few_calls(image: str) -> tuple[Row, dict[str, Curve]]:
 
         planning = Stopwatch()
         with planning:
-            network_losses = (Weighted(network_loss, asked.network_losses[0].weight),)
-            planned = way(PlanningProblem(**{**vars(asked), "network losses": network_losses}), options, seen)
+            network_losses = (Weighted(network_loss, problem.network_losses[0].weight),)
+            planned = way(PlanningProblem(**{**vars(problem), "network_losses": network_losses}), options, seen)
         row[f"{prefix}calls"] = network_loss.calls
         row[f"{prefix}seconds"] = round(planning.seconds - examining.seconds, 1)
-        seen(_rendered(asked, planned))
+        seen(_rendered(problem, planned))
         row[f"{prefix}loss"] = round(curve[-1][1], 4)
         curves[name] = curve
     return row, curves
@@ -120,12 +120,12 @@ def few_calls_time(image: str) -> Row:
     model = open_clip.create_model("ViT-B-32", pretrained=None)
     shown = open_clip.get_model_preprocess_cfg(model)
     network = Clip("random ViT-B-32", model, open_clip.get_tokenizer("ViT-B-32"), shown, None)
-    asked = _problem(image, options, network)
-    network_loss = Counted(asked.network_losses[0].term)
+    problem = _problem(image, options, network)
+    network_loss = Counted(problem.network_losses[0].term)
     started = time.perf_counter()
-    plan(PlanningProblem(**{**vars(asked), "network losses": (Weighted(network_loss, 1.0),)}), options)
+    plan(PlanningProblem(**{**vars(problem), "network_losses": (Weighted(network_loss, 1.0),)}), options)
     seconds, calls = time.perf_counter() - started, network_loss.calls
-    canvas = asked.paper.clone().requires_grad_()
+    canvas = problem.paper.clone().requires_grad_()
     started = time.perf_counter()
     network_loss.losses(canvas, list(range(AT_ONCE))).sum().backward()
     plain = STEPS * (time.perf_counter() - started)
@@ -139,7 +139,7 @@ def _problem(image: str, options: PlannerSettings, network: Network) -> Planning
     return problem_of(layout, BRUSH, style, options, LIKENESS, lambda: network)
 
 
-def _few(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
+def _few(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
     steps = count()
 
     def watch(progress: PlanProgress) -> bool:
@@ -147,38 +147,39 @@ def _few(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanRe
             seen(progress.canvas)
         return True
 
-    return plan(asked, options, watch)
+    return plan(problem, options, watch)
 
 
-def _plain(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
+def _plain(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
     torch_rng = Generator().manual_seed(options.seed)
-    start = anywhere(asked, options.strokes, torch_rng)
-    return _plainly(asked, start, lambda canvas: _said(asked, canvas, torch_rng), seen)
+    start = anywhere(problem, options.strokes, torch_rng)
+    return _plainly(problem, start, lambda canvas: _said(problem, canvas, torch_rng), seen)
 
 
-def _warm(asked: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
-    torch_rng, tone, network_loss = Generator().manual_seed(options.seed), asked.objectives[0], asked.network_losses[0]
-    start, _ = Initialiser(asked, options, np.random.default_rng(options.seed), torch_rng).first()
+def _warm(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
+    torch_rng = Generator().manual_seed(options.seed)
+    tone, network_loss = problem.objectives[0], problem.network_losses[0]
+    start, _ = Initialiser(problem, options, np.random.default_rng(options.seed), torch_rng).first()
 
     def loss(canvas: Tensor) -> Tensor:
-        return tone.weight * tone.term.loss(canvas, 1.0) + network_loss.weight * _said(asked, canvas, torch_rng)
+        return tone.weight * tone.term.loss(canvas, 1.0) + network_loss.weight * _said(problem, canvas, torch_rng)
 
-    return _plainly(asked, start, loss, seen)
+    return _plainly(problem, start, loss, seen)
 
 
 def _plainly(
-    asked: PlanningProblem, start: StrokeParameters, loss: Callable[[Tensor], Tensor], seen: Seen
+    problem: PlanningProblem, start: StrokeParameters, loss: Callable[[Tensor], Tensor], seen: Seen
 ) -> PlanResult:
     def watch(step: int, _: float, canvas: Tensor) -> None:
         if step % EXAMINED_EVERY == 0:
             seen(canvas)
 
-    return plan_plainly(asked, start, loss, steps=STEPS, even_pressure=False, watch=watch)
+    return plan_plainly(problem, start, loss, steps=STEPS, even_pressure=False, watch=watch)
 
 
-def _said(asked: PlanningProblem, canvas: Tensor, torch_rng: Generator) -> Tensor:
+def _said(problem: PlanningProblem, canvas: Tensor, torch_rng: Generator) -> Tensor:
     """What the network loss says through a few of its views."""
-    network_loss = asked.network_losses[0].term
+    network_loss = problem.network_losses[0].term
     return network_loss.losses(
         canvas, torch.randperm(network_loss.views, generator=torch_rng)[:AT_ONCE].tolist()
     ).mean()
@@ -189,7 +190,7 @@ def _examined(canvas: Tensor, exam: NetworkLoss) -> float:
     return float(exam.losses(canvas, range(exam.views)).mean())
 
 
-def _rendered(asked: PlanningProblem, planned: PlanResult) -> Tensor:
-    stroke_canvas = StrokeCanvas(planned.strokes, asked.paper, asked.canvas, asked.brush, asked.style)
+def _rendered(problem: PlanningProblem, planned: PlanResult) -> Tensor:
+    stroke_canvas = StrokeCanvas(planned.strokes, problem.paper, problem.canvas, problem.brush, problem.style)
     stroke_canvas.paints, stroke_canvas.paint_of = planned.paints, planned.paint_of
     return stroke_canvas.render().detach()

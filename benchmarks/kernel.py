@@ -1,6 +1,6 @@
-"""Time and memory of the fast kernels: one JSON object a line, every key in every row, null where it does not apply.
+"""Time and memory of the fast kernels: one JSON object per line, every key in every row, null where it does not apply.
 
-    python benchmarks/kernel.py [--device cuda]
+    .venv/bin/python benchmarks/kernel.py [--device cuda]
 
 device: where it is drawn. On a GPU only 400 strokes at 256 pixels and 4000 at 1024 are; times end when it is done.
 strokes, points, px, half_width: what is drawn; strokes are arcs of 0.19 of the side, half_width is a fraction of the
@@ -144,7 +144,7 @@ def time_of(row: Row, device: torch.device) -> dict[str, float | None]:
 
 
 def bandwidth_of(device: torch.device) -> float:
-    """Bytes a second, read and written."""
+    """Bytes per second, read and written."""
     source = torch.zeros(2**28, device=device)
     target = torch.empty_like(source)
     seconds = []

@@ -1,10 +1,10 @@
-"""How well and how fast pictures are planned: one JSON object a line.
+"""How well and how fast pictures are planned: one JSON object per line.
 
-    python benchmarks/plan.py [--large | --scaling | --objective network [IMAGE ...] [--plot FILE.png]]
+    .venv/bin/python benchmarks/plan.py [--large | --scaling | --objective network [IMAGE ...] [--plot FILE.png]]
 
 name: `plan` is Maulstick's way with tones alone, `likeness` with what a network sees beside them. `paper` is the
-    published one at the same budget of steps: strokes begin anywhere, one scale, no order and no respending, colours
-    free until the last tenth; its paints are changed at nearly every stroke.
+    published one at the same budget of steps: strokes begin anywhere, one scale, no order, useless strokes stay,
+    colours free until the last tenth; its paints are changed at nearly every stroke.
 image: a photograph in the scikit-image package, laid out 160 mm high; `horse` is a black shape on white paper.
 px: its height in pixels while planned.
 seconds: of planning alone, in a process that has planned a little before.  peak_mib: resident, of the whole process.
@@ -142,7 +142,7 @@ def in_its_own_process(measured: Callable[..., Row], *arguments: object) -> None
 
 
 def network_rows(images: list[str], plot: Path | None) -> None:
-    """Print rows about calls of a network, and draw the loss after so many calls, a panel an image."""
+    """Print rows about calls of a network, and draw the loss after so many calls, one panel per image."""
     curves = {}
     for image in images:
         row, curves[image] = few_calls(image)

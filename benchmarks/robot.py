@@ -1,4 +1,4 @@
-"""How machines paint: the order of strokes beside vpype's linesort, and their time; one JSON object a line.
+"""How machines paint: the order of strokes beside vpype's linesort, and their time; one JSON object per line.
 
     .venv/bin/python benchmarks/robot.py [--quick]
 
@@ -107,7 +107,7 @@ def colours(painting: Painting, name: str) -> Row:
 
 
 def mixed(painting: Painting) -> Painting:
-    """The same strokes in an order left to chance."""
+    """The same strokes in a random order."""
     order = np.random.default_rng(0).permutation(len(painting.strokes))
     return painting.model_copy(update={"strokes": tuple(painting.strokes[i] for i in order)})
 
@@ -133,7 +133,7 @@ def rows(sizes: tuple[int, ...]) -> Iterator[Row]:
 
 
 if __name__ == "__main__":
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--quick", action="store_true")
-    for row in rows(SIZES[:1] if words.parse_args().quick else SIZES):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true")
+    for row in rows(SIZES[:1] if parser.parse_args().quick else SIZES):
         print(json.dumps({k: round(x, 3) if isinstance(x, float) else x for k, x in row.items()}), flush=True)

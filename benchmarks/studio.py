@@ -1,4 +1,4 @@
-"""How quick the studio's page is, by itself and while a plan is made: one JSON object a line.
+"""How quick the studio's page is, by itself and while a plan is made: one JSON object per line.
 
     .venv/bin/python benchmarks/studio.py
 

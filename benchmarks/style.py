@@ -1,4 +1,4 @@
-"""How like a hand its style draws, as one JSON object a line.
+"""How like a hand its style draws, as one JSON object per line.
 
     .venv/bin/python benchmarks/style.py                  # all tables
     .venv/bin/python benchmarks/style.py recognition      # one of reconstruction, few_shot, recognition

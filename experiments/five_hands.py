@@ -1,4 +1,4 @@
-"""Paint one photograph in five of the built-in styles, side by side: the picture in the README.
+"""Plan one photograph in five of the built-in styles, side by side: the picture in the README.
 
 .venv/bin/python experiments/five_hands.py five-hands.jpg
 """
@@ -16,13 +16,13 @@ SIDE = 480
 
 
 def main(out: str) -> None:
-    """Paint all, one after another, and save them as one picture."""
+    """Plan all, one after another, and save them as one picture."""
     maulstick = Path(sys.executable).with_name("maulstick")
     together = Image.new("RGB", (SIDE * len(STYLES), SIDE), "white")
     with TemporaryDirectory() as folder:
         for column, style in enumerate(STYLES):
             painted = Path(folder) / style
-            subprocess.run([maulstick, "paint", "--demo", "--style", style, *OPTIONS, "--out", painted], check=True)
+            subprocess.run([maulstick, "plan", "--demo", "--style", style, *OPTIONS, "--out", painted], check=True)
             with Image.open(painted / "preview.png") as preview:
                 together.paste(preview.resize((SIDE, SIDE), Image.Resampling.LANCZOS), (SIDE * column, 0))
     together.save(out, quality=88)

@@ -1,4 +1,4 @@
-"""FRIDA's way beside ours, from the words of the papers alone: its stroke, and how it plans.
+"""FRIDA's method next to ours, written from the papers alone: its stroke, and how it plans.
 
 Source: Spline-FRIDA, Background, and Painting and Drawing Planning, which say how FRIDA works.
 """
@@ -27,11 +27,11 @@ from maulstick.style.pressure import KNOTS
 RATES = {"codes": 0.02, "centres": 0.004, "angles": 0.08, "pressure_knots": 0.04, "colours": 0.02}
 """At the peak, found by search: halves and doubles do worse. centres: in heights of the sheet."""
 MIXED = 0.9
-"""How much of the steps is over when colours become paints."""
+"""Share of the steps after which colours become paints."""
 STEEPNESS = 4.0
-"""Of a curve's numbers over its code; so that our planner's steps suit codes."""
+"""Steepness of a curve's numbers over its code, so that our planner's steps suit codes."""
 EVEN = 1e4
-"""What an uneven pressure costs: enough for our planner to press a stroke evenly, as FRIDA can only do."""
+"""Cost of an uneven pressure: enough for our planner to draw each stroke at one pressure, as FRIDA always does."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Bezier(Style):
 
     @property
     def hash(self) -> str:
-        """Of all that decoding depends on."""
+        """Hash of everything that decoding depends on."""
         return hashlib.sha256(f"{self!r} {STEEPNESS} {POINTS}".encode()).hexdigest()[:16]
 
     def encode(self, paths: Tensor) -> Tensor:
@@ -87,12 +87,12 @@ class Bezier(Style):
         return EVEN * uneven.square().sum(dim=1) - shares.sum(dim=1)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
-        """Nobody's."""
+        """Return None: these curves have no recorded speeds."""
         return None
 
 
 def anywhere(problem: PlanningProblem, count: int, generator: Generator) -> StrokeParameters:
-    """Strokes of the style at random: places, directions, press and colours."""
+    """Return strokes of the style at random: places, directions, pressure and colours."""
     codes, pressure_knots = problem.style.sample(count, generator)
     size = torch.tensor([problem.canvas.width, problem.canvas.height])
     return StrokeParameters(
@@ -131,7 +131,7 @@ def plan_plainly(
 ) -> PlanResult:
     """Plan by RMSprop over all numbers of all strokes, whose rate rises and falls once.
 
-    loss: of the canvas (C, H, W), asked at every step; the commission's objectives and network losses are not.
+    loss: of the canvas (C, H, W), evaluated at every step; the problem's own objectives and network losses are not.
     paints: how many to mix of the colours when a tenth of the steps is left; with None strokes keep the colours that
     they start with, as with one ink.  seed: of the mixing.  watch: gets the step, its loss and the canvas.
     even_pressure: the pressure of a stroke is one number, as FRIDA's is.

@@ -10,7 +10,7 @@ metres: drawn in all. Hands keep their own lengths, so that 400 strokes are more
 psnr, ssim: of the painting as its file orders it against the photograph.
 energy, told_apart: for each hand, of the plan's strokes against the hand's own: energy distance between descriptions
     (`style.compare.describe`, standardised over all strokes of the built-in hands), 0 where they are alike; and how
-    often a nearest neighbour tells them apart, 0.5 being chance. Learned styles have seen these strokes, Bézier curves
+    often a nearest neighbour tells them apart; 0.5 is guessing. Learned styles have seen these strokes, Bézier curves
     have not. The rows named `hand` compare one half of a hand with the other: what is best to be hoped for.
 """
 
@@ -78,7 +78,7 @@ def _apart(drawn: Floats, hand: Floats, rng: np.random.Generator) -> tuple[float
 
 def _by_metric(apart: dict[str, tuple[float, float]]) -> dict[str, dict[str, float]]:
     metrics = zip(("energy", "told_apart"), zip(*apart.values(), strict=True), strict=True)
-    return {figure: dict(zip(apart, np.round(each, 3).tolist(), strict=True)) for figure, each in metrics}
+    return {metric: dict(zip(apart, np.round(each, 3).tolist(), strict=True)) for metric, each in metrics}
 
 
 def paint(way: str, layout: Layout, options: PlannerSettings) -> Painting:

@@ -96,7 +96,7 @@ def draw_all(wanted: list[tuple[str, ...]], quick: bool) -> list[list[Pixels]]:
             out = Path(folder) / f"{number}-{style}"
             options = ["--brush", BRUSH, "--ink", "black", "--size", size, "--fit", "cover", "--style", style]
             effort = ["--strokes", str(STROKES[style]), "--steps", str(QUICK_STEPS if quick else STEPS)]
-            subprocess.run([maulstick, "paint", *arguments, *options, *effort, "--out", out], check=True)
+            subprocess.run([maulstick, "plan", *arguments, *options, *effort, "--out", out], check=True)
             with Image.open(out / "preview.png") as preview:
                 return np.asarray(preview.convert("RGB"), dtype=np.float32) / 255
 

@@ -49,7 +49,7 @@ def mypaint_trials(
 ) -> tuple[list[Trial], float]:
     """`count` strokes of these styles, drawn by libmypaint in the middle of small sheets, and pixels per metre.
 
-    radius: metres, of the medium, or that of the experiment.  side: metres, of a sheet.  speed: metres a second.
+    radius: metres, of the medium, or that of the experiment.  side: metres, of a sheet.  speed: metres per second.
     """
     finer = Canvas(side, side, SIDE_PX * _FINER / side)
     trials = []

@@ -61,7 +61,7 @@ ROOM = 0.3
 """Metres: what a sheet of strokes to learn from needs at least."""
 
 INK, FLAT = 8000.0, 5000.0
-"""Pixels a metre of the simulated sheet, finer than any photograph, and of photographs that are made flat."""
+"""Pixels per metre of the simulated sheet, finer than any photograph, and of photographs that are made flat."""
 
 
 @dataclass(frozen=True)
@@ -104,11 +104,11 @@ QUICK = Trial(0.10, 160, 120, 300, 40, 40)
 
 def main() -> None:
     """Print a line for each medium and stage."""
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--quick", action="store_true", help="a small canvas, in a few minutes")
-    words.add_argument("--out", type=Path, default=Path("sim-to-real"))
-    words.add_argument("--medium", choices=sorted(TOOLS), nargs="*", default=sorted(TOOLS))
-    asked = words.parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="a small canvas, in a few minutes")
+    parser.add_argument("--out", type=Path, default=Path("sim-to-real"))
+    parser.add_argument("--medium", choices=sorted(TOOLS), nargs="*", default=sorted(TOOLS))
+    asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     for name in asked.medium:
         study = Study(name, QUICK if asked.quick else WHOLE, asked.out)

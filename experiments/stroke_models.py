@@ -1,8 +1,8 @@
-"""The paper's table of stroke models, and its figure, with the extended model beside: JSON objects, one a line.
+"""The paper's table of stroke models, and its picture, with the extended model beside: one JSON object per line.
 
-    .venv/bin/python experiments/stroke_models.py                              # all media, 60 s a training
+    .venv/bin/python experiments/stroke_models.py                              # all media, 60 s per training
     .venv/bin/python experiments/stroke_models.py --dataset sharpie --seconds 10
-    .venv/bin/python experiments/stroke_models.py --figure measured/stroke_models.png
+    .venv/bin/python experiments/stroke_models.py --plot measured/stroke_models.png
 
 Sharpie: the robot's 330 strokes, each predicted by a model of the other four of five random folds; dots stay in. Out of
 distribution: trained with the half that bends least, tested with the third that bends most, where bend is the largest
@@ -18,7 +18,7 @@ l1_out_of_distribution, l1_out_of_distribution_registered: the same of strokes o
 spread: standard deviations of these four over the seeds; null for a single one.
 parameters: trained numbers, the mean of all trainings. For the brushes they are the paper's seven and those of what was
     added; the darkness of the ink, which the paper takes as known, is not one.
-seconds: of one training, the mean.  seeds: how many; a brush is fitted without chance, so once.
+seconds: of one training, the mean.  seeds: how many; the fit of a brush is not random, so once.
 window_m2: what one image shows. The paper's errors are means over a canvas, ours over this window.
 
 The networks keep 15 % of what they are trained with to decide when to stop.
@@ -56,13 +56,13 @@ DATASETS = ("sharpie", *RADIUS)
 NETWORKS = {"cnn": train_cnn, "coordconv": train_coordconv, "traj2stroke_unet": train_traj2stroke_unet}
 BRUSHES: dict[str, tuple[str, ...]] = {"traj2stroke": (), "extended": ADDITIONS}
 MODELS = ("cnn", "coordconv", "traj2stroke", "traj2stroke_unet", "extended")
-FIGURES = ("l1", "l1_registered", "l1_out_of_distribution", "l1_out_of_distribution_registered")
+METRICS = ("l1", "l1_registered", "l1_out_of_distribution", "l1_out_of_distribution_registered")
 
 FOLDS, VALIDATION = 5, 0.15
 TRAINED, HELD_OUT, UNSEEN = 240, 60, 150
 SPECK, SPECK_APART, SPECK_EDGE = 0.15, 2.5e-3, 2  # darkness, metres, pixels
 SHOWN = {"sharpie": slice(3), "brush": slice(2), "acrylic": slice(2, 3)}
-"""Which strokes of a dataset the figure shows, of those out of distribution, the most strongly bent first."""
+"""Which strokes of a dataset the plot shows, of those out of distribution, the most strongly bent first."""
 
 
 @dataclass(frozen=True)
@@ -109,14 +109,14 @@ class Trained:
 
 @dataclass
 class Errors:
-    """Of all strokes tested so far: means over their images, in the order of FIGURES."""
+    """Of all strokes tested so far: means over their images, in the order of METRICS."""
 
     trained: list[Trained] = field(default_factory=list)
-    each: dict[str, list[Tensor]] = field(default_factory=lambda: {name: [] for name in FIGURES})
+    each: dict[str, list[Tensor]] = field(default_factory=lambda: {name: [] for name in METRICS})
 
     def means(self) -> list[float]:
-        """In the order of FIGURES."""
-        return [float(torch.cat(self.each[name]).mean()) for name in FIGURES]
+        """In the order of METRICS."""
+        return [float(torch.cat(self.each[name]).mean()) for name in METRICS]
 
 
 def splits_of(dataset: str) -> list[Split]:
@@ -202,7 +202,7 @@ def measure(model: str, splits: list[Split], *, seed: int, seconds: float) -> Er
     for split in splits:
         trained = train(model, split.train, seed=seed, seconds=seconds)
         errors.trained.append(trained)
-        for data, plain, registered in ((split.inside, *FIGURES[:2]), (split.outside, *FIGURES[2:])):
+        for data, plain, registered in ((split.inside, *METRICS[:2]), (split.outside, *METRICS[2:])):
             if data is not None:
                 drawn, truth, weights = trained.draw(data.examples.paths), data.examples.darkness, data.examples.weights
                 errors.each[plain].append((weights * (drawn - truth).abs()).mean(dim=(1, 2)))
@@ -223,7 +223,7 @@ def table(datasets: tuple[str, ...], *, seconds: float, seeds: int) -> Iterator[
                 "name": "stroke_models",
                 "dataset": dataset,
                 "model": model,
-                **dict(zip(FIGURES, means.mean(axis=0).round(6).tolist(), strict=True)),
+                **dict(zip(METRICS, means.mean(axis=0).round(6).tolist(), strict=True)),
                 "spread": means.std(axis=0, ddof=1).round(6).tolist() if len(runs) > 1 else None,
                 "parameters": round(float(np.mean([one.parameters for one in trained]))),
                 "seconds": round(float(np.mean([one.seconds for one in trained])), 1),
@@ -233,7 +233,7 @@ def table(datasets: tuple[str, ...], *, seconds: float, seeds: int) -> Iterator[
             yield record, errors[0].trained[-1], splits[-1].outside
 
 
-def figure(drawn: dict[tuple[str, str], Tensor]) -> bytes:
+def plot(drawn: dict[tuple[str, str], Tensor]) -> bytes:
     """A PNG: a row for each unseen stroke, a column for the truth and each model, of darkness by dataset and column."""
     columns, datasets = ("truth", *MODELS), list(dict.fromkeys(dataset for dataset, _ in drawn))
     rows = [(dataset, i) for dataset in datasets for i in range(len(drawn[dataset, "truth"]))]
@@ -256,12 +256,12 @@ def figure(drawn: dict[tuple[str, str], Tensor]) -> bytes:
 
 
 def main() -> None:
-    """Print the table, and write the figure if it is asked for."""
+    """Print the table, and write the plot if it is asked for."""
     parser = argparse.ArgumentParser(description="The paper's table of stroke models.")
     parser.add_argument("--dataset", choices=DATASETS, help="only this one")
     parser.add_argument("--seconds", type=float, default=60, help="for one training of a network")
     parser.add_argument("--seeds", type=int, default=1, help="trainings of each network")
-    parser.add_argument("--figure", type=Path, help="where to draw six unseen strokes; not to be committed")
+    parser.add_argument("--plot", type=Path, help="where to draw six unseen strokes; not to be committed")
     asked = parser.parse_args()
     torch.set_num_threads(1)
     drawn = {}
@@ -269,14 +269,14 @@ def main() -> None:
     for record, model, other in table(datasets, seconds=asked.seconds, seeds=asked.seeds):
         print(json.dumps(record), flush=True)
         dataset = record["dataset"]
-        if asked.figure and dataset in SHOWN:
+        if asked.plot and dataset in SHOWN:
             most_bent = bend(other.examples.paths).argsort(descending=True)[SHOWN[dataset]]
             unseen = other.examples.pick(most_bent)
             drawn[dataset, "truth"] = unseen.darkness * unseen.weights
             drawn[dataset, record["model"]] = model.draw(unseen.paths)
-    if asked.figure:
-        asked.figure.parent.mkdir(parents=True, exist_ok=True)
-        atomic_write(asked.figure, figure(drawn))
+    if asked.plot:
+        asked.plot.parent.mkdir(parents=True, exist_ok=True)
+        atomic_write(asked.plot, plot(drawn))
 
 
 if __name__ == "__main__":

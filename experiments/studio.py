@@ -3,7 +3,7 @@
     .venv/bin/python experiments/studio.py docs
 
 The hand that is drawn is the built-in one called cursive, traced with the browser's pen; the two machines' drawings in
-the survey are answered by chance.
+the survey are answered at random.
 """
 
 import re
@@ -35,7 +35,7 @@ PARTICIPANTS = 40
 
 
 def strokes() -> Iterator[tuple[list[tuple[float, float]], list[float]]]:
-    """Places as shares of the sheet, and presses."""
+    """Places as shares of the sheet, and pressures."""
     paths = read_style(style_path("cursive")).hand.paths[:STROKES]
     for number, path in enumerate(paths):
         middle = (np.array([number % COLUMNS, number // COLUMNS]) + 0.5) / [COLUMNS, ROWS]
@@ -125,7 +125,7 @@ def paint(page: Page, url: str, out: Path) -> None:
 
 
 def ask(studio: RunningStudio, page: Page, out: Path) -> None:
-    """People, who answer by chance, about the two plans."""
+    """People, who answer at random, about the two plans."""
     plans, pictures = studio.folder / "plans", studio.folder / "pictures"
     looks = plans / "portrait" / "preview.png", plans / "portrait-2" / "preview.png"
     hands = [

@@ -85,7 +85,7 @@ def fit(
 
     rates: the highest learning rate of each trained part of the network; other parts stay as they are.
     warm_up: the share of the time for which the loss is cross-entropy, which leaves blank paper where L1 stays on it.
-    shift: how many pixels a stroke and its image are moved at most, anew each time they are shown.
+    shift: how many pixels a stroke and its image are moved at most, at random each time they are shown.
     """
     start = time.perf_counter()
     parts = [network.get_submodule(name) for name in rates]

@@ -1,4 +1,4 @@
-"""The Wacom drawings (Apache-2.0, see NOTICE): whatever of other people's strokes ships is learned from these."""
+"""Wacom drawings (Apache-2.0, see NOTICE): all that ships and was learned from people is learned from these."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def each_drawing() -> list[tuple[str, Strokes]]:
         drawn = [stroke for stroke in drawn if len(stroke) > 3]
         places = np.concatenate(drawn)[:, :2]
         scale, origin = LONGER_SIDE / np.ptp(places, axis=0).max(), places.min(axis=0)
-        pressures = _presses(drawn)
+        pressures = _pressures(drawn)
         samples = [
             _finer(np.column_stack([stroke[:, 2] - stroke[0, 2], (stroke[:, :2] - origin) * scale, pressure]))
             for stroke, pressure in zip(drawn, pressures, strict=True)
@@ -46,8 +46,8 @@ def _of(strokes: list[NDArray[np.float64]], chosen: NDArray[np.bool_]) -> list[N
     return [stroke for stroke, wanted in zip(strokes, chosen, strict=True) if wanted]
 
 
-def _presses(drawn: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
-    """Press in [0, 1] of each sample of each stroke, from pressure or from the width of the ink."""
+def _pressures(drawn: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Pressure in [0, 1] of each sample of each stroke, from pressure or from the width of the ink."""
     pressure, width = (np.concatenate([stroke[:, column] for stroke in drawn]) for column in (3, 6))
     varying = np.isfinite(width) & (np.nanmax(width, initial=0) > np.nanmin(width, initial=np.inf))
     if np.isfinite(pressure).any():

@@ -171,7 +171,7 @@ def test_a_disk_that_is_full_while_journaling_stops_the_machine_with_the_pen_lif
         with patch("os.write", full), robot, pytest.raises(OutputError) as caught:
             execute(actions, robot, journal, lambda ask: None)
     assert str(caught.value) == (
-        f"cannot write {path}: No space left on device; mend that, and maulstick paint --resume goes on"
+        f"cannot write {path}: No space left on device; mend that; then go on with paint(..., resume=True)"
     )
     assert not robot.down
     assert robot.said.count("stroke") == robot.said.count("lift")
@@ -189,10 +189,10 @@ def test_a_disk_that_is_full_while_journaling_stops_the_machine_with_the_pen_lif
 
 
 FAULTS = {
-    "noise": r"there is noise on the line .*; check cable and ground, .* --resume",
-    "lost": r"went silent; check cable and power, then go on with .* --resume",
-    "silent": r"went silent; check cable and power, then go on with .* --resume",
-    "closed": r"went silent; check cable and power, then go on with .* --resume",
+    "noise": r"there is noise on the line .*; check cable and ground; then go on with paint\(\.\.\., resume=True\)",
+    "lost": r"went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
+    "silent": r"went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
+    "closed": r"went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
     "error:20": "with error 20: ",
     "ALARM:1": r"alarm 1: .*; home it with \$H before it draws again",
 }

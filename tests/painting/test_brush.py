@@ -145,9 +145,9 @@ def test_a_name_that_is_taken_is_refused_unless_it_may_be_overwritten(own: Path)
     assert BRUSHES.check_own_name("twig", overwrite=False) == "twig"
     write_brush(Brush.model_validate(GOOD), own / "twig.json")
     assert BRUSHES.check_own_name("twig", overwrite=True) == "twig"
-    with pytest.raises(OutputError, match=r"^there is a brush twig already; choose another --name"):
+    with pytest.raises(OutputError, match=r"^there is a brush twig already; choose another name"):
         BRUSHES.check_own_name("twig", overwrite=False)
-    with pytest.raises(InputError, match=r"^the brush round comes with Maulstick; choose another --name$"):
+    with pytest.raises(InputError, match=r"^the brush round comes with Maulstick; choose another name$"):
         BRUSHES.check_own_name("round", overwrite=True)
 
 

@@ -139,13 +139,13 @@ def test_a_server_that_falls_silent_ends_the_recording_and_loses_nothing(
         ({"version": (5, 0)}, "{} streams NatNet 5.0.0.0; it must be 3 or 4, those of Motive 2 and 3"),
         (
             {"names": ("A", "B")},
-            "there is no telling which is the canvas; name it (--sheet), a rigid body of exactly three markers, or "
+            "there is no telling which is the canvas; name it (canvas), a rigid body of exactly three markers, or "
             "let exactly three markers be loose: there are the rigid bodies 'A' (4 markers), 'B' (3 markers) and 0 "
             "loose markers",
         ),
         (
             {"names": ()},
-            "there is no telling which rigid body is the pen; name it (--pen): there are no rigid bodies and 3 loose "
+            "there is no telling which rigid body is the pen; name it (pen): there are no rigid bodies and 3 loose "
             "markers",
         ),
     ],
@@ -181,9 +181,9 @@ def test_stopping_before_the_first_frame_records_nothing(take: Take) -> None:
         ("", None, "'' is not the address of a server; write 192.168.1.5 or 192.168.1.5:1510"),
         ("127.0.0.1:70000", None, "'127.0.0.1:70000' is not the address of a server; write"),
         ("127.0.0.1:x", None, "'127.0.0.1:x' is not the address of a server; write"),
-        ("x" * 70, None, f"there is no machine '{'x' * 70}' to be found; check --server"),
-        ("127.0.0.1", "192.0.2.1", "'192.0.2.1' is not an address of this machine; leave out --local"),
-        ("127.0.0.1", "x" * 70, f"'{'x' * 70}' is not an address of this machine; leave out --local"),
+        ("x" * 70, None, f"there is no machine '{'x' * 70}' to be found; check server"),
+        ("127.0.0.1", "192.0.2.1", "'192.0.2.1' is not an address of this machine; leave out local"),
+        ("127.0.0.1", "x" * 70, f"'{'x' * 70}' is not an address of this machine; leave out local"),
     ],
 )
 def test_addresses_that_cannot_be_are_refused(server: str, local: str | None, text: str) -> None:

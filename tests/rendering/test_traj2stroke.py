@@ -78,7 +78,7 @@ def ink(brush: Brush, trajectory: Tensor, height: int, width: int, pixels_per_me
 
 
 def ink_of_a_line(brush: Brush, length: float, pressure: float) -> float:
-    """What the darkness of design §4 and §5 adds up to over a straight stroke, mm²: along its sides and two caps."""
+    """What the darkness of docs/equations.md adds up to over a straight stroke, mm²: along its sides and two caps."""
     h, c, q = brush.alpha * pressure + brush.beta, brush.falloff, brush.plateau
     across = q + (1 - q) / (c + 1)
     around = q**2 / 2 + (1 - q) / (c + 1) - (1 - q) ** 2 / (c + 2)
@@ -108,7 +108,7 @@ def test_placing_agrees_with_that_of_strokes_and_has_gradients() -> None:
 
 
 def test_a_mark_lies_where_the_design_says() -> None:
-    # Standardised (0.02, 0.01) turned by 90 degrees is (-0.01, 0.02); then m, b and the place: design §4.
+    # Standardised (0.02, 0.01) turned by 90 degrees is (-0.01, 0.02); then m, b and the place: docs/equations.md.
     path = torch.tensor([[[0.0, 0.0], [0.02, 0.01]]])
     placed = place(path, torch.tensor([[0.1, 0.05, math.pi / 2]]))
     commanded = torch.cat([placed, torch.full((1, 2, 1), 0.25)], dim=2)

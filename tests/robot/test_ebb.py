@@ -140,7 +140,8 @@ def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
 
 FAULTS = {
     "!5 Err: <axis1> step rate out of range.": r"refused 'SM,.*': 5 Err: <axis1> step rate out of range\.$",
-    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub, .* --resume",
+    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub; "
+    r"then go on with paint\(\.\.\., resume=True\)",
     "silent": r"the line to /dev/\S+ went silent; check cable and power; then go on with paint",
     "closed": r"the line to /dev/\S+ went silent",
 }

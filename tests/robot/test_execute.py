@@ -185,7 +185,8 @@ def test_a_disk_that_is_full_stops_the_machine_and_no_stroke_is_lost(tmp_path: P
         robot = Recorder()
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("os.write", write)
-            with robot, pytest.raises(OutputError, match=r"No space left on device; mend that, and maulstick paint"):
+            said = r"No space left on device; mend that; then go on with paint\(\.\.\., resume=True\)$"
+            with robot, pytest.raises(OutputError, match=said):
                 execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None)
     assert not robot.down
     strokes = robot.said.count("lift")

@@ -172,8 +172,9 @@ FAULTS = {
     "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with \$H before",
     "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it with \$X and check where its work origin",
     "ALARM:77": r"raised alarm 77: it does not say why; .* home it with \$H or unlock it with \$X",
-    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground, .* --resume",
-    "lost": r"the line to /dev/\S+ went silent; check cable and power, then go on with maulstick paint \.\.\. --resume",
+    "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; "
+    r"then go on with paint\(\.\.\., resume=True\)",
+    "lost": r"the line to /dev/\S+ went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)",
     "door": r"cannot draw: its safety door is open; close it",
     "Grbl 1.1h ['$' for help]": r"started again by itself; check its power, and home it with \$H",
 }
@@ -203,7 +204,8 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, p
 def test_a_line_that_breaks_says_how_to_go_on(fault: str) -> None:
     with FakeGrbl(faults={25: fault}) as device, Grbl(device.port, SERVO, patience=QUICK) as robot:
         robot.move(ABOVE)
-        with pytest.raises(MachineError, match=r"the line to /dev/\S+ went silent; check cable and power, .* --resume"):
+        said = r"the line to /dev/\S+ went silent; check cable and power; then go on with paint\(\.\.\., resume=True\)"
+        with pytest.raises(MachineError, match=said):
             robot.stroke(CIRCLE, SPEED)
 
 

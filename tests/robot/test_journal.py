@@ -101,7 +101,7 @@ def test_a_painting_that_was_changed_since_is_refused(path: Path, painting: Path
     with Journal.open(path) as journal, pytest.raises(InputError) as caught:
         journal.painting()
     assert str(caught.value) == (
-        f"{painting} is not the file that {path} was begun with; put that one back, or start again with --restart"
+        f"{painting} is not the file that {path} was begun with; put that one back, or start again with restart=True"
     )
 
 
@@ -146,7 +146,7 @@ def test_garbage_in_the_middle_is_refused_with_its_line(path: Path, garbage: byt
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join([*lines[:2], garbage + b"\n", *lines[2:]]))
     said = fault(path)
-    assert said == f"line 3 of {path} is not one of a journal; mend it, or start again with --restart"
+    assert said == f"line 3 of {path} is not one of a journal; mend it, or start again with restart=True"
 
 
 def test_a_journal_without_a_painting_is_refused(path: Path) -> None:
@@ -238,7 +238,7 @@ def test_a_full_disk_leaves_the_journal_as_it_was(
             patch.setattr(call, failing)
             with pytest.raises(OutputError) as caught:
                 journal.end(11)
-        assert str(caught.value) == f"cannot write {path}: {said}; mend that, and maulstick paint --resume goes on"
+        assert str(caught.value) == f"cannot write {path}: {said}; mend that; then go on with paint(..., resume=True)"
         assert path.read_bytes() == before
         assert (journal.painted, journal.unfinished) == ({10}, 11)
         journal.end(11)

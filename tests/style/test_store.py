@@ -172,11 +172,11 @@ def test_a_name_is_never_a_path(name: str, tmp_path: Path) -> None:
 
 def test_a_built_in_style_keeps_its_name_and_an_own_one_unless_told_otherwise(own: Path) -> None:
     built_in = next(iter(cards.STYLES.paths()))
-    with pytest.raises(InputError, match=f"the style {built_in} comes with Maulstick; choose another --name"):
+    with pytest.raises(InputError, match=f"the style {built_in} comes with Maulstick; choose another name"):
         cards.STYLES.check_own_name(built_in, overwrite=True)
     assert cards.STYLES.check_own_name("arcs", overwrite=False) == "arcs"
     store.write_style(an_exemplar(), "", own)
-    with pytest.raises(OutputError, match="there is a style arcs already; choose another --name, or add --overwrite"):
+    with pytest.raises(OutputError, match="there is a style arcs already; choose another name, or add overwrite"):
         cards.STYLES.check_own_name("arcs", overwrite=False)
     assert cards.STYLES.check_own_name("arcs", overwrite=True) == "arcs"
 

@@ -1,4 +1,4 @@
-"""How far results may be from the truth: one table, never loosened (design §6.10).
+"""How far results may be from the truth: one table, never loosened (CONTRIBUTING.md, Style).
 
 Values are darkness or colour, in [0, 1]; a gradient's error is a fraction of the largest entry of that same gradient.
 """

@@ -25,7 +25,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
     Raises InputError where the file is none of these, or both are given.
 
         >>> read_ink(drawing).summary()
-        '2 strokes, 40 mm, on 100 x 100 mm; without times and pressure'
+        '26 strokes, 1.01 m drawn on 100 x 100 mm, times not recorded, pressure not recorded'
     """
     if size is not None and longest is not None:
         raise InputError("size and longest cannot both be kept; give one of them")

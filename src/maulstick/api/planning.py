@@ -42,7 +42,7 @@ def plan(
     style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return.
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
-    (3, H, W)); planning ends early, with the strokes so far, once it returns False.
+    (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
 
     Raises InputError for a picture, an option or a file that cannot be used.
 

@@ -177,6 +177,9 @@ def load_brush(name: str) -> Brush:
     """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
     Raises InputError where there is no such brush, or the file is not one.
+
+        >>> load_brush("fineliner").pressure_matters
+        False
     """
     paths = BRUSHES.paths()
     if name not in paths and Path(name).suffix != ".json":

@@ -26,7 +26,7 @@ def begin(request: PlanRequest, out: Path) -> None:
     """Plan what is asked, and write it into the folder `out`."""
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
-        raise InputError("--video videos one canvas, and this one is planned in windows; leave it out, or --px smaller")
+        raise InputError("--video records one canvas, and this one is planned in windows; choose a smaller --px")
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced

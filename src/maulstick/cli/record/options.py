@@ -88,7 +88,7 @@ Plot = Annotated[
     typer.Option(
         metavar="FILE",
         show_default="NAME.contact.png",
-        help="Where the plot of heights goes, to network loss the threshold by.",
+        help="Where the plot of heights goes, to judge the threshold by.",
     ),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace files that are there.")]
