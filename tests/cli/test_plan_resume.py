@@ -131,7 +131,7 @@ def test_a_damaged_plan_is_refused(out: Path) -> None:
 def test_a_plan_of_another_version_is_refused(out: Path) -> None:
     file = out / "plan-0.npz"
     arrays = read_arrays(file, KIND)
-    arrays["task"] = np.array(str(arrays["task"]).replace('"steps":', '"leaps":'))
+    arrays["request"] = np.array(str(arrays["request"]).replace('"steps":', '"leaps":'))
     write_arrays(file, KIND, arrays)
     ran = run("plan", "--resume", out)
     assert ran.code == 2

@@ -1,4 +1,4 @@
-"""What goes wrong on the way: the machine stops with its pen lifted, nothing is lost, one sentence says what to do.
+"""Failures on the way: the machine stops with its pen lifted, nothing is lost, one sentence says what to do.
 
 Where that is seen at the command line without a camera, the tests are in tests/cli/paint/test_bad_days.py.
 """
@@ -51,12 +51,12 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def replan(*words: str) -> Ran:
-    return run("paint", "painting.json", "--replan", str(EVERY), "--picture", "picture.png", *words)
+def replan(*options: str) -> Ran:
+    return run("paint", "painting.json", "--replan", str(EVERY), "--picture", "picture.png", *options)
 
 
 def painted() -> list[int]:
-    """In order, by the journal."""
+    """Ids of the painted strokes in order, by the journal."""
     with Journal.open(Path("painting.log.jsonl")) as journal:
         assert journal.unfinished is None
         return sorted(journal.painted)
@@ -265,11 +265,11 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
 def test_two_calibrations_in_one_folder_do_not_draw_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     put_webcam(monkeypatch, unplug)
-    words = ("calibrate", "brush", "--name", "mine", "--strokes", "5", "--size", "100x80mm")
-    assert run(*words).code == 3
+    command = ("calibrate", "brush", "--name", "mine", "--strokes", "5", "--size", "100x80mm")
+    assert run(*command).code == 3
     path = Path("calibration/practice.log.jsonl")
     with Journal.open(path):
-        ran = run(*words)
+        ran = run(*command)
     assert (ran.code, ran.mistake) == (
         2, f"another maulstick paints by {path}; wait until it has finished, or stop it",
     )  # fmt: skip

@@ -3,7 +3,6 @@ from typing import NoReturn
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from maulstick.errors import InputError
 from maulstick.jobs.paint import camera_loop
@@ -16,8 +15,6 @@ from tests.support.nominal import nominal
 from tests.support.planned import PIXELS, SIDE, STROKES, picture, planned
 from tests.support.tolerances import FILE_METRES
 
-Image = NDArray[np.float32]
-
 WHITE = np.ones((PIXELS, PIXELS, 3), dtype=np.float32)
 PAINTED = {stroke.id for stroke in planned().strokes[:6]}
 QUICK = 12  # steps
@@ -29,7 +26,7 @@ def left_of(painting: Painting) -> list[Stroke]:
 
 @pytest.fixture(scope="module")
 def again() -> Painting:
-    """Planned again after six strokes, of which nothing is seen."""
+    """The painting planned again after six strokes, of which the photograph shows nothing."""
     return replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK)
 
 
@@ -69,7 +66,7 @@ def test_what_was_planned_again_can_be_written_read_and_planned_again(again: Pai
 
 
 def in_the_disc(strokes: list[Stroke]) -> int:
-    """How many have their middle on the picture's dark disc."""
+    """Return how many strokes have their middle on the picture's dark disc."""
     middles = np.array([np.mean(stroke.trajectory, axis=0)[:2] for stroke in strokes]) / SIDE
     return int((np.hypot(middles[:, 0] - 0.35, middles[:, 1] - 0.4) < 0.28).sum())
 
@@ -108,7 +105,7 @@ def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(mo
         canvases.append(layout.canvas)
         raise InterruptedError
 
-    monkeypatch.setattr(camera_loop, "commission_of", stop)
+    monkeypatch.setattr(camera_loop, "problem_of", stop)
     wide = {"sheet": Sheet(width=4 * SIDE, height=SIDE), "provenance": made_with(px=4000).provenance}
     for painting in (planned(), made_with(px=None), planned().model_copy(update=wide)):
         with pytest.raises(InterruptedError):

@@ -1,11 +1,10 @@
-"""Painting by eye, with a machine that writes down what it is told."""
+"""Painting by eye, with a machine that records its commands."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from maulstick.errors import MachineError
 from maulstick.jobs.paint.camera_loop import paint_by_eye, revision_of
@@ -16,7 +15,7 @@ from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw
 from maulstick.robot.tray import Tray
 from maulstick.robot.workplace import Workplace
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import file_sum
 from tests.support.robot.mortal_painter import row_of
 from tests.support.robot.recorder import EASEL, Recorder
@@ -24,28 +23,26 @@ from tests.support.robot.small_paintings import SIX
 from tests.support.robot.trays import TRAY
 from tests.support.tolerances import FLOAT64_METRES_NEAR
 
-Image = NDArray[np.float32]
-
 WHITE = np.ones((4, 4, 3), dtype=np.float32)
 
 
 class Day:
-    """A painting with its journal, a machine and eyes. told: what happened, in order."""
+    """A painting with its journal, a machine and a camera. events: what happened, in order."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / "painting.json"
-        self.told: list[str] = []
-        self.robot = Recorder(before=self.told.append)
+        self.events: list[str] = []
+        self.robot = Recorder(before=self.events.append)
         self.lies = EASEL
         write_painting(SIX, self.path)
 
     def look(self) -> tuple[Image, Easel]:
-        self.told.append("look")
+        self.events.append("look")
         return WHITE, self.lies
 
     def again(self, painting: Painting, photograph: Image) -> Painting:
-        """As the planner does: the strokes that are left get new ids."""
-        self.told.append("plan")
+        """Give the strokes that are left new ids, as the planner does."""
+        self.events.append("plan")
         free = 1 + max(stroke.id for stroke in painting.strokes)
         kept = [stroke for stroke in painting.strokes if stroke.id in self.journal.painted]
         left = [stroke for stroke in painting.strokes if stroke.id not in self.journal.painted]
@@ -74,8 +71,8 @@ def rows_of(paths: list[Floats]) -> list[int]:
 def test_it_looks_after_every_so_many_strokes_and_not_at_the_end(tmp_path: Path) -> None:
     day = Day(tmp_path)
     day.paint(2)
-    said = [what for what in day.told if what in ("stroke", "look", "plan")]
-    assert said == ["stroke", "stroke", "look", "plan"] * 2 + ["stroke", "stroke"]
+    events = [what for what in day.events if what in ("stroke", "look", "plan")]
+    assert events == ["stroke", "stroke", "look", "plan"] * 2 + ["stroke", "stroke"]
     assert rows_of(day.drawn()) == list(range(10, 16))
 
 
@@ -130,20 +127,25 @@ def test_when_it_goes_on_it_looks_first_for_the_sheet_may_have_moved(tmp_path: P
     day = Day(tmp_path)
 
     def cut(what: str) -> None:
-        day.told.append(what)
-        if day.told.count("stroke") == 5:
+        day.events.append(what)
+        if day.events.count("stroke") == 5:
             raise MachineError("the cable is out")
 
     day.robot = Recorder(before=cut)
     with pytest.raises(MachineError, match="cable"):
         day.paint(2)
-    day.told, day.robot = ["stroke"] * 6, Recorder(before=cut)
+    day.events, day.robot = ["stroke"] * 6, Recorder(before=cut)
     with Journal.open(journal_of(day.path)) as journal:
         assert journal.unfinished is not None
         journal.again(journal.unfinished)
     day.lies = EASEL.shifted(0.008, 0.0)
     day.paint(2)
-    assert [what for what in day.told[6:] if what in ("stroke", "look", "plan")] == ["look", "plan", "stroke", "stroke"]
+    assert [what for what in day.events[6:] if what in ("stroke", "look", "plan")] == [
+        "look",
+        "plan",
+        "stroke",
+        "stroke",
+    ]
     assert [path[:, 0].min() for path in day.drawn()] == [pytest.approx(0.018)] * 2
 
 

@@ -22,11 +22,11 @@ def look() -> tuple[Any, Easel]:
 
 
 def paint(folder: Path, cut: Cut) -> list[int]:
-    """Begin, or go on, painting by eye, with a look after every two strokes; returns the strokes that were asked about.
+    """Begin, or go on, painting by eye, with a look after every two strokes; return the unfinished strokes.
 
     What is left is planned again at each look: the same strokes, each with a new name.
     """
-    world, file, asked = World(folder), folder / "painting.json", []
+    world, file, unfinished = World(folder), folder / "painting.json", []
     with power_cuts(cut), Journal.open(journal_of(file)) as journal:
 
         def again(painting: Painting, _: Any) -> Painting:
@@ -40,12 +40,12 @@ def paint(folder: Path, cut: Cut) -> list[int]:
             journal.revise(file)
         plan = read_painting(journal.painting())
         if (stroke := journal.unfinished) is not None:
-            asked.append(stroke)
+            unfinished.append(stroke)
             (journal.end if stroke % 100 in world.painted() else journal.again)(stroke)
         with Painter(world, cut) as robot:
             place = Workplace(robot, EASEL, journal, ask=lambda ask: None)
             paint_by_eye(plan, place, look, again, lambda painted: painted == 2)
-    return asked
+    return unfinished
 
 
 def cut_off() -> NoReturn:
@@ -54,7 +54,7 @@ def cut_off() -> NoReturn:
 
 @pytest.fixture(scope="module")
 def moments(tmp_path_factory: pytest.TempPathFactory) -> int:
-    """How many moments it has: those of the journal and of the strokes, and two of each new file of the painting."""
+    """Number of moments for a power cut: those of the journal and the strokes, and two per new file of the painting."""
     folder = tmp_path_factory.mktemp("whole")
     put_painting(folder)
     cut = Cut(0, cut_off)
@@ -71,13 +71,13 @@ def test_after_a_power_cut_at_any_moment_every_stroke_is_painted_once(
         put_painting(folder)
         with pytest.raises(PowerCutError):
             paint(folder, Cut(at, cut_off))
-        asked = paint(folder, Cut(0, cut_off))
-        assert len(asked) <= 1
+        unfinished = paint(folder, Cut(0, cut_off))
+        assert len(unfinished) <= 1
         assert sorted(World(folder).painted()) == ALL
 
 
 def test_a_new_plan_of_which_the_journal_does_not_know_is_written_over(tmp_path: Path) -> None:
-    """The instant between a revision's file and its line in the journal: the old plan holds, and is replanned again."""
+    """Power cuts between a revision's file and its line in the journal: the old plan holds, and is replanned again."""
     put_painting(tmp_path)
     later = tmp_path / "painting.r1.json"
     plan = read_painting(tmp_path / "painting.json")

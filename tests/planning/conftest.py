@@ -1,4 +1,4 @@
-"""A picture that is small enough to plan in a test, and what planning it takes."""
+"""Fixtures for tests of planning: a picture that is small enough to plan in a test, and its problem and settings."""
 
 from dataclasses import replace
 
@@ -24,8 +24,8 @@ def options(**changes: object) -> PlannerSettings:
     return replace(QUICK, **changes)  # type: ignore[arg-type]
 
 
-def problem(picture: Picture, brush: Brush, *, halftone: bool = False) -> PlanningProblem:
-    """To paint a picture (H, W, 3) on all of a sheet that is 6 cm high."""
+def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> PlanningProblem:
+    """Return the problem of painting a picture (H, W, 3) on all of a sheet that is 6 cm high."""
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
@@ -39,7 +39,7 @@ def mse(canvas: Tensor, target: Tensor) -> float:
 
 @pytest.fixture(scope="session")
 def portrait() -> Picture:
-    """(48, 60, 3) of a face on a bright ground, sRGB in [0, 1]."""
+    """A face on a bright ground, (48, 60, 3), sRGB in [0, 1]."""
     face = Image.fromarray(astronaut()[0:240, 80:380]).resize((60, 48), Image.Resampling.LANCZOS)
     return np.asarray(face, dtype=np.float32) / 255
 

@@ -17,7 +17,7 @@ WITHOUT_PICTURE = Reference(None, torch.ones(30, 40), PAPER, one_ink=False)
 
 
 class SeeingNetwork(Network):
-    """It cannot read."""
+    """A network that cannot read."""
 
     name, side = "seeing", 24
 
@@ -55,8 +55,8 @@ def test_a_text_and_a_look_without_a_picture_are_all_there_is() -> None:
 def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> None:
     loss_options = LossOptions(weights={"text": 0, "edges": 3, "sketch": 0.5, "likeness": 0})
     objectives, network_losses = losses_of(loss_options, WITH_PICTURE, TinyNetwork)
-    told = {each.term.name: each.weight for each in (*objectives, *network_losses)}
-    assert told == {
+    weights = {each.term.name: each.weight for each in (*objectives, *network_losses)}
+    assert weights == {
         "tone": STRENGTHS["tone"],
         "edges": 3 * STRENGTHS["edges"],
         "sketch": 0.5 * STRENGTHS["sketch"],

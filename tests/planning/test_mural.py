@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image as Pillow
 from skimage.data import astronaut
 
 from maulstick.colour.palette import lightness
@@ -14,8 +13,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
-from maulstick.planning import stroke_canvas as stroke_canvas
-from maulstick.planning import stroke_effects as worth
+from maulstick.planning import stroke_canvas, stroke_effects
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
@@ -26,6 +24,7 @@ from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.state import State, read_state, write_state
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.preview import preview
+from maulstick.storage.arrays import Image
 from maulstick.style import load_style
 from tests.support.tolerances import FLOAT32_METRES
 
@@ -41,15 +40,15 @@ BETTER = 0.8  # the error of a mural, as a share of that when planned whole; of 
 
 @pytest.fixture(scope="module")
 def mural() -> Mural:
-    """Of a face, in windows of two by two."""
-    face = Image.fromarray(astronaut()[:400, 50:450]).resize((PX, PX), Image.Resampling.LANCZOS)
+    """A mural of a face, in two by two windows."""
+    face = Pillow.fromarray(astronaut()[:400, 50:450]).resize((PX, PX), Pillow.Resampling.LANCZOS)
     sheet = Sheet(width=SIDE, height=SIDE)
     return Mural(np.asarray(face, dtype=np.float32) / 255, sheet, Canvas(SIDE, SIDE, PX / SIDE))
 
 
 @pytest.fixture(scope="module")
 def layout(mural: Mural) -> Layout:
-    """All of it at its full resolution."""
+    """Layout of the whole mural at its full resolution."""
     return mural.overview(PX)
 
 
@@ -63,14 +62,14 @@ def planned_as(
     return plan_mural(mural, brush, STYLE, wanted, watch, loss_options=TONE, window_px=CORE, resume=resume)
 
 
-def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> NDArray[np.float32]:
-    """(H, W)."""
+def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> Image:
+    """Return the squared difference of the plan from the picture, (H, W)."""
     painting = as_painting(planned, layout, brush, STYLE, provenance_of(FINE))
     return np.square(preview(painting, layout.canvas) - layout.target).mean(axis=2)
 
 
 def same(one: PlanResult, two: PlanResult) -> bool:
-    """To the bit."""
+    """Return whether two plans are equal to the bit."""
     pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
     pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
     return all(torch.equal(a, b) for a, b in pairs)
@@ -78,7 +77,7 @@ def same(one: PlanResult, two: PlanResult) -> bool:
 
 @pytest.fixture(scope="module")
 def steps() -> list[PlanProgress]:
-    """After every step of `planned`."""
+    """Progress after every step of `planned`."""
     return []
 
 
@@ -90,9 +89,9 @@ def rendered() -> list[int]:
 
 @pytest.fixture(scope="module")
 def planned(mural: Mural, round_brush: Brush, steps: list[PlanProgress], rendered: list[int]) -> PlanResult:
-    def render(canvas, *rest, **words):  # type: ignore[no-untyped-def]
+    def render(canvas, *rest, **options):  # type: ignore[no-untyped-def]
         rendered.append(max(canvas.shape))
-        return composite(canvas, *rest, **words)
+        return composite(canvas, *rest, **options)
 
     def watch(progress: PlanProgress) -> bool:
         steps.append(progress)
@@ -100,13 +99,13 @@ def planned(mural: Mural, round_brush: Brush, steps: list[PlanProgress], rendere
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stroke_canvas, "composite", render)
-        patch.setattr(worth, "composite", render)
+        patch.setattr(stroke_effects, "composite", render)
         return planned_as(FINE, mural, round_brush, watch)
 
 
 @pytest.fixture(scope="module")
 def states() -> list[State]:
-    """After every step of `quick`."""
+    """States after every step of `quick`."""
     return []
 
 
@@ -160,12 +159,12 @@ def test_what_a_window_finishes_lies_in_no_later_one_s_core_and_stays(quick: Pla
     in_the_end = {tuple(row) for row in quick.strokes.centres.tolist()}
     shares = []
     for state in states[QUICK.steps :]:
-        centres, over = state["all.centres"][state["all.finished"] > 0], int(state["over"])
+        centres, done = state["all.centres"][state["all.finished"] > 0], int(state["windows_done"])
         right, below = centres.T > SIDE / 2
-        assert (2 * below + right < over).all()
+        assert (2 * below + right < done).all()
         assert {tuple(row) for row in centres.tolist()} <= in_the_end
         shares.append(len(centres) / len(quick.strokes))
-    assert over == 3
+    assert done == 3
     assert shares[:: QUICK.steps] == sorted(set(shares))
     assert 0.5 < shares[-1] < 1
 
@@ -192,7 +191,7 @@ def test_a_seed_repeats_a_mural_to_the_bit_and_another_does_not(
     mural: Mural, round_brush: Brush, quick: PlanResult
 ) -> None:
     torch.manual_seed(123)
-    np.random.seed(123)  # noqa: NPY002  any chance that is not passed in would show
+    np.random.seed(123)  # noqa: NPY002  random numbers from elsewhere would show
     assert same(planned_as(QUICK, mural, round_brush), quick)
     assert not same(planned_as(replace(QUICK, seed=1), mural, round_brush), quick)
 

@@ -13,7 +13,7 @@ from maulstick.style import load_style
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.free import FreeStyle
 from maulstick.style.hand import Hand
-from tests.planning.conftest import mse, problem
+from tests.planning.conftest import mse, problem_for
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, strokes_of
 from tests.support.tolerances import FLOAT32_VALUE
@@ -35,7 +35,7 @@ def striped(angle: float) -> Floats:
 
 
 def turned(angles: Floats, angle: float) -> Floats:
-    """How far undirected lines are from an angle, radians in [0, pi/2]."""
+    """Return how far undirected lines are from an angle, radians in [0, pi/2]."""
     return np.abs((angles - angle + np.pi / 2) % np.pi - np.pi / 2)
 
 
@@ -160,7 +160,7 @@ def crowd(spacing: float) -> Places:
 
 
 def started(found: Places, brush: Brush, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths, metres, and pressure knots of strokes at the places."""
+    """Return lengths in metres and pressure knots of strokes at the places."""
     strokes = start_strokes(found, STYLE, brush, PPM, torch.Generator().manual_seed(seed))
     return STYLE.decode(strokes.codes).diff(dim=1).norm(dim=-1).sum(1).numpy(), strokes.pressure_knots.numpy()
 
@@ -220,9 +220,9 @@ def test_a_generator_repeats_the_strokes_to_the_bit(round_brush: Brush) -> None:
 
 
 def test_a_start_from_the_picture_is_nearer_to_it_than_one_from_anywhere(portrait: Picture, round_brush: Brush) -> None:
-    asked = problem(portrait, round_brush)
-    style, ppm = load_style("free", asked.canvas), asked.canvas.pixels_per_metre
-    image = asked.target.double().numpy()
+    problem = problem_for(portrait, round_brush)
+    style, ppm = load_style("free", problem.canvas), problem.canvas.pixels_per_metre
+    image = problem.target.double().numpy()
     errors = []
     for seed in range(3):
         found = places(image, detail(image), 60, seed)
@@ -233,6 +233,6 @@ def test_a_start_from_the_picture_is_nearer_to_it_than_one_from_anywhere(portrai
         for each in (found, anywhere):
             strokes = start_strokes(each, style, round_brush, ppm, torch.Generator().manual_seed(seed))
             brushes = Traj2Stroke.of([round_brush] * 60)
-            canvas = paint(asked.paper, strokes.trajectories(style), strokes.colours, brushes, ppm)
-            errors.append(mse(canvas, asked.target))
+            canvas = paint(problem.paper, strokes.trajectories(style), strokes.colours, brushes, ppm)
+            errors.append(mse(canvas, problem.target))
     assert np.mean(errors[::2]) < 0.6 * np.mean(errors[1::2])

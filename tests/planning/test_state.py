@@ -13,16 +13,16 @@ from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighte
 from maulstick.planning.state import KIND, State, read_state, write_state
 from maulstick.storage.arrays import Image as Picture
 from maulstick.storage.arrays import write_arrays
-from tests.planning.conftest import options, problem
+from tests.planning.conftest import options, problem_for
 from tests.support.planning.network_losses import Shifted
 
 
 class PowerCutError(Exception):
-    """In the middle of planning."""
+    """A power cut in the middle of planning."""
 
 
 def same(one: PlanResult, two: PlanResult) -> bool:
-    """To the bit."""
+    """Return whether two plans are equal to the bit."""
     pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
     pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
     return all(torch.equal(a, b) for a, b in pairs)
@@ -42,49 +42,49 @@ def killed_after(steps: int, file: Path) -> Callable[[PlanProgress], bool]:
     return watch
 
 
-def resumed(asked: PlanningProblem, wanted: PlannerSettings, steps: int, file: Path) -> PlanResult:
+def resumed(problem: PlanningProblem, settings: PlannerSettings, steps: int, file: Path) -> PlanResult:
     with pytest.raises(PowerCutError):
-        plan(asked, wanted, killed_after(steps, file))
-    state, task = read_state(file)
-    assert task == {"strokes": 3}
-    return plan(asked, wanted, resume=state)
+        plan(problem, settings, killed_after(steps, file))
+    state, request = read_state(file)
+    assert request == {"strokes": 3}
+    return plan(problem, settings, resume=state)
 
 
 @pytest.fixture(scope="module")
-def asked(portrait: Picture, round_brush: Brush) -> PlanningProblem:
-    return problem(portrait, round_brush)
+def problem(portrait: Picture, round_brush: Brush) -> PlanningProblem:
+    return problem_for(portrait, round_brush)
 
 
 @pytest.mark.parametrize("steps", [1, 20, 35, 37])
 @pytest.mark.parametrize("paints", [4, None])
 def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
-    asked: PlanningProblem, steps: int, paints: int | None, tmp_path: Path
+    problem: PlanningProblem, steps: int, paints: int | None, tmp_path: Path
 ) -> None:
-    wanted = options(steps=40, paints=paints)
-    assert same(resumed(asked, wanted, steps, tmp_path / "plan.npz"), plan(asked, wanted))
+    settings = options(steps=40, paints=paints)
+    assert same(resumed(problem, settings, steps, tmp_path / "plan.npz"), plan(problem, settings))
 
 
 @pytest.mark.parametrize("steps", [3, 30])
-def test_what_network_losses_said_last_is_remembered(asked: PlanningProblem, steps: int, tmp_path: Path) -> None:
-    assert asked.target is not None
-    judged = replace(asked, network_losses=(Weighted(Shifted(asked.target), 0.5),))
-    wanted = options(steps=40, ask_every=6)
-    whole = plan(judged, wanted)
-    assert same(resumed(judged, wanted, steps, tmp_path / "plan.npz"), whole)
-    assert not same(plan(asked, wanted), whole)
+def test_the_last_values_of_network_losses_are_kept(problem: PlanningProblem, steps: int, tmp_path: Path) -> None:
+    assert problem.target is not None
+    with_losses = replace(problem, network_losses=(Weighted(Shifted(problem.target), 0.5),))
+    settings = options(steps=40, ask_every=6)
+    whole = plan(with_losses, settings)
+    assert same(resumed(with_losses, settings, steps, tmp_path / "plan.npz"), whole)
+    assert not same(plan(problem, settings), whole)
 
 
-def test_a_plan_that_was_told_to_hurry_still_hurries(asked: PlanningProblem) -> None:
+def test_a_plan_that_was_to_end_early_still_does(problem: PlanningProblem) -> None:
     states: list[State] = []
 
     def hurry(progress: PlanProgress) -> bool:
         states.append(progress.state())
         return len(states) < 10
 
-    wanted = options(steps=400)
-    whole = plan(asked, wanted, hurry)
+    settings = options(steps=400)
+    whole = plan(problem, settings, hurry)
     assert len(states) < 100
-    assert same(plan(asked, wanted, resume=states[20]), whole)
+    assert same(plan(problem, settings, resume=states[20]), whole)
 
 
 def test_a_file_that_is_no_plan_in_the_making_is_refused(tmp_path: Path) -> None:
@@ -100,20 +100,20 @@ def test_a_file_that_is_no_plan_in_the_making_is_refused(tmp_path: Path) -> None
         read_state(file)
 
 
-def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: PlanningProblem) -> None:
+def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(problem: PlanningProblem) -> None:
     states: list[State] = []
 
     def note(progress: PlanProgress) -> bool:
         states.append(progress.state())
         return True
 
-    wanted = options(steps=20)
-    whole = plan(asked, wanted, note)
+    settings = options(steps=20)
+    whole = plan(problem, settings, note)
     before = {name: array.copy() for name, array in states[15].items()}
-    assert same(plan(asked, wanted, resume=states[15]), whole)
+    assert same(plan(problem, settings, resume=states[15]), whole)
     for name, array in before.items():
         assert np.array_equal(array, states[15][name]), name
-    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
-        plan(asked, options(steps=20, strokes=29), resume=states[15])
-    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
-        plan(asked, wanted, resume={"numbers": states[15]["numbers"]})
+    with pytest.raises(InputError, match="is no plan of the same request; plan anew"):
+        plan(problem, options(steps=20, strokes=29), resume=states[15])
+    with pytest.raises(InputError, match="is no plan of the same request; plan anew"):
+        plan(problem, settings, resume={"progress": states[15]["progress"]})

@@ -18,7 +18,7 @@ LIGHT, MIDDLE, DARK = (0.9, 0.8, 0.7), (0.5, 0.4, 0.6), (0.1, 0.0, 0.2)
 
 
 def strokes(colours: list[tuple[float, float, float]], seed: int) -> StrokeParameters:
-    """In the middle of the canvas, where all lie on top of each other."""
+    """Strokes in the middle of the canvas, where all lie on top of each other."""
     torch_rng = torch.Generator().manual_seed(seed)
     codes, knots = STYLE.sample_for(torch.full((len(colours),), 0.02), torch_rng)
     centres = torch.tensor([0.03, 0.02]) + 0.004 * torch.rand(len(colours), 2, generator=torch_rng)
@@ -37,7 +37,7 @@ def stroke_canvas(theirs: Neighbours, round_brush: Brush) -> StrokeCanvas:
 
 
 def painted(trajectories: list[Tensor], colours: list[tuple[float, float, float]], brush: Brush) -> Tensor:
-    """One after the other."""
+    """Return white paper with these strokes painted one after the other."""
     brushes = Traj2Stroke.of([brush] * len(colours))
     return paint(torch.ones(3, 40, 60), torch.stack(trajectories), torch.tensor(colours), brushes, 1000)
 

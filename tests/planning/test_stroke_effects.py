@@ -33,7 +33,7 @@ def without(marks: Marks, colours: Tensor, i: int) -> tuple[Marks, Tensor]:
 
 
 def honest_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor) -> tuple[Tensor, Tensor]:
-    """What the error grows by when each stroke is left out, (N,), and how much it changes the canvas, squared."""
+    """Return how much the error grows without each stroke, (N,), and how much the canvas changes, squared."""
     whole = rendered(paper, marks, colours)
     rests = [rendered(paper, *without(marks, colours, i)) for i in range(len(colours))]
     costs = [error(view, rest) - error(view, whole) for rest in rests]
@@ -41,7 +41,7 @@ def honest_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor)
     return torch.tensor(costs), torch.tensor(changes)
 
 
-def scene(seed: int, *, strokes: int = 20, channels: int = 3) -> tuple[Tensor, Marks, Tensor, Tensor]:
+def overlapping(seed: int, *, strokes: int = 20, channels: int = 3) -> tuple[Tensor, Marks, Tensor, Tensor]:
     """Paper, overlapping marks of many kinds, their colours, and a target that some of them help to reach."""
     generator = seeded(seed)
     points = 44 * torch.rand(strokes, 1, 2, generator=generator) + 5 * torch.randn(
@@ -88,7 +88,7 @@ def test_the_cost_of_taking_a_dot_away_is_exact() -> None:
 @pytest.mark.parametrize("pool", [1, 5])
 @pytest.mark.parametrize("weighed", [None, 7])
 def test_the_mean_cost_of_taking_a_stroke_away_is_what_leaving_it_out_costs(pool: int, weighed: int | None) -> None:
-    paper, marks, colours, target = scene(0)
+    paper, marks, colours, target = overlapping(0)
     view = view_of(target, pool=pool, seed=weighed)
     honest, changes = honest_costs(view, paper, marks, colours)
     found = torch.stack([removal_costs(view, paper, marks, colours, seeded(i)) for i in range(ESTIMATES)]).mean(dim=0)
@@ -101,7 +101,7 @@ def test_the_mean_cost_of_taking_a_stroke_away_is_what_leaving_it_out_costs(pool
 
 def test_one_estimate_ranks_strokes_much_as_leaving_each_out_does() -> None:
     for seed in range(3):
-        paper, marks, colours, target = scene(seed, strokes=30)
+        paper, marks, colours, target = overlapping(seed, strokes=30)
         view = view_of(target)
         honest, _ = honest_costs(view, paper, marks, colours)
         found = removal_costs(view, paper, marks, colours, seeded(seed))
@@ -126,7 +126,7 @@ def test_a_stroke_that_shows_nowhere_costs_nothing() -> None:
 
 
 def test_costs_repeat_with_their_generator_and_change_nothing() -> None:
-    paper, marks, colours, target = scene(2)
+    paper, marks, colours, target = overlapping(2)
     before = marks.opacity.clone(), colours.clone(), paper.clone()
     view = view_of(target)
     once = removal_costs(view, paper, marks, colours, seeded(3))
@@ -139,7 +139,7 @@ def test_costs_repeat_with_their_generator_and_change_nothing() -> None:
 
 
 def test_strokes_that_train_are_weighed_without_a_gradient() -> None:
-    paper, marks, colours, target = scene(2)
+    paper, marks, colours, target = overlapping(2)
     training = Marks(**{field.name: getattr(marks, field.name).clone().requires_grad_() for field in fields(Marks)})
     free = colours.clone().requires_grad_()
     view = view_of(target)
@@ -156,7 +156,7 @@ def test_strokes_that_train_are_weighed_without_a_gradient() -> None:
 
 
 def test_a_lone_stroke_covers_its_darkness() -> None:
-    paper, marks, colours, target = scene(4, strokes=1)
+    paper, marks, colours, target = overlapping(4, strokes=1)
     darkness = rendered(torch.zeros(1, 41, 44), marks, torch.ones(1, 1))[0]
     assert darkness.sum() > 20
     covered = coverage(view_of(target), paper, marks, colours)
@@ -167,7 +167,7 @@ def test_a_lone_stroke_covers_its_darkness() -> None:
 
 
 def test_strokes_and_bare_paper_together_cover_the_canvas() -> None:
-    paper, marks, colours, target = scene(5)
+    paper, marks, colours, target = overlapping(5)
     bare = rendered(torch.ones(1, 41, 44), marks, torch.zeros(20, 1)).sum().item()
     covered = coverage(view_of(target), paper, marks, colours)
     assert (covered >= 0).all()
@@ -203,7 +203,7 @@ def test_a_pooled_view_sees_means_over_squares(shape: tuple[int, int], pool: int
 
 @pytest.mark.parametrize("pool", [1, 5])
 def test_the_mean_cost_of_another_paint_is_what_painting_with_it_costs(pool: int) -> None:
-    paper, marks, colours, target = scene(0)
+    paper, marks, colours, target = overlapping(0)
     view, paints = view_of(target, pool=pool, seed=7), torch.tensor([[0.1], [0.6], [0.95]])
     paints = paints.expand(3, colours.shape[1])
     before = view.difference(rendered(paper, marks, colours))
@@ -225,7 +225,7 @@ def test_the_mean_cost_of_another_paint_is_what_painting_with_it_costs(pool: int
 
 
 def test_a_stroke_that_keeps_its_paint_costs_nothing() -> None:
-    paper, marks, colours, target = scene(1)
+    paper, marks, colours, target = overlapping(1)
     costs = recolouring_costs(view_of(target), paper, marks, colours, colours[:2], seeded(0))
     assert costs[0, 0] == 0
     assert costs[1, 1] == 0

@@ -9,7 +9,7 @@ from maulstick.planning.planner import PlanProgress, plan
 from maulstick.planning.problem import PlanningProblem, Weighted
 from maulstick.planning.surrogate import Surrogate
 from maulstick.storage.arrays import Image as Picture
-from tests.planning.conftest import mse, options, problem
+from tests.planning.conftest import mse, options, problem_for
 from tests.planning.test_planner import rendered
 from tests.support.planning.network_losses import Shifted
 from tests.support.planning.tiny_network import noise
@@ -23,7 +23,7 @@ def torch_rng() -> Generator:
     return Generator().manual_seed(0)
 
 
-def asked(*network_losses: Weighted[Shifted], canvas: Tensor = CANVAS) -> Surrogate:
+def called(*network_losses: Weighted[Shifted], canvas: Tensor = CANVAS) -> Surrogate:
     surrogate = Surrogate(network_losses, PAPER)
     surrogate.ask(canvas, torch_rng())
     return surrogate
@@ -38,17 +38,17 @@ def painted() -> Tensor:
     return CANVAS.clone().requires_grad_()
 
 
-def test_where_network_losses_were_asked_their_loss_and_slope_are_what_they_said(painted: Tensor) -> None:
+def test_at_the_canvas_of_a_call_loss_and_slope_are_those_of_the_network_losses(painted: Tensor) -> None:
     network_loss = Shifted(TARGET)
-    loss = asked(Weighted(network_loss, 0.5)).loss(painted)
-    said = 0.5 * network_loss.losses(painted, network_loss.asked[0]).mean()
-    assert loss.item() == pytest.approx(said.item(), abs=FLOAT32_VALUE)
-    wanted = slope_of(said, painted)
+    loss = called(Weighted(network_loss, 0.5)).loss(painted)
+    value = 0.5 * network_loss.losses(painted, network_loss.calls[0]).mean()
+    assert loss.item() == pytest.approx(value.item(), abs=FLOAT32_VALUE)
+    wanted = slope_of(value, painted)
     assert slope_of(loss, painted) == pytest.approx(wanted, abs=FLOAT32_GRADIENT * wanted.abs().max().item())
 
 
-def test_between_calls_their_loss_is_a_line_and_a_pull_back_to_where_they_were_asked(painted: Tensor) -> None:
-    surrogate = asked(Weighted(Shifted(TARGET), 1.0))
+def test_between_calls_the_loss_is_a_line_and_a_pull_back_to_the_canvas_of_the_call(painted: Tensor) -> None:
+    surrogate = called(Weighted(Shifted(TARGET), 1.0))
     here = surrogate.loss(painted)
     slope = slope_of(here, painted)
     away = noise(2, *CANVAS.shape).float() - 0.5
@@ -60,19 +60,19 @@ def test_between_calls_their_loss_is_a_line_and_a_pull_back_to_where_they_were_a
     assert twice == pytest.approx(0.2 * line + 4 * pull, rel=1e-3, abs=FLOAT32_VALUE)
 
 
-def test_nothing_is_asked_to_tell_the_loss(painted: Tensor) -> None:
+def test_the_modelled_loss_calls_no_network(painted: Tensor) -> None:
     network_loss = Shifted(TARGET)
-    surrogate = asked(Weighted(network_loss, 1.0))
+    surrogate = called(Weighted(network_loss, 1.0))
     for _ in range(3):
         surrogate.loss(painted).backward()
-    assert (surrogate.calls, len(network_loss.asked)) == (1, 1)
+    assert (surrogate.calls, len(network_loss.calls)) == (1, 1)
 
 
-def test_several_network_losses_add_up_and_each_is_told_apart(painted: Tensor) -> None:
+def test_several_network_losses_add_up_and_each_has_its_part(painted: Tensor) -> None:
     other = Shifted(TARGET.flip(2))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Shifted, "name", property(lambda self: "other" if self is other else "shifted"))
-        surrogate = asked(Weighted(Shifted(TARGET), 0.5), Weighted(other, 2.0))
+        surrogate = called(Weighted(Shifted(TARGET), 0.5), Weighted(other, 2.0))
         assert set(surrogate.parts) == {"shifted", "other"}
         assert surrogate.loss(painted).item() == pytest.approx(sum(surrogate.parts.values()), rel=1e-5)
 
@@ -82,14 +82,14 @@ def test_a_call_goes_through_different_views_of_those_that_there_are() -> None:
     surrogate, views = Surrogate([Weighted(network_loss, 1.0)], PAPER), torch_rng()
     for _ in range(20):
         surrogate.ask(CANVAS, views)
-    assert surrogate.calls == len(network_loss.asked) == 20
-    assert all(len(set(call)) == len(call) for call in network_loss.asked)
-    assert {view for call in network_loss.asked for view in call} == set(range(network_loss.views))
+    assert surrogate.calls == len(network_loss.calls) == 20
+    assert all(len(set(call)) == len(call) for call in network_loss.calls)
+    assert {view for call in network_loss.calls for view in call} == set(range(network_loss.views))
 
 
 def test_the_proposal_is_a_canvas_that_network_losses_like_better() -> None:
     network_loss = Shifted(TARGET)
-    surrogate = asked(Weighted(network_loss, 1.0))
+    surrogate = called(Weighted(network_loss, 1.0))
     proposal = surrogate.proposal
     assert proposal.shape == CANVAS.shape
     assert 0 <= proposal.min() < proposal.max() <= 1
@@ -98,25 +98,27 @@ def test_the_proposal_is_a_canvas_that_network_losses_like_better() -> None:
 
 
 def led_by(network_loss: Shifted, portrait: Picture, brush: Brush) -> PlanningProblem:
-    """What the network loss alone wants, without a picture."""
-    return replace(problem(portrait, brush), target=None, objectives=(), network_losses=(Weighted(network_loss, 1.0),))
+    """Return a problem of the network loss alone, without a picture."""
+    return replace(
+        problem_for(portrait, brush), target=None, objectives=(), network_losses=(Weighted(network_loss, 1.0),)
+    )
 
 
 @pytest.mark.parametrize(("every", "calls"), [(1, 40), (7, 6), (40, 1), (1000, 1)])
-def test_network_losses_are_asked_every_so_many_steps(
+def test_network_losses_are_called_every_so_many_steps(
     portrait: Picture, round_brush: Brush, every: int, calls: int
 ) -> None:
-    picture = problem(portrait, round_brush)
+    picture = problem_for(portrait, round_brush)
     assert picture.target is not None
     network_loss = Shifted(picture.target)
     plan(replace(picture, network_losses=(Weighted(network_loss, 0.5),)), options(steps=40, ask_every=every))
-    assert len(network_loss.asked) == calls
+    assert len(network_loss.calls) == calls
 
 
 def test_a_plan_that_only_network_losses_lead_comes_nearer_to_what_they_want(
     portrait: Picture, round_brush: Brush
 ) -> None:
-    wanted = problem(portrait, round_brush).target
+    wanted = problem_for(portrait, round_brush).target
     assert wanted is not None
     alone = led_by(Shifted(wanted, views=1), portrait, round_brush)
     losses: list[float] = []
@@ -132,7 +134,7 @@ def test_a_plan_that_only_network_losses_lead_comes_nearer_to_what_they_want(
 
 def test_network_losses_improve_on_the_picture_in_what_they_look_for(portrait: Picture, round_brush: Brush) -> None:
     """One of six views each is moved: what suits them all is between, and not where the picture alone leads."""
-    picture = problem(portrait, round_brush)
+    picture = problem_for(portrait, round_brush)
     assert picture.target is not None
     network_loss = Shifted(picture.target, views=6)
     without, beside = (

@@ -12,7 +12,7 @@ from tests.support.tolerances import FLOAT32_VALUE
 
 @pytest.fixture(scope="module")
 def sheet() -> Sheet:
-    """With something painted on it already."""
+    """A sheet with something painted on it already."""
     y, x = np.mgrid[:30, :40] / 30
     picture = np.stack([0.5 + 0.3 * np.sin(4 * x), 0.5 + 0.3 * np.cos(5 * y), x * y / 2], axis=2).astype(np.float32)
     return Sheet(width=0.2, height=0.15, picture=encode_png(picture))

@@ -26,7 +26,7 @@ DESCRIPTION = 1e-8  # of turning, of a path that was placed elsewhere: rounding 
 
 NATS = 1e-10  # of a cost at a centre, in float64: the square of no distance, from terms of 1e5 that cancel
 
-LEEWAY = 1.1  # of what a style allows, at the end of a plan of a few steps, whose weights had little time to settle
+MAX_MEAN_COST = 1.1  # times what a style allows, at the end of a plan whose few steps gave its weight no time to settle
 
 # Golden pictures, in steps of 255: rounding may differ by processor, nothing more.
 GOLDEN_WORST = 2

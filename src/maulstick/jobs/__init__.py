@@ -1,1 +1,1 @@
-"""What can be asked in words, and is done by files: planning and painting, whoever asks for it."""
+"""Jobs: planning, painting and learning as the command line, the studio and Python share them."""

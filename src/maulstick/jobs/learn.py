@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from maulstick.style.store import Fitted
 
 Recorded = Ink | Strokes | str | Path
+"""Ink, strokes, or the path of a file of one of them."""
+
 KINDS: Final = ("exemplar", "trajvae")
 """Kinds of style that are learned from strokes."""
 

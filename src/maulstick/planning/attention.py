@@ -1,18 +1,19 @@
-"""How much each place of a picture matters to a person: a face more than its surroundings."""
+"""Attention: how much each place of a picture matters to a viewer. A face matters more than its surroundings."""
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.data import lbp_frontal_face_cascade_filename
 from skimage.feature import Cascade
 from skimage.transform import resize
 
-_FACE = 3.0
-_SEARCHED_PX = 400
-_SMALLEST = 1 / 12
+from maulstick.storage.arrays import Floats, Image
+
+_FACE = 3.0  # weight added to the usual 1 within a face; it falls to 0 at twice the face's radius
+_SEARCHED_PX = 400  # longest side of the copy that is searched, which bounds the time of the search
+_SMALLEST = 1 / 12  # smallest face that is searched for, as a share of the picture's shorter side
 
 
-def attention(picture: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Weights (H, W), of mean 1, for a picture (H, W, 3) in [0, 1]; even where there is no frontal face."""
+def attention(picture: Image) -> Floats:
+    """Return weights (H, W), of mean 1, for a picture (H, W, 3) in [0, 1]; all 1 without a frontal face."""
     height, width = picture.shape[:2]
     scale = _SEARCHED_PX / max(height, width)
     weights = np.ones((height, width))
@@ -26,7 +27,7 @@ def attention(picture: NDArray[np.float32]) -> NDArray[np.float64]:
     return weights
 
 
-def _faces(picture: NDArray[np.float32]) -> list[dict[str, int]]:
+def _faces(picture: Image) -> list[dict[str, int]]:
     side = min(picture.shape[:2])
     if side < 1 / _SMALLEST * 4:
         return []

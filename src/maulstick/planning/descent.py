@@ -1,4 +1,4 @@
-"""Gradient descent with a rate for each kind of parameter, that all rise and fall together."""
+"""Gradient descent with one rate per kind of parameter. All rates rise and fall together."""
 
 from math import cos, pi
 
@@ -10,10 +10,12 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.state import State, optimiser_state, restore_optimiser
 
 _RATES = {"codes": 0.02, "angles": 0.05, "pressure_knots": 0.03, "colours": 0.02}
-_CENTRES_IN_SPACINGS = 0.1
-_PAINTS = 0.005
-_WARM_UP = 20
-_LAST = 0.02
+"""Rates of Adam, about the largest step of each kind: in units of the code, radians, pressure and sRGB in [0, 1]."""
+
+_CENTRES_IN_SPACINGS = 0.1  # rate of centres in spacings between strokes, so that it suits sheets of any size
+_PAINTS = 0.005  # rate of paints in sRGB: lower than that of free colours, since many strokes share a paint
+_WARM_UP = 20  # steps over which the rates rise, while Adam's averages are over few gradients
+_LAST = 0.02  # share that is added to the cosine, so that the last steps still move something
 
 
 class Descent:
@@ -25,10 +27,10 @@ class Descent:
     def __init__(self, strokes: StrokeParameters, spacing: float) -> None:
         self.strokes = strokes
         self._paints: Tensor | None = None
-        self._taken = 0
+        self._steps = 0
         rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing}
         groups = [
-            {"params": [tensor], "whole": rates[name]}
+            {"params": [tensor], "full_rate": rates[name]}
             for name, tensor in strokes.each().items()
             if tensor.requires_grad
         ]
@@ -37,21 +39,21 @@ class Descent:
     def add_paints(self, paints: Tensor) -> None:
         """Adapt the colours (k, C) of the paints too."""
         self._paints = paints
-        self._adam.add_param_group({"params": [paints], "whole": _PAINTS})
+        self._adam.add_param_group({"params": [paints], "full_rate": _PAINTS})
 
     def step(self, loss: Tensor, progress: float) -> None:
-        """One step down the loss; its size follows half a cosine over progress in [0, 1]."""
-        self._taken += 1
-        rate = min(1.0, self._taken / _WARM_UP) * (0.5 + 0.5 * cos(pi * progress)) + _LAST
+        """Take a step down the loss, of a size that follows half a cosine over progress in [0, 1]."""
+        self._steps += 1
+        rate = min(1.0, self._steps / _WARM_UP) * (0.5 + 0.5 * cos(pi * progress)) + _LAST
         for group in self._adam.param_groups:
-            group["lr"] = group["whole"] * rate
+            group["lr"] = group["full_rate"] * rate
         self._adam.zero_grad(set_to_none=True)
         loss.backward()
         self._adam.step()
         self._clamp()
 
     def replace(self, rows: Tensor, others: StrokeParameters) -> None:
-        """Begin anew with other strokes in some rows."""
+        """Put other strokes in some rows, and forget what Adam knows of these rows."""
         self.strokes.replace_rows(rows, others)
         for tensor in self.strokes.each().values():
             if tensor in self._adam.state:
@@ -59,12 +61,12 @@ class Descent:
                     self._adam.state[tensor][moment][rows] = 0
 
     def state(self) -> State:
-        """All that its next step depends on but the strokes and paints themselves."""
-        return {"taken": np.array(self._taken), **optimiser_state(self._adam)}
+        """Return all that the next step depends on, without the strokes and paints themselves."""
+        return {"steps": np.array(self._steps), **optimiser_state(self._adam)}
 
     def restore(self, state: State) -> None:
-        """Go on from there."""
-        self._taken = int(state["taken"])
+        """Put a state from `state` back."""
+        self._steps = int(state["steps"])
         restore_optimiser(state, self._adam)
 
     @torch.no_grad()

@@ -24,7 +24,7 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
-_LOOKS = 8  # views through which network losses look at what became of a plan
+_METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
 
 def problem_of(
@@ -36,14 +36,14 @@ def problem_of(
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
 ) -> PlanningProblem:
-    """What a sheet that is laid out asks of the planner, with those wishes; `network` is called where it is needed.
+    """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
     importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
-    Rendered on a GPU where there is one. Raises InputError for wishes that cannot be fulfilled.
+    Rendered on a GPU where there is one. Raises InputError for losses that cannot be had.
     """
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    counts = importance_of(layout) if importance is None else importance
-    paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(counts).to(device)
+    importance = importance_of(layout) if importance is None else importance
+    paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
     return PlanningProblem(
@@ -52,7 +52,7 @@ def problem_of(
 
 
 def importance_of(layout: Layout) -> Image:
-    """How much each pixel of the canvas counts, (H, W): faces more than the rest of the picture."""
+    """Return how much each pixel of the canvas counts, (H, W): faces more than the rest of the picture."""
     importance = np.ones(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
         layout.crop(importance)[:] = attention(layout.crop(layout.target))
@@ -66,7 +66,7 @@ def _channels_first(image: Image) -> torch.Tensor:
 def provenance_of(
     options: PlannerSettings, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
 ) -> Provenance:
-    """How a painting is made, for its file: all options, with `more` that the planner itself does not see."""
+    """Return how a painting is made, for its file: all options, with `more` that the planner itself does not use."""
     return Provenance.model_validate(
         {
             "version": version("maulstick"),
@@ -79,43 +79,48 @@ def provenance_of(
 
 
 def metrics_of(painting: Painting, layout: Layout) -> Metrics | None:
-    """How near the painting, as its file orders it, comes to the picture over the picture's area, if there is one."""
-    return _beside_the_picture(preview(painting, layout.canvas), layout)
+    """Return how near the painting, in the order of its file, comes to the picture in its area; None without one."""
+    return _compared(preview(painting, layout.canvas), layout)
 
 
 @one_torch_thread()
 def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -> Painting:
-    """The painting with what became of it in its file: likeness, the `loss`, and what each term of it comes to."""
+    """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss."""
     painted = preview(painting, layout.canvas)
     canvas = _channels_first(painted).to(problem.paper)
     with torch.no_grad():
         terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in problem.objectives}
         for network_loss in problem.network_losses:
-            losses = network_loss.term.losses(canvas, range(min(_LOOKS, network_loss.term.views)))
+            losses = network_loss.term.losses(canvas, range(min(_METRIC_VIEWS, network_loss.term.views)))
             terms[network_loss.term.name] = network_loss.weight * losses.mean().item()
-    likeness = _beside_the_picture(painted, layout)
-    found = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
-    made = painting.provenance.model_copy(update={"metrics": {**found, **terms, "loss": sum(terms.values())}})
-    return painting.model_copy(update={"provenance": made})
+    likeness = _compared(painted, layout)
+    finite = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
+    provenance = painting.provenance.model_copy(update={"metrics": {**finite, **terms, "loss": sum(terms.values())}})
+    return painting.model_copy(update={"provenance": provenance})
 
 
-def _beside_the_picture(painted: Image, layout: Layout) -> Metrics | None:
+def _compared(painted: Image, layout: Layout) -> Metrics | None:
     return None if layout.target is None else compare(layout.crop(painted), layout.crop(layout.target))
 
 
 def as_painting(
-    planned: PlanResult, layout: Layout, brush: Brush, style: Style, made: Provenance, names: Mapping[str, str] = {}
+    planned: PlanResult,
+    layout: Layout,
+    brush: Brush,
+    style: Style,
+    provenance: Provenance,
+    names: Mapping[str, str] = {},
 ) -> Painting:
-    """A plan as a painting, whose file says all that planning it again needs.
+    """Return a plan as a painting, whose file has all that planning it again needs.
 
-    names: of paints, by their colours as ``#rrggbb``.
+    names: names of paints, by their colours as ``#rrggbb``.
     """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
     trajectories = planned.strokes.trajectories(style)
     trajectories[..., 2].clamp_(0, 1)
     speeds = style.speeds(codes)
-    timed = [None] * len(codes) if speeds is None else speeds.tolist()
+    speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
     used = torch.unique(planned.paint_of)
     paint_of = torch.searchsorted(used, planned.paint_of)
     strokes = [
@@ -129,7 +134,7 @@ def as_painting(
             }
         )
         for number, (paint, trajectory, speed, code, pose) in enumerate(
-            zip(paint_of.tolist(), trajectories.tolist(), timed, codes.tolist(), poses.tolist(), strict=True)
+            zip(paint_of.tolist(), trajectories.tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
     colours = [tuple(colour) for colour in planned.paints[used].tolist()]
@@ -137,7 +142,7 @@ def as_painting(
     return Painting(
         sheet=layout.sheet,
         area=layout.area,
-        provenance=made,
+        provenance=provenance,
         brushes={brush.name: brush},
         paints=tuple(paints),
         strokes=tuple(strokes),

@@ -1,4 +1,4 @@
-"""Pictures on sheets: where on its sheet a picture lies, and at which resolution it is planned."""
+"""Layout: where a picture lies on its sheet, and at which resolution it is planned."""
 
 from dataclasses import dataclass
 
@@ -10,11 +10,13 @@ from maulstick.painting.raster import Canvas
 from maulstick.storage.arrays import Image
 
 HEIGHT_PX = 256
-"""Pixels over a picture's height where nobody says how many: detail of a usual brush on a usual sheet."""
+"""Least pixels over a picture's height by default: shows the detail that a usual brush can paint on a usual sheet."""
 
 LONGEST_PX = 2048
-"""The longest side of a canvas that is planned in one piece."""
-_MOST_PX, _MOST_IN_WINDOWS_PX = 6144, 32_768
+"""Longest side of a canvas that is planned in one piece by default; larger ones are planned in windows."""
+
+_MOST_PX = 6144  # longest side in one piece at all, since memory grows with the square of it
+_MOST_IN_WINDOWS_PX = 32_768  # longest side in windows: at most 32 by 32 of them, which bounds the time
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class Layout:
     """A picture on a sheet.
 
     under: (H, W, 3), the sheet as it is.  target: (H, W, 3), as it should be, or None where there is no picture.
-    area: the picture's, (x, y, width, height), metres.
+    area: (x, y, width, height) of the picture on the sheet, metres.
     """
 
     canvas: Canvas
@@ -32,7 +34,7 @@ class Layout:
     area: tuple[float, float, float, float]
 
     def crop(self, image: Image) -> Image:
-        """The part of an image of the canvas, (H, W, 3), that the picture covers."""
+        """Return the part of an image of the canvas, (H, W, 3), that the picture covers, as a view of it."""
         left, top, width, height = (round(x * self.canvas.pixels_per_metre) for x in self.area)
         return image[top : top + max(height, 1), left : left + max(width, 1)]
 
@@ -40,7 +42,7 @@ class Layout:
 def lay_out_for(
     picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
 ) -> Layout:
-    """Lay a picture (h, w, 3), or none, out on a sheet, at the resolution to plan it in: see `canvas_for`.
+    """Lay out a picture (h, w, 3), or none, on a sheet, at the resolution to plan it in: see `canvas_for`.
 
     Raises InputError for a sheet that is too narrow or too large in pixels.
     """
@@ -56,10 +58,10 @@ def lay_out_for(
 def canvas_for(
     picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
 ) -> Canvas:
-    """The sheet's canvas, at the resolution to plan a picture (h, w, 3) in.
+    """Return the sheet's canvas at the resolution to plan a picture (h, w, 3) in.
 
-    height_px: of the picture on the canvas, or without one of the sheet; when left out, at least 256 and as many as
-    show the brush's thinnest mark with a half-width of a pixel, as long as no side of the canvas needs more than 2048.
+    height_px: pixels over the height of the picture, or without one of the sheet; when left out, at least 256 and as
+    many as show the brush's thinnest mark with a half-width of a pixel, while no side of the canvas exceeds 2048.
     Raises InputError for a sheet that is too narrow or too large in pixels.
     """
     height = sheet.height

@@ -1,4 +1,4 @@
-"""What a person can wish for, and the terms of the loss that it comes to."""
+"""Options of the loss, and its terms made of them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -17,19 +17,21 @@ from maulstick.planning.problem import Weighted
 from maulstick.storage.arrays import Image
 
 STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
-"""The terms by name, and how much of the loss a weight of 1 makes of each, so that 1 suits most pictures."""
+"""Strength of each term at weight 1, by name: chosen so that a weight of 1 suits most pictures."""
 
 _NEEDS = {"text": "a text", "look": "the look of a picture"}
-_VIEWS = 32
-_HEAVIEST = 1000  # beyond, nothing else would count, and float32 overflow in the end
+_VIEWS = 32  # views per network loss: so many that no painting suits them by accident; each costs memory
+_HEAVIEST = 1000  # largest weight: beyond, no other term counts, and float32 may overflow
 
 
 @dataclass(frozen=True)
 class LossOptions:
-    """What the painting should be like, beside the picture that it is of.
+    """Options of the loss: what a painting should look like, beside its picture.
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
-    weights: of the terms by name, 1 for the usual; those left out are weighed as `weights_of_terms` says.
+    weights: of the terms by name, 1 for the usual strength; `weights_of_terms` says what holds for those left out.
+
+    Raises InputError for a term that does not exist, a weight out of range, and contradictions.
     """
 
     text: str | None = None
@@ -49,9 +51,9 @@ class LossOptions:
                 raise InputError(f"{name}=0 leaves {_NEEDS[name]} out, and there is one; leave one of the two out")
 
     def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
-        """All terms that count. Raises InputError where none does, or one needs a picture and there is none."""
-        asked = {"text": self.text is not None, "look": self.look is not None}
-        weights = {"tone": has_picture, **asked, **self.weights}
+        """Return the weights above 0 by term. Raises InputError where none is, or a term lacks its picture."""
+        given = {"text": self.text is not None, "look": self.look is not None}
+        weights = {"tone": has_picture, **given, **self.weights}
         counting = {name: float(weight) for name, weight in weights.items() if weight}
         if not counting:
             raise InputError("nothing is weighed, so any painting would do; give one of the terms a weight above 0")
@@ -63,7 +65,11 @@ class LossOptions:
 
 @dataclass(frozen=True)
 class Reference:
-    """What terms are made of: target (3, H, W) or None, weights (H, W), and the colour of the paper, (3,)."""
+    """Images that the terms compare the canvas with.
+
+    target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
+    one_ink: whether the painting has one ink, whose greys are made of the distance between lines.
+    """
 
     target: Tensor | None
     weights: Tensor
@@ -74,7 +80,10 @@ class Reference:
 def losses_of(
     loss_options: LossOptions, reference: Reference, network: Callable[[], Network]
 ) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[NetworkLoss], ...]]:
-    """The objectives and network losses that the wishes come to; `network` is called where a network loss needs one."""
+    """Return the objectives and network losses of the options; `network` is called where a network loss needs one.
+
+    Raises InputError as `LossOptions.weights_of_terms` does, and for a text with a network that cannot read.
+    """
     network = cache(network)  # which takes seconds and a lot of memory to load
     objectives: list[Weighted[Objective]] = []
     network_losses: list[Weighted[NetworkLoss]] = []
@@ -88,7 +97,7 @@ def losses_of(
 
 
 def _objective(name: str, reference: Reference) -> Objective:
-    assert reference.target is not None  # `LossOptions.weights_of_terms` has seen to it
+    assert reference.target is not None  # `LossOptions.weights_of_terms` has checked it
     if name == "edges":
         return Edges(reference.target, reference.weights)
     return Tone(reference.target, reference.weights, halftone=reference.one_ink)

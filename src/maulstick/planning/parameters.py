@@ -1,4 +1,4 @@
-"""What is optimised of each stroke: code, pose, press and colour, as one tensor a kind."""
+"""Parameters of strokes that are optimised: code, pose, pressure and colour, one tensor per kind."""
 
 from dataclasses import dataclass, fields
 from typing import Self
@@ -13,7 +13,7 @@ from maulstick.style.pressure import pressure_along
 
 @dataclass(frozen=True)
 class StrokeParameters:
-    """What is optimised of N strokes.
+    """Parameters of N strokes that are optimised.
 
     codes: (N, K).  centres: (N, 2) metres, where the middle of each path lies; turning a stroke about it moves both
     ends alike.  angles: (N,) radians.  pressure_knots: (N, 4) in [0, 1].  colours: (N, C) in [0, 1].
@@ -29,11 +29,11 @@ class StrokeParameters:
         return self.angles.shape[0]
 
     def each(self) -> dict[str, Tensor]:
-        """The tensors by name."""
+        """Return the tensors by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __getitem__(self, rows: Tensor) -> Self:
-        """Some of the strokes, without gradients."""
+        """Return some of the strokes, without gradients."""
         return type(self)(**{name: tensor.detach()[rows] for name, tensor in self.each().items()})
 
     def replace_rows(self, rows: Tensor, others: "StrokeParameters") -> None:
@@ -42,18 +42,18 @@ class StrokeParameters:
             tensor.detach()[rows] = getattr(others, name)
 
     def poses(self, paths: Tensor) -> Tensor:
-        """Poses (N, 3) Δ = (Δx, Δy, Δθ) that put the standardised paths (N, n, 2) where they belong."""
+        """Return the poses (N, 3), Δ = (Δx, Δy, Δθ), that place standardised paths (N, n, 2), metres and radians."""
         turned = torch.cat([torch.zeros_like(self.centres), self.angles[:, None]], dim=1)
         return torch.cat([self.centres - place(paths, turned).mean(dim=1), self.angles[:, None]], dim=1)
 
     def trajectories(self, style: Style) -> Tensor:
-        """Commanded trajectories (N, n, 3): x, y in metres, pressure."""
+        """Return commanded trajectories (N, n, 3): x, y in metres, pressure in [0, 1]."""
         paths = style.decode(self.codes)
         return torch.cat([place(paths, self.poses(paths)), pressure_along(self.pressure_knots)[..., None]], dim=-1)
 
     @torch.no_grad()
     def keep_inside(self, style: Style, width: float, height: float) -> None:
-        """Move each stroke by as little as keeps its path on a sheet of this size, metres."""
+        """Move each stroke by the least that keeps its path on a sheet of this size, metres."""
         paths = self.trajectories(style)[..., :2]
         size = torch.tensor([width, height])
         self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))

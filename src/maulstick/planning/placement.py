@@ -1,4 +1,4 @@
-"""Where strokes begin: places from tone and detail, directions along the picture's edges (docs/equations.md)."""
+"""Placement of initial strokes: places by tone and detail, directions along the picture's edges."""
 
 from dataclasses import dataclass
 
@@ -14,15 +14,18 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.storage.arrays import Floats
 from maulstick.style import Style
 
-_ROUNDS = 12
-_SAMPLES_PER_STROKE = 60
-_LENGTH_IN_SPACINGS = 2.0
-_WIDTH_IN_SPACINGS = 0.4
+_ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly spread; each costs time
+_SAMPLES_PER_STROKE = 60  # random samples of the density per stroke, whose mean becomes the stroke's place
+_LENGTH_IN_SPACINGS = 2.0  # length of an initial stroke: it reaches its neighbours along an edge
+_HALF_WIDTH_IN_SPACINGS = 0.4  # half-width of an initial stroke: it nearly fills the room between its neighbours
 
 
 @dataclass(frozen=True)
 class Places:
-    """centres: (N, 2) pixels.  angles: (N,) radians.  spacing: (N,) pixels, the room each has.  colours: (N, C)."""
+    """N places for strokes.
+
+    centres: (N, 2) pixels.  angles: (N,) radians.  spacing: (N,) pixels, the distance to neighbours.  colours: (N, C).
+    """
 
     centres: Floats
     angles: Floats
@@ -31,7 +34,7 @@ class Places:
 
 
 def detail(target: Floats) -> Floats:
-    """How densely strokes should lie where colour covers all, (H, W): most where the target (C, H, W) changes."""
+    """Return the density (H, W) of strokes for opaque colours: largest where the target (C, H, W) changes."""
     height = target.shape[1]
     change = np.zeros(target.shape[1:])
     for sigma in (max(height / 256, 0.7), max(height / 100, 0.7)):
@@ -42,23 +45,23 @@ def detail(target: Floats) -> Floats:
 
 
 def ink_density(image: Floats, paper: Floats, ink: Floats) -> Floats:
-    """How much ink the image (C, H, W) shows, (H, W).
+    """Return how much ink the image (C, H, W) shows, (H, W).
 
     It is 0 where the image is like the paper, (C, H, W), or lighter, and 1 where it is like the ink, (C,), or darker.
     """
-    way = ink[:, None, None] - paper
-    amount = ((image - paper) * way).sum(axis=0) / np.maximum((way**2).sum(axis=0), 1e-9)
+    full = ink[:, None, None] - paper
+    amount = ((image - paper) * full).sum(axis=0) / np.maximum((full**2).sum(axis=0), 1e-9)
     density: Floats = amount.clip(0, 1)
     return density
 
 
 def find_places(target: Floats, density: Floats, count: int, rng: np.random.Generator, room: float = np.inf) -> Places:
-    """`count` places on the target (C, H, W), spread as the density (H, W) asks, along the edges of the target.
+    """Return `count` places on the target (C, H, W), spread by the density (H, W), along the edges of the target.
 
-    room: no place's spacing is taken to be more than this, pixels.
+    room: the largest spacing that a place is given, pixels.
 
-    Places come from weighted Voronoi stippling, directions from the structure tensor; where it has none they are
-    drawn at random.
+    Places come from weighted Voronoi stippling, directions from the structure tensor; where it has no direction they
+    are drawn at random.
     """
     centres, spacing = _stipple(density, count, rng)
     height, width = density.shape
@@ -66,7 +69,7 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
     sigma = max(1.0, min(float(np.median(spacing)) / 3, min(height, width) / 40))
     tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
     at = tuple(np.clip(centres[:, i].astype(int), 0, size - 1) for i, size in ((1, height), (0, width)))
-    rr, rc, cc = (sum(parts)[at] for parts in zip(*tensors, strict=True))
+    rr, rc, cc = (sum(channels)[at] for channels in zip(*tensors, strict=True))
     along_edge = 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2
     coherence = np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
     wander = rng.normal(size=count) * (1 - coherence) * np.pi / 2
@@ -77,11 +80,11 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
 def start_strokes(
     places: Places, style: Style, brush: Brush, pixels_per_metre: float, generator: Generator
 ) -> StrokeParameters:
-    """Strokes of the style at the places, as long as the style lets them be for the room there."""
+    """Return strokes of the style at the places, of the length that the style allows for the room there."""
     spacing = places.spacing / pixels_per_metre
     codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
     if brush.pressure_matters:
-        pressure = brush.pressure_for(_WIDTH_IN_SPACINGS * spacing)
+        pressure = brush.pressure_for(_HALF_WIDTH_IN_SPACINGS * spacing)
         knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(0, 1)
     else:
         knots = torch.zeros_like(knots)
@@ -99,9 +102,10 @@ def _tensor(array: Floats) -> torch.Tensor:
 
 
 def _stipple(density: Floats, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Return centres (count, 2) spread by the density (H, W), and their mean distance to neighbours, (count,)."""
     height, width = density.shape
-    torch_rng = density.ravel() + 1e-9  # an empty density is an even one
-    samples = rng.choice(density.size, size=_SAMPLES_PER_STROKE * count, p=torch_rng / torch_rng.sum())
+    shares = density.ravel() + 1e-9  # an empty density counts as an even one
+    samples = rng.choice(density.size, size=_SAMPLES_PER_STROKE * count, p=shares / shares.sum())
     cloud = np.stack([samples % width, samples // width], axis=1) + rng.random((len(samples), 2))
     centres = cloud[rng.choice(len(cloud), size=count, replace=False)]
     for _ in range(_ROUNDS):

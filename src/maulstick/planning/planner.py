@@ -10,7 +10,6 @@ from math import exp
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from maulstick.colour.palette import lightness, mix_paints
@@ -25,19 +24,21 @@ from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
+from maulstick.storage.arrays import Bools
 
-_STYLE_WEIGHT = 1e-5
-_HOLD = 30.0
-_JUDGED_BY = 256
-_RESPENT = 0.1
-_HURRIED_FROM, _HURRIED_STEPS = 0.75, 60
+_STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
+_STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
+_COST_SAMPLES = 256  # strokes, about, whose mean cost counts as usual for the style: enough for a steady mean
+_RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, since each move changes the rest
+_HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
+_HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
 
 
 @dataclass(frozen=True)
 class PlanProgress:
-    """After a step: how far planning is in [0, 1], the loss, its parts by name, and the canvas (C, H, W).
+    """Progress after a step: the share of planning that is done, the loss, its parts by name, and the canvas (C, H, W).
 
-    state: all that going on from here needs, if it is asked before the next step.
+    state: returns all that planning needs to go on from here; must be called before the next step.
     """
 
     done: float
@@ -49,7 +50,7 @@ class PlanProgress:
 
 @dataclass(frozen=True)
 class PlanResult:
-    """N strokes in painting order, the paints (k, 3) and which of them each stroke takes, (N,)."""
+    """N strokes in painting order, the paints (k, 3), sRGB in [0, 1], and the index of each stroke's paint, (N,)."""
 
     strokes: StrokeParameters
     paints: Tensor
@@ -66,12 +67,12 @@ def plan(
     start: StrokeParameters | None = None,
     resume: State | None = None,
 ) -> PlanResult:
-    """Plan strokes that turn the paper into what is wanted.
+    """Plan strokes that turn the paper into what the problem asks for.
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
     schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
-    resume: what `PlanProgress.state` said in an earlier run that was asked for the same; planning goes on from there.
+    resume: what `PlanProgress.state` returned in an earlier run of the same problem; planning goes on from there.
     Raises InputError for another number of strokes to start with, and a state of another plan.
     """
     if start is not None and len(start) != options.strokes:
@@ -82,7 +83,7 @@ def plan(
         try:
             planning.restore(resume)
         except (KeyError, ValueError, RuntimeError) as error:
-            raise InputError("what there is to go on from is no plan of this commission; plan anew") from error
+            raise InputError("what there is to go on from is no plan of the same request; plan anew") from error
     while not planning.done:
         if not watch(planning.advance()):
             planning.hurry()
@@ -90,20 +91,20 @@ def plan(
 
 
 class _Planning:
-    """A plan in the making: strokes, their descent, and what comes when."""
+    """A plan in the making: strokes, their descent, and the next entries of the schedule."""
 
     def __init__(
         self, problem: PlanningProblem, options: PlannerSettings, schedule: Schedule, start: StrokeParameters | None
     ) -> None:
-        self._asked, self._options, self._schedule = problem, options, schedule
+        self._problem, self._options, self._schedule = problem, options, schedule
         self._canvas, self._style = problem.canvas, problem.style
         self._rng = np.random.default_rng(options.seed)
         self._torch_rng = torch.Generator().manual_seed(options.seed)
         self._pool = 1
-        if options.one_ink:  # greys are made of lines, and only seen from further off
+        if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
-        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()
+        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
         self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
         if start is None:
@@ -124,8 +125,8 @@ class _Planning:
         self._descent = Descent(strokes, self._spacing)
         self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
-        self._taken = 0  # steps
-        self._sorted = self._relocated = self._repainted = 0  # how many of the schedule's are over
+        self._steps = 0  # steps so far
+        self._sorted = self._relocated = self._repainted = 0  # how many of each in the schedule are over
 
     @property
     def done(self) -> bool:
@@ -133,15 +134,15 @@ class _Planning:
         return self._progress >= 1 - self._stride / 2
 
     def hurry(self) -> None:
-        """Finish in a few more steps."""
-        if self._progress < _HURRIED_FROM:
-            self._progress = _HURRIED_FROM
-        self._stride = max(self._stride, (1 - self._progress) / _HURRIED_STEPS)
+        """Let the plan end after a few more steps."""
+        if self._progress < _HURRY_FROM:
+            self._progress = _HURRY_FROM
+        self._stride = max(self._stride, (1 - self._progress) / _HURRY_STEPS)
         self._relocated = len(self._schedule.relocations)
         self._repainted = sum(share < self._progress for share in self._schedule.repaints)
 
     def advance(self) -> PlanProgress:
-        """Whatever the schedule has for now, and a step."""
+        """Do what the schedule has for now, take a step, and return the progress."""
         schedule, now = self._schedule, self._progress
         if (
             self._relocated < len(schedule.relocations)
@@ -159,28 +160,27 @@ class _Planning:
             self._repaint()
         loss, parts, canvas = self._step(now)
         self._progress += self._stride
-        self._taken += 1
+        self._steps += 1
         return PlanProgress(now, loss, parts, canvas, self.state)
 
     def state(self) -> State:
-        """All that the next step depends on."""
-        counts = (self._taken, self._sorted, self._relocated, self._repainted)
+        """Return copies of all that the next step depends on."""
+        counts = (self._steps, self._sorted, self._relocated, self._repainted)
         numbers = (self._progress, self._stride, self._style_weight, *counts)
         surrogate = {} if self._surrogate is None else self._surrogate.state()
-        torch_rng = rng_state(self._rng, self._torch_rng)
         state = {
-            "numbers": np.array(numbers),
+            "progress": np.array(numbers),
             **self._stroke_canvas.state(),
             **self._descent.state(),
             **surrogate,
-            **torch_rng,
+            **rng_state(self._rng, self._torch_rng),
         }
         return {name: array.copy() for name, array in state.items()}
 
     def restore(self, state: State) -> None:
-        """Go on from there."""
-        self._progress, self._stride, self._style_weight, *counts = state["numbers"].tolist()
-        self._taken, self._sorted, self._relocated, self._repainted = (int(count) for count in counts)
+        """Go on from a state that `state` returned."""
+        self._progress, self._stride, self._style_weight, *counts = state["progress"].tolist()
+        self._steps, self._sorted, self._relocated, self._repainted = (int(count) for count in counts)
         self._stroke_canvas.restore(state)
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
@@ -190,75 +190,75 @@ class _Planning:
         restore_rng(state, self._rng, self._torch_rng)
 
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
-        """One step of all strokes: the loss before it, its parts, and the canvas.
+        """Take a step with all strokes; return the loss before it, its parts, and the canvas.
 
-        The style weighs more as long as the strokes are less likely than it allows, and less afterwards: it is held
-        alike with a broad brush or a thin pen.
+        The style's weight grows while strokes are less likely than the style allows, and falls afterwards, so that
+        strokes keep to a style alike with a broad brush or a thin pen.
         """
         strokes = self._stroke_canvas.strokes
         canvas = self._stroke_canvas.render()
-        if self._surrogate is not None and self._taken % self._options.ask_every == 0:
+        if self._surrogate is not None and self._steps % self._options.ask_every == 0:
             self._surrogate.ask(canvas, self._torch_rng)
         loss, parts = self._loss(canvas, now)
         costs = self._style.cost(strokes.codes, strokes.pressure_knots)
-        price = (costs * (1 + costs / self._allowed_cost)).mean()  # few that go far pay more than many that go a little
+        price = (costs * (1 + costs / self._allowed_cost)).mean()  # few strokes far off cost more
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)
         excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
-        self._style_weight = max(self._style_weight * exp(_HOLD * self._stride * excess), _STYLE_WEIGHT)
+        self._style_weight = max(self._style_weight * exp(_STYLE_WEIGHT_GROWTH * self._stride * excess), _STYLE_WEIGHT)
         strokes.keep_inside(self._style, self._canvas.width, self._canvas.height)
         return loss.item(), parts, canvas.detach()
 
     def _loss(self, canvas: Tensor, now: float) -> tuple[Tensor, dict[str, float]]:
-        """Without the style, and its terms by name, each times its weight; network losses' as they last said."""
-        parts = {each.term.name: each.weight * each.term.loss(canvas, now) for each in self._asked.objectives}
-        told = {name: part.item() for name, part in parts.items()}
+        """Return the loss without the style, and its weighted terms by name; network losses' as last evaluated."""
+        parts = {each.term.name: each.weight * each.term.loss(canvas, now) for each in self._problem.objectives}
+        values = {name: part.item() for name, part in parts.items()}
         loss = sum(parts.values(), torch.zeros((), device=canvas.device))
         if self._surrogate is not None:
-            loss, told = loss + self._surrogate.loss(canvas), told | self._surrogate.parts
-        return loss, told
+            loss, values = loss + self._surrogate.loss(canvas), values | self._surrogate.parts
+        return loss, values
 
     def _usual_cost(self) -> float:
-        """Of as many strokes as are planned, when the style draws them by itself."""
+        """Return the mean cost in nats of as many strokes as are planned, when the style alone draws them."""
         torch_rng, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
-        groups = [self._style.sample(count, torch_rng) for _ in range(max(1, _JUDGED_BY // count))]
+        groups = [self._style.sample(count, torch_rng) for _ in range(max(1, _COST_SAMPLES // count))]
         return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
 
     def _view(self) -> TargetView:
-        """How the canvas is compared with the target, or where there is none, with what the surrogate proposes."""
-        target = self._asked.target
+        """Return how the canvas is compared with the target, or without one, with what the surrogate proposes."""
+        target = self._problem.target
         if target is None:
             assert self._surrogate is not None
             target = self._surrogate.proposal
-        return TargetView(target, self._asked.weights, self._pool)
+        return TargetView(target, self._problem.weights, self._pool)
 
     def _relocate_useless(self) -> None:
-        """Move the strokes that would be missed least to where the picture is furthest from the target."""
+        """Move the strokes that would be missed least to where the canvas is furthest from the target."""
         costs, view = self._removal_costs(), self._view()
-        count = max(1, int(_RESPENT * len(costs)))
+        count = max(1, int(_RELOCATED_SHARE * len(costs)))
         rows = torch.argsort(costs, stable=True)[:count]
         with torch.no_grad():
-            density = self._initialiser.amiss(view, self._stroke_canvas.render())
+            density = self._initialiser.missing(view, self._stroke_canvas.render())
         strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
         self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:
-        """By row."""
+        """Return the cost of removing each stroke, (N,), by row."""
         marks, colours = self._stroke_canvas.drawn()
         return self._stroke_canvas.by_row(
-            removal_costs(self._view(), self._asked.paper, marks, colours, self._torch_rng)
+            removal_costs(self._view(), self._problem.paper, marks, colours, self._torch_rng)
         )
 
     def _quantise_colours(self) -> None:
-        """Turn free colours into paints: mixed ones, which go on adapting, or those that there are."""
+        """Turn free colours into paints: mixed ones, which go on adapting, or those of the palette."""
         if self._stroke_canvas.paints is not None:
             return
         options = self._options
         if options.paints is None:
-            there = np.array(options.palette)
-            paints = torch.tensor(there[np.argsort(-lightness(there), kind="stable")], dtype=torch.float32)
+            palette = np.array(options.palette)
+            paints = torch.tensor(palette[np.argsort(-lightness(palette), kind="stable")], dtype=torch.float32)
         else:
             marks, colours = self._stroke_canvas.drawn()
-            shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._asked.paper, marks, colours)))
+            shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._problem.paper, marks, colours)))
             free = as_array(self._stroke_canvas.strokes.colours)
             mixed = mix_paints(free, np.sqrt(shown.clip(min=1)), options.paints, options.seed)
             paints = torch.tensor(mixed, dtype=torch.float32)
@@ -266,14 +266,14 @@ class _Planning:
 
     @torch.no_grad()
     def _repaint(self) -> None:
-        """Let strokes take other paints of those that there are, as many of them as make the picture better."""
+        """Give strokes other paints of the palette, to as many strokes as makes the loss smaller."""
         stroke_canvas, grouped = self._stroke_canvas, self._schedule.grouped
         if stroke_canvas.paints is None or len(stroke_canvas.paints) < 2 or self._options.paints is not None:
             return
         with torch.enable_grad():
             marks, colours = stroke_canvas.drawn()
             costs = recolouring_costs(
-                self._view(), self._asked.paper, marks, colours, stroke_canvas.paints, self._torch_rng
+                self._view(), self._problem.paper, marks, colours, stroke_canvas.paints, self._torch_rng
             )
         gains, better = (-stroke_canvas.by_row(costs)).max(dim=1)
         candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
@@ -286,13 +286,13 @@ class _Planning:
         stroke_canvas.repaint(was, grouped)
 
     def _paints_to_use(self, paints: Tensor) -> Tensor:
-        """Those (k, C), which go on adapting if they are still to be mixed."""
+        """Return the paints (k, C), which go on adapting if they are still to be mixed."""
         if self._options.paints is not None:
             self._descent.add_paints(paints.requires_grad_())
         return paints
 
     def finish(self) -> PlanResult:
-        """The plan in painting order, without the strokes that do nothing unless their number is to be exact."""
+        """Return the plan in painting order, without useless strokes unless the number is to be exact."""
         self._quantise_colours()
         assert self._stroke_canvas.paints is not None
         order = self._stroke_canvas.order
@@ -302,8 +302,8 @@ class _Planning:
         )
 
     @torch.no_grad()
-    def _needed(self) -> NDArray[np.bool_]:
-        """Which strokes (N,) to keep: without the others together the loss does not grow."""
+    def _needed(self) -> Bools:
+        """Return which strokes, (N,), to keep: the loss does not grow without the others."""
         with torch.enable_grad():
             costs = self._removal_costs().numpy()
         candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]

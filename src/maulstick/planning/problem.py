@@ -1,4 +1,4 @@
-"""What is asked of the planner."""
+"""The problem and the settings that a planner is given."""
 
 from dataclasses import dataclass
 from typing import Final, Generic, TypeVar
@@ -19,12 +19,13 @@ Term = TypeVar("Term", Objective, NetworkLoss)
 
 @dataclass(frozen=True)
 class PlannerSettings:
-    """How to plan.
+    """Settings of the planner.
 
     strokes: at most so many; exactly so many with `exact`.
-    paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1], of which one colour is an ink.
-    steps: of the optimiser.  ask_every: so many steps lie between two calls of the network losses.
+    paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1]; a palette of one colour is an ink.
+    steps: of the optimiser.  ask_every: steps between two calls of the network losses.
     seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
+    Raises InputError for a value out of its range.
     """
 
     strokes: int = 400
@@ -54,13 +55,13 @@ class PlannerSettings:
 
     @property
     def one_ink(self) -> bool:
-        """Whether greys have to be made of the distance between lines."""
+        """Whether there is one ink, so that greys are made of the distance between lines."""
         return self.paints is None and len(self.palette) == 1
 
 
 @dataclass(frozen=True)
 class Weighted(Generic[Term]):
-    """A term of the loss, and by how much it counts."""
+    """A term of the loss, and its weight."""
 
     term: Term
     weight: float
@@ -68,9 +69,9 @@ class Weighted(Generic[Term]):
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Strokes of other plans, painted among those of this one where their colours put them; they stay as they are.
+    """Strokes of other plans among those of this one, in the order of their colours; planning does not change them.
 
-    trajectories: (M, 32, 3) commanded, as the canvas has them.  colours: (M, 3).
+    trajectories: (M, 32, 3) commanded, metres on the canvas and pressure.  colours: (M, 3).
     """
 
     trajectories: Tensor
@@ -78,17 +79,18 @@ class Neighbours:
 
 
 NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
+"""No neighbours: the plan is alone on its canvas."""
 
 
 @dataclass(frozen=True)
 class PlanningProblem:
-    """What is to be painted, and with what.
+    """Problem of a planner: what is to be painted, and with what.
 
     target: (3, H, W) of the canvas' pixels, sRGB in [0, 1], or None where there is no picture.  paper: (3, H, W), what
     is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the
-    device that is to render.
-    objectives, network_losses: what the canvas should look like.
-    neighbours: what others paint on the same canvas.
+    device that renders.
+    objectives, network_losses: the terms of the loss.
+    neighbours: strokes of other plans on the same canvas.
     """
 
     target: Tensor | None

@@ -1,16 +1,16 @@
-"""What happens when while a plan is made."""
+"""Schedule of a plan: when strokes are sorted, relocated, and given paints."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """When what happens, each as a share of all steps.
+    """Times at which things happen, each as a share of all steps.
 
-    begins: for strokes that are nearly there already, planning begins as if this share were over.
-    sorts: strokes are put in order from light to dark.  relocations: the strokes that would be missed least begin anew.
-    quantise: free colours become paints; with `grouped`, all strokes of a paint then stand together.
-    repaints: of paints that are given, strokes take others where that is better.
+    begins: the share that counts as over at the start, for strokes that are nearly in place already.
+    sorts: strokes are put in order from light to dark.  relocations: the strokes that would be missed least are moved.
+    quantise: free colours become paints; with `grouped`, all strokes of a paint are then painted together.
+    repaints: strokes take other paints of a palette where that is better.
     """
 
     begins: float = 0.0
@@ -21,8 +21,8 @@ class Schedule:
     grouped: bool = True
 
 
-AGAIN = Schedule(begins=0.6, sorts=(), relocations=(0.6, 0.64), quantise=0.68, repaints=(0.75, 0.85))
-"""Strokes that were planned before, on a sheet that has become another than was thought."""
+REPLAN = Schedule(begins=0.6, sorts=(), relocations=(0.6, 0.64), quantise=0.68, repaints=(0.75, 0.85))
+"""Schedule for strokes that were planned before, when the sheet looks other than planned: they are nearly in place."""
 
 GIVEN_PAINTS = Schedule(quantise=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
-"""Paints that are given may be far from the colours that strokes would choose, so shapes need longer to adapt."""
+"""Schedule for a palette: its paints may be far from the colours that strokes would choose, so shapes need longer."""

@@ -1,10 +1,9 @@
-"""Strokes and paints in the making, and the canvas that they make."""
+"""Stroke canvas: the strokes and paints of a plan in the making, rendered in their painting order."""
 
 from dataclasses import replace
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from maulstick.colour.palette import nearest_paint
@@ -16,14 +15,15 @@ from maulstick.planning.problem import NO_NEIGHBOURS, Neighbours
 from maulstick.planning.state import State
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
+from maulstick.storage.arrays import Bools, Floats, Ints
 from maulstick.style import Style
 
 
 class StrokeCanvas:
-    """N strokes that keep their rows, M neighbours among them that nothing changes, and how they all are painted.
+    """N strokes that keep their rows, M neighbours among them that nothing changes, and the order of painting.
 
-    Their parameters live with the processor, and the canvas wherever the paper (C, H, W) is.
-    paints: (k, C), or None while every stroke has a colour of its own.  paint_of: (N,).
+    Parameters are on the CPU, and the canvas is on the device of the paper (C, H, W).
+    paints: (k, C), or None while every stroke has a colour of its own.  paint_of: (N,), indices of paints.
     """
 
     def __init__(
@@ -44,29 +44,29 @@ class StrokeCanvas:
         self._pixels_per_metre = canvas.pixels_per_metre
 
     @property
-    def order(self) -> NDArray[np.int64]:
-        """Rows (N,) of the strokes as they are painted."""
+    def order(self) -> Ints:
+        """Rows (N,) of the strokes in painting order."""
         return self._order[self._own]
 
     @property
-    def _own(self) -> NDArray[np.bool_]:
+    def _own(self) -> Bools:
         return self._order < len(self.strokes)
 
     @property
     def colours(self) -> Tensor:
-        """(N + M, C), by row."""
+        """Colours (N + M, C), by row."""
         own = self.strokes.colours if self.paints is None else self.paints[self.paint_of]
         return torch.cat([own, self._neighbours.colours])
 
     def drawn(self) -> tuple[Marks, Tensor]:
-        """Marks and colours of all N + M in painting order, on the device of the paper."""
+        """Return marks and colours of all N + M strokes in painting order, on the device of the paper."""
         trajectories = torch.cat([self.strokes.trajectories(self.style), self._neighbours.trajectories])[self._order]
         marks = self._brushes.marks(trajectories, self._pixels_per_metre)
-        there = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
-        return replace(marks, **there), self.colours[self._order].to(self.paper.device)
+        moved = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
+        return replace(marks, **moved), self.colours[self._order].to(self.paper.device)
 
-    def render(self, wanted: NDArray[np.bool_] | None = None) -> Tensor:
-        """The canvas (C, H, W) with all strokes, or of the N with those `wanted`, (N,), alone."""
+    def render(self, wanted: Bools | None = None) -> Tensor:
+        """Return the canvas (C, H, W) with all strokes, or with only those of the N that are `wanted`, (N,)."""
         marks, colours = self.drawn()
         own = torch.from_numpy(self._own)
         if wanted is not None:
@@ -74,28 +74,28 @@ class StrokeCanvas:
             shown[own] = torch.from_numpy(wanted[self.order])
             marks = Marks(**{name: tensor[shown] for name, tensor in vars(marks).items()})
             colours, own = colours[shown], own[shown]
-        numbers = marks.falloff, marks.plateau, marks.opacity
+        profile = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
-        return composite(self.paper, marks.points, marks.thickness, colours, *numbers, trainable=trainable)
+        return composite(self.paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
 
     def by_row(self, ordered: Tensor) -> Tensor:
-        """What is given in painting order, (N + M, …), by row, (N, …)."""
+        """Return values in painting order, (N + M, …), by row and without neighbours, (N, …)."""
         rows = torch.empty_like(ordered)
         rows[torch.from_numpy(self._order).to(ordered.device)] = ordered
         return rows[: len(self.strokes)].cpu()
 
     def sort(self) -> None:
-        """Light to dark, while colours are free."""
+        """Put strokes in order from light to dark, while colours are free."""
         if self.paints is None:
             self._order = light_to_dark(as_array(self.colours))
 
     def quantise(self, paints: Tensor, grouped: bool) -> None:
-        """Give every stroke the nearest of the paints (k, C), and if they are to be grouped, paint by paint."""
+        """Give every stroke the nearest of the paints (k, C); where `grouped`, order them paint by paint."""
         self.paints = paints
         self.repaint(torch.from_numpy(nearest_paint(as_array(self.strokes.colours), as_array(paints))), grouped)
 
     def repaint(self, paint_of: Tensor, grouped: bool) -> None:
-        """Give the strokes these paints, (N,)."""
+        """Give the strokes the paints of these indices, (N,); where `grouped`, order them paint by paint."""
         assert self.paints is not None
         self.paint_of = paint_of
         if grouped:
@@ -103,18 +103,18 @@ class StrokeCanvas:
             self._order = by_paint(np.concatenate([paint_of.numpy(), theirs]), self._order)
 
     def state(self) -> State:
-        """Strokes, paints and order."""
+        """Return strokes, paints and order."""
         strokes = {name: tensor.detach().numpy() for name, tensor in self.strokes.each().items()}
         paints = {} if self.paints is None else {"paints": self.paints.detach().numpy()}
         return {**strokes, **paints, "paint_of": self.paint_of.numpy(), "order": self._order}
 
     def restore(self, state: State) -> None:
-        """Go on from there: the same strokes and order; whoever made the paints puts them back."""
+        """Put the strokes and the order of a state back; the paints are left to the caller, who may adapt them."""
         for name, tensor in self.strokes.each().items():
             tensor.detach().copy_(torch.from_numpy(state[name]))
         self.paint_of, self._order = torch.from_numpy(state["paint_of"]), np.array(state["order"])
 
 
-def as_array(tensor: Tensor) -> NDArray[np.float64]:
-    """The same numbers for NumPy."""
+def as_array(tensor: Tensor) -> Floats:
+    """Return the numbers of a tensor as a NumPy array."""
     return tensor.detach().cpu().numpy().astype(np.float64)

@@ -1,4 +1,4 @@
-"""What each stroke does for the picture.
+"""Effects of single strokes on the error of the canvas.
 
 The canvas is linear in a stroke's opacity and in its colour, so that taking it away, or painting it with another paint,
 changes the squared error by an exact quadratic, whose terms a few backward passes give for all strokes at once.
@@ -13,12 +13,12 @@ from torch.nn.functional import avg_pool2d
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks
 
-_PROBES = 8
+_PROBES = 8  # random signs per estimate of curvature, one backward pass each: enough to rank strokes
 
 
 @dataclass(frozen=True)
 class TargetView:
-    """How a canvas is compared with the target (C, H, W).
+    """View of the target (C, H, W), with which a canvas is compared.
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
     """
@@ -28,13 +28,13 @@ class TargetView:
     pool: int = 1
 
     def difference(self, canvas: Tensor) -> Tensor:
-        """(C, h, w); the sum of its squares is the error."""
+        """Return the weighted difference (C, h, w), whose sum of squares is the error."""
         difference = (canvas - self.target) * self.weights.sqrt()
         return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
 
 
 def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
-    """How much the error would grow, (N,), if each stroke alone were not there.
+    """Return how much the error would grow, (N,), if each stroke alone were removed.
 
     paper: (C, H, W).  marks and colours, (N, C), are in painting order.  The slope is exact; the curvature, a sum of
     squares over pixels, is estimated from random signs (Hutchinson).
@@ -50,7 +50,7 @@ def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor
 def recolouring_costs(
     view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, paints: Tensor, generator: Generator
 ) -> Tensor:
-    """How much the error would grow, (N, k), if each stroke alone took each of the paints (k, C).
+    """Return how much the error would grow, (N, k), if each stroke alone took each of the paints (k, C).
 
     As exact as `removal_costs`, and for the same reason: the canvas is linear in a stroke's colour too.
     """
@@ -62,24 +62,24 @@ def recolouring_costs(
 
 
 def coverage(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor) -> Tensor:
-    """How much of the canvas shows each stroke in the end, (N,), in pixels by their weight."""
+    """Return how much of each stroke the finished canvas shows, (N,), in weighted pixels."""
     colours = colours.detach().requires_grad_()
     (shown,) = torch.autograd.grad((_painted(paper, _detached(marks), colours) * view.weights).sum(), colours)
     return shown.mean(dim=1)
 
 
 def _slope_and_curvature(difference: Tensor, numbers: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
-    """Of the sum of the squared differences, in each of the numbers that they are linear in."""
+    """Return slope and curvature of the sum of squared differences, which are linear in the numbers, per number."""
 
-    def pull(signal: Tensor) -> Tensor:
+    def backward(signal: Tensor) -> Tensor:
         (gradient,) = torch.autograd.grad(difference, numbers, signal, retain_graph=True)
         return gradient
 
-    slope = pull(2 * difference.detach())
+    slope = backward(2 * difference.detach())
     curvature = torch.zeros_like(slope)
     for _ in range(_PROBES):
         signs = torch.randint(0, 2, difference.shape, generator=generator).to(difference) * 2 - 1
-        curvature += 2 * pull(signs).square() / _PROBES
+        curvature += 2 * backward(signs).square() / _PROBES
     return slope, curvature
 
 

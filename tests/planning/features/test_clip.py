@@ -96,8 +96,8 @@ def test_only_images_are_differentiated(weights: dict[str, Path], name: str) -> 
     assert not any(x.requires_grad for x in [*maps, embedding])
     shown.requires_grad_()
     maps, embedding = network.features(shown)
-    for said in [*maps, embedding[:, 0]]:
-        (gradient,) = torch.autograd.grad(said.sum(), shown, retain_graph=True)
+    for output in [*maps, embedding[:, 0]]:
+        (gradient,) = torch.autograd.grad(output.sum(), shown, retain_graph=True)
         assert gradient.abs().sum() > 0
 
 
@@ -141,9 +141,9 @@ def test_a_file_that_could_run_code_is_refused_and_runs_none(weights: dict[str, 
     torch.save({"state_dict": {"x": Trap()}}, tmp_path / "trap.pt")
     with pytest.raises(
         InputError, match="holds more than tensors, and reading it could run what is in it; give"
-    ) as told:
+    ) as refused:
         Clip.load("tiny-resnet", tmp_path / "trap.pt")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_a_torchscript_archive_is_refused(weights: dict[str, Path], tmp_path: Path) -> None:
@@ -154,9 +154,9 @@ def test_a_torchscript_archive_is_refused(weights: dict[str, Path], tmp_path: Pa
 
 
 def test_weights_of_another_model_are_refused_in_one_line(weights: dict[str, Path]) -> None:
-    with pytest.raises(InputError, match=r"tiny-transformer.safetensors gives no tiny-resnet: ") as told:
+    with pytest.raises(InputError, match=r"tiny-transformer.safetensors gives no tiny-resnet: ") as refused:
         Clip.load("tiny-resnet", weights["tiny-transformer"])
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("content", [b"\x08\x00\x00\x00\x00\x00\x00\x00{broken!", b"not weights at all"])
@@ -166,9 +166,9 @@ def test_a_broken_file_is_refused_in_one_line(
 ) -> None:
     broken = (tmp_path / "broken").with_suffix(suffix)
     broken.write_bytes(content)
-    with pytest.raises(InputError, match=r"broken\.(safetensors|pt) (gives no|holds more)") as told:
+    with pytest.raises(InputError, match=r"broken\.(safetensors|pt) (gives no|holds more)") as refused:
         Clip.load("tiny-resnet", broken)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_a_file_of_another_kind_is_refused(weights: dict[str, Path], tmp_path: Path) -> None:
@@ -195,9 +195,8 @@ def test_weights_that_there_are_not_are_refused_with_those_that_there_are() -> N
 
 
 def test_a_model_without_published_weights_needs_a_file(weights: dict[str, Path]) -> None:
-    with pytest.raises(
-        InputError, match=r"nobody publishes weights of tiny-resnet; give a file of them with clip_weights$"
-    ):
+    text = r"nobody publishes weights of tiny-resnet; give a file of them with clip_weights$"
+    with pytest.raises(InputError, match=text):
         Clip.load("tiny-resnet")
 
 

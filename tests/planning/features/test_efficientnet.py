@@ -49,8 +49,8 @@ def test_only_images_are_differentiated(network: EfficientNetLite0, cat: Tensor)
     assert not any(x.requires_grad for x in [*maps, embedding])
     image = cat.clone().requires_grad_()
     maps, embedding = network.features(image)
-    for said in [*maps, embedding]:
-        (gradient,) = torch.autograd.grad(said.square().mean(), image, retain_graph=True)
+    for output in [*maps, embedding]:
+        (gradient,) = torch.autograd.grad(output.square().mean(), image, retain_graph=True)
         assert gradient.abs().sum() > 0
 
 

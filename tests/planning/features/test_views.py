@@ -16,12 +16,12 @@ def seeded(count: int, shape: tuple[int, int], seed: int = 0) -> Tensor:
 
 
 def middles(height: int, width: int) -> Tensor:
-    """Of the pixels of a canvas, (H, W, 2), in its own coordinates."""
+    """Return the middles of a canvas's pixels, (H, W, 2), in its own coordinates."""
     return on_canvas(torch.eye(3)[None], height, width)[0]
 
 
 def seen_in(view: Tensor, places: Tensor) -> Tensor:
-    """Where a view shows places (..., 2) of the canvas."""
+    """Return where a view shows places (..., 2) of the canvas."""
     shown = torch.cat([places, torch.ones_like(places[..., :1])], dim=-1) @ torch.linalg.inv(view).T
     return shown[..., :2] / shown[..., 2:]
 
@@ -77,7 +77,7 @@ def test_a_checkerboard_seen_from_far_is_grey() -> None:
     assert ((seen - 0.5).abs() < 0.02).all()
 
 
-def test_views_differ_and_are_the_same_for_the_same_chance() -> None:
+def test_views_differ_and_are_the_same_for_the_same_seed() -> None:
     views = seeded(6, (40, 60))
     assert torch.equal(views, seeded(6, (40, 60)))
     assert torch.pdist(views.reshape(6, 9)).min() > 0.01

@@ -13,7 +13,7 @@ SHAPES = [(1, 1), (3, 5), (1, 200), (33, 37), (64, 48)]
 
 @pytest.fixture(scope="module")
 def portrait() -> Tensor:
-    """(3, 128, 128) of a face."""
+    """A face, (3, 128, 128)."""
     return avg_pool2d(torch.from_numpy(astronaut()[:256, 80:336]).permute(2, 0, 1) / 255, 2)
 
 

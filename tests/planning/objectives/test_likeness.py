@@ -101,7 +101,7 @@ def test_a_sketch_asks_deep_layers_and_the_embedding() -> None:
 
 
 def square(photograph: Tensor) -> Tensor:
-    """(3, 128, 128)."""
+    """Return a photograph scaled to (3, 128, 128)."""
     return interpolate(photograph[None], size=(128, 128), mode="bilinear", antialias=True)[0]
 
 

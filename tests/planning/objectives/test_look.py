@@ -75,7 +75,7 @@ def test_the_same_places_are_looked_at_for_good_whatever_is_asked_before() -> No
     assert torch.equal(first.losses(CANVAS, [1, 2]), second.losses(CANVAS, [1, 2]))
 
 
-def test_at_most_512_places_are_chosen_by_chance_and_all_are_on_the_canvas() -> None:
+def test_at_most_512_places_are_chosen_at_random_and_all_are_on_the_canvas() -> None:
     view = whole(50, 100)
     numbers = torch.arange(64.0 * 64).reshape(1, 1, 64, 64)
     chosen = _chosen(numbers, view, 0)[:, 0]

@@ -1,4 +1,4 @@
-"""A network loss without a network, for tests of how network losses are asked."""
+"""A network loss without a network, for tests of when network losses are called."""
 
 from collections.abc import Sequence
 
@@ -9,11 +9,11 @@ from maulstick.planning.objectives import NetworkLoss
 
 
 class Shifted(NetworkLoss):
-    """Wants the target, which each of its views sees moved a little further to the right. It counts its calls."""
+    """Difference from the target, which each view moves a little further to the right. It records its calls."""
 
     def __init__(self, target: Tensor, views: int = 6) -> None:
         self._target, self._views = target, views
-        self.asked: list[tuple[int, ...]] = []
+        self.calls: list[tuple[int, ...]] = []
 
     @property
     def name(self) -> str:
@@ -24,5 +24,5 @@ class Shifted(NetworkLoss):
         return self._views
 
     def losses(self, canvas: Tensor, which: Sequence[int]) -> Tensor:
-        self.asked.append(tuple(which))
+        self.calls.append(tuple(which))
         return torch.stack([(canvas - self._target.roll(view, dims=2)).square().mean() for view in which])

@@ -1,4 +1,4 @@
-"""A network that is small enough to differentiate by hand, and counts the images that it was shown."""
+"""A network that is small enough for finite differences, and counts the images that it was shown."""
 
 from collections.abc import Callable, Sequence
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _AXES = {"x": (1, 0, 0), "-x": (-1, 0, 0), "y": (0, 1, 0), "-y": (0, -1, 0), "z": (0, 0, 1), "-z": (0, 0, -1)}
 _LONGEST_PEN = 2.0  # metres: longer ones are slips of the unit
 _SECONDS = {"ms": 1e-3, "s": 1.0}
+"""Seconds per unit of time."""
 
 MERGE, SHORTEST = "20ms", "30ms"
 """Defaults of `ContactOptions`, written as options; importing that loads scipy."""

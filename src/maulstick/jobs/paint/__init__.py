@@ -1,1 +1,1 @@
-"""Painting: what was asked of the machine, and what stands ready for it."""
+"""Painting: options, preparation and runs of a machine that paints."""

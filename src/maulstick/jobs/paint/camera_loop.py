@@ -1,4 +1,4 @@
-"""Painting with eyes: a photograph now and then becomes the canvas, and what is left is planned again.
+"""Camera loop: photographs of the sheet on the way, from which the strokes that are left are planned again.
 
 The only place where planning and machines meet.
 """
@@ -22,7 +22,7 @@ from maulstick.planning.losses import LossOptions
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
-from maulstick.planning.schedule import AGAIN
+from maulstick.planning.schedule import REPLAN
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
@@ -31,16 +31,16 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 from maulstick.style.pressure import fit_knots, pressure_along
 
-_STEPS = 200
-_LIGHTEST = 0.1  # of the pressures to practise
-_ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3
+_STEPS = 200  # steps of planning again: few, since the machine waits and the strokes are nearly in place
+_LIGHTEST = 0.1  # least pressure of practice strokes: lighter ones may leave no mark
+_ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3  # room around practice strokes: half-widths of the brush, and metres to spare
 
 
 def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: int = 0) -> Painting:
-    """A sheet of strokes as the style draws them, apart from one another, to learn a brush from.
+    """Return a painting of strokes in the style, apart from one another, to fit a brush from.
 
-    brush: about as wide as what is to be learned.  Where it presses, all pressures come alike, from the lightest on.
-    Raises InputError where so many do not fit on the sheet.
+    brush: about as wide as the one to be fitted. If its pressure matters, all pressures occur equally often.
+    strokes: their number.  Raises InputError where so many do not fit on the sheet.
     """
     torch_rng = torch.Generator().manual_seed(seed)
     codes, knots = style.sample(strokes, torch_rng)
@@ -63,14 +63,14 @@ def practice(style: Style, brush: Brush, sheet: Sheet, strokes: int, *, seed: in
 
 
 def room_of(brush: Brush) -> float:
-    """Metres around each stroke of a `practice` with this brush that are its own."""
+    """Return the free room in metres around each stroke of a `practice` with this brush."""
     return _ROOM_IN_WIDTHS * brush.widest + _ROOM
 
 
 def check_replannable(painting: Painting) -> None:
-    """Raise InputError where its strokes cannot be planned again.
+    """Raise InputError where the strokes of a painting cannot be planned again.
 
-    They are of several brushes, of no style, of one that has changed, or were planned by a text or a look.
+    That is so for several brushes, no style, several styles or a changed one, and for plans by a text or a look.
     """
     strokes = list(painting.strokes)
     _brush_of(strokes, painting), _style_of(strokes, painting), _weights(painting)
@@ -84,11 +84,11 @@ def replanned(
     *,
     steps: int = _STEPS,
 ) -> Painting:
-    """The painting with the strokes that are not yet painted planned again, in their style, on the sheet as it is.
+    """Return the painting with the unpainted strokes planned again, in their style, on the sheet as it is.
 
     painted: ids of the strokes that stay as they are.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
-    picture: (H, W, 3), what was planned from.
-    Strokes that are left get new ids, for they are others than before; some may be left out. Paints stay.
+    picture: (H, W, 3), the one that was planned.  steps: of the optimiser.
+    Strokes that are planned again get new ids; some may be left out. Paints stay.
     Raises InputError as `check_replannable` does.
     """
     left = [stroke for stroke in painting.strokes if stroke.id not in painted]
@@ -104,9 +104,9 @@ def replanned(
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
-    asked = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.provenance.seed)
-    problem = problem_of(layout, brush, style, asked, LossOptions(weights=weights))
-    planned = plan(problem, asked, schedule=AGAIN, start=_parameters(left, painting))
+    settings = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.provenance.seed)
+    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights))
+    planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.provenance)
     return _joined(painting, painted, again)
 
@@ -118,11 +118,12 @@ def paint_by_eye(
     again: Callable[[Painting, Image], Painting],
     enough: Callable[[int], bool],
 ) -> None:
-    """Paint what is left; once it is `enough` for now look at the sheet, and plan the others `again`.
+    """Paint the strokes that are left, and photograph the sheet and plan the rest again on the way.
 
-    Where something is painted already, it begins with a look: nobody knows where the sheet has gone meanwhile.
-    enough: asked after each stroke, with the number painted since the last look.
-    look: takes a photograph, (h, w, 3) of the flat sheet, and says where it now lies.
+    Where something is painted already, it begins with a look, since the sheet may have been moved meanwhile.
+    look: returns a photograph, (h, w, 3) of the flat sheet, and the easel, which says where the sheet now lies.
+    again: returns the painting with its unpainted strokes planned again on the photograph.
+    enough: called after each stroke with the number painted since the last look; returns whether to look again.
     Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
     """
     hand, home, journal = NOTHING, workplace.robot.place, workplace.journal
@@ -140,12 +141,13 @@ def paint_by_eye(
 
 
 def revision_of(journal: Journal, number: int) -> Path:
-    """Where a revision of the painting of a journal is written."""
+    """Return the path that a revision of the painting of a journal is written to."""
     stem = journal.path.name.removesuffix(".log.jsonl")
     return journal.path.with_name(f"{stem}.r{number}.json")
 
 
 def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:
+    """Return the one brush of the strokes. Raises InputError where they need several."""
     names = {painting.paints[stroke.paint].brush for stroke in strokes}
     if len(names) != 1:
         raise InputError(f"the strokes that are left need {len(names)} brushes; only those of one are planned again")
@@ -153,6 +155,7 @@ def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:
 
 
 def _weights(painting: Painting) -> dict[str, float]:
+    """Return the weights by term that the painting was planned with. Raises InputError for a text or a look."""
     weights = painting.provenance.options.get("weights")
     found = {str(name): float(str(weight)) for name, weight in (weights if isinstance(weights, dict) else {}).items()}
     if missing := {"text", "look"} & set(found):
@@ -163,6 +166,7 @@ def _weights(painting: Painting) -> dict[str, float]:
 
 
 def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
+    """Return the one style of the strokes. Raises InputError where it is not one, or it has changed."""
     uses = {(stroke.style.name, stroke.style.hash) for stroke in strokes if stroke.style is not None}
     if len(uses) != 1 or any(stroke.style is None for stroke in strokes):
         raise InputError("the strokes that are left are not all of one style; only those are planned again")
@@ -175,6 +179,7 @@ def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
 
 
 def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
+    """Return the planner's parameters of strokes of a painting."""
     paths = torch.tensor([stroke.trajectory for stroke in strokes])
     uses = [stroke.style for stroke in strokes if stroke.style is not None]
     return StrokeParameters(
@@ -187,7 +192,7 @@ def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
 
 
 def _joined(painting: Painting, painted: Collection[int], again: Painting) -> Painting:
-    """What is painted, and then what was planned again, with the paints of the painting."""
+    """Return the painting with its painted strokes, followed by those planned `again`, in its own paints."""
     (brush,) = again.brushes
     there = [number for number, paint in enumerate(painting.paints) if paint.brush == brush]
     colours = np.array([painting.paints[number].colour for number in there])

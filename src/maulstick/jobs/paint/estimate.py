@@ -1,4 +1,4 @@
-"""What a run will come to: strokes, metres and seconds."""
+"""Estimate of a run: strokes, metres and seconds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from maulstick.storage.arrays import Floats
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a run will come to.
+    """Estimate of a run.
 
-    strokes, metres, seconds: that are left, without what people have to do.  painted: strokes that are there already.
-    paints: of the whole painting.
+    strokes, metres, seconds: what is left, without the time that an operator needs.  painted: strokes that are painted
+    already.  paints: of the whole painting.
     """
 
     strokes: int
@@ -26,7 +26,7 @@ class Estimate:
 
     @classmethod
     def of(cls, actions: Sequence[Action], painting: Painting, limits: Limits, place: Floats) -> Self:
-        """The estimate of a routine for a machine with these limits, whose tip is at `place` (3,)."""
+        """Return the estimate of a routine for a machine with these limits, whose tip is at `place` (3,)."""
         strokes = sum(isinstance(action, Draw) for action in actions)
         seconds = float(seconds_of(actions, limits, place).sum())
         return cls(strokes, drawn_metres(actions), seconds, len(painting.strokes) - strokes, len(painting.paints))

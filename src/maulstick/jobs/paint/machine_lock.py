@@ -1,4 +1,4 @@
-"""One machine is driven by one Maulstick at a time, whichever painting it paints."""
+"""Machine lock: one machine is driven by one process at a time, whichever painting it paints."""
 
 import hashlib
 import socket
@@ -16,7 +16,7 @@ from maulstick.storage.files import held
 def machine_lock(spec: str) -> Iterator[None]:
     """Lock the machine that the spec names against other processes while the context lasts; simulated ones are free.
 
-    Raises InputError where another drives it, OutputError where that cannot be written down.
+    Raises InputError where another process drives it, OutputError where the lock cannot be written.
     """
     if spec.startswith("sim"):
         yield
@@ -29,7 +29,7 @@ def machine_lock(spec: str) -> Iterator[None]:
 
 
 def _place(spec: str) -> str:
-    """Where the machine is, by whatever name: its port, or its number in the network."""
+    """Return the same text for all names of a machine: its port, or its address in the network."""
     kind, _, address = spec.partition(":")
     if not address and kind == "axidraw":
         from maulstick.robot.adapters.ebb_board import port_of_the_board  # loads the serial port

@@ -1,4 +1,4 @@
-"""The person beside a machine that paints, at a terminal or before a page."""
+"""Operator: the interface to the person at a machine that paints, by a terminal or a page."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -13,10 +13,10 @@ from maulstick.robot.routine import Prompt
 
 
 class Operator(ABC):
-    """What they are told and asked, and how they stop and hold the machine.
+    """Interface to the operator: messages and questions to them, and their ways to stop and pause the machine.
 
-    pause: holds it between two strokes.  stopped: whether they stopped it.
-    resting: whether it rests while something else is done, which `interrupt` then interrupts.
+    pause: pauses the machine between two strokes.  stopped: whether the operator stopped it.
+    resting: whether the machine rests while something else is done, which `interrupt` then interrupts.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -27,44 +27,44 @@ class Operator(ABC):
 
     @abstractmethod
     def expect(self, estimate: Estimate) -> None:
-        """Tell them what will be painted."""
+        """Show the estimate of what will be painted."""
 
     @abstractmethod
     def on_duty(self) -> AbstractContextManager[None]:
-        """While it lasts the machine may move, and they can stop it."""
+        """Return a context in which the machine may move and the operator can stop it."""
 
     @abstractmethod
     def watch(self, progress: PaintProgress) -> None:
-        """Show them where painting is."""
+        """Show the progress of painting."""
 
     @abstractmethod
     def ask(self, action: Prompt) -> None:
-        """Say what is to be done, and return once it is, or once they have stopped the machine."""
+        """Ask the operator to do something; return once it is done, or once they have stopped the machine."""
 
     @abstractmethod
     def note(self, sentence: str) -> None:
-        """Tell them what is odd and does not stop the machine."""
+        """Show a warning that does not stop the machine."""
 
     @abstractmethod
     def show(self, photograph: Path) -> None:
-        """Show them what the camera saw."""
+        """Show a photograph of the sheet from the camera."""
 
     @abstractmethod
     def expect_strokes(self, number: int) -> None:
-        """Tell them of how many strokes the painting is, now that the rest was planned again."""
+        """Show the new number of strokes of the painting, after the rest was planned again."""
 
     @abstractmethod
     def leave(self, photograph: Path) -> None:
-        """Tell them, at the end, where a picture of the sheet now is."""
+        """Show, at the end, the path of a picture of the sheet."""
 
     @abstractmethod
     def wants_a_look(self) -> bool:
-        """Whether they want the camera to look now; asked after each stroke, and once they do, they have been heard."""
+        """Return whether the operator asks for a photograph now, once per request; called after each stroke."""
 
     @final
     @contextmanager
     def interruptible(self) -> Iterator[None]:
-        """While it lasts a stop interrupts what is done; raises KeyboardInterrupt where it was stopped before."""
+        """Let a stop interrupt the body of the context; raises KeyboardInterrupt where it was stopped before."""
         self.resting = True
         try:
             if self.stopped:
@@ -75,7 +75,7 @@ class Operator(ABC):
 
     @final
     def stop(self) -> None:
-        """Stop the machine; from any thread or signal handler. It is told once: twice would halt the lifting, too."""
+        """Stop the machine, from any thread or signal handler; once, since a second stop would halt the lifting."""
         if self.stopped:
             return
         self.stopped = True
@@ -85,7 +85,7 @@ class Operator(ABC):
 
     @final
     def interrupt(self, *_: object) -> None:
-        """Stop the machine; a signal handler."""
+        """Stop the machine, and interrupt what is done while it rests; a signal handler."""
         self.stop()
         if self.resting:
             raise KeyboardInterrupt

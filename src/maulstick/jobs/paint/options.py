@@ -1,4 +1,4 @@
-"""What ``maulstick paint`` was asked about the machine, kept in the journal: whoever goes on need not say it again."""
+"""Options of ``maulstick paint`` about the machine, kept in the journal, so that resuming needs none of them."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,14 +7,14 @@ from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
 from maulstick.errors import InputError, Remedy, machine, option, validation_fault
 
-_TAG = 0.02  # metres
-_SLOWEST, _FASTEST = 1e-4, 10.0  # metres a second
+_TAG = 0.02  # side of a tag's black square in metres, as `maulstick calibrate tags` prints them
+_SLOWEST, _FASTEST = 1e-4, 10.0  # metres per second: beyond, the unit is probably wrong
 
 
 class PaintOptions(BaseModel):
-    """The words that were said; lengths in metres. One that is not given was not said; None that is given says "none".
+    """Options as they were given; lengths in metres. One not given is not set; a None that is set means "none".
 
-    replan: strokes between two photographs, 0 for none any more.  look: whether a person may ask for one at any time.
+    replan: strokes between two photographs, 0 for none any more.  look: whether the operator may ask for one any time.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -32,7 +32,7 @@ class PaintOptions(BaseModel):
     colours: Path | None = None
 
     def check(self) -> None:
-        """Raise InputError for words that say nothing sensible by themselves."""
+        """Raise InputError for an option that is out of its range."""
         if self.speed is not None and not _SLOWEST <= self.speed <= _FASTEST:
             raise InputError.of_range(option("speed"), f"{1e3 * self.speed:g}", "from 0.1 to 10000 mm/s")
         if self.replan is not None and self.replan < 0:
@@ -49,26 +49,26 @@ class PaintOptions(BaseModel):
                 f"this painting was begun on {machine(before.robot)}, and what is left belongs on the same sheet",
                 Remedy.SAME_MACHINE_OR_RESTART,
             )
-        return before.model_copy(update={name: said for name, said in self if name in self.model_fields_set})
+        return before.model_copy(update={name: value for name, value in self if name in self.model_fields_set})
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the options as the journal keeps them; paths are absolute."""
-        said = {**self.model_dump(exclude_none=True), "robot": self.machine}
-        return {name: str(value.absolute()) if isinstance(value, Path) else value for name, value in said.items()}
+        given = {**self.model_dump(exclude_none=True), "robot": self.machine}
+        return {name: str(value.absolute()) if isinstance(value, Path) else value for name, value in given.items()}
 
     @property
     def machine(self) -> str:
-        """Which machine; the simulated easel, unless another was named."""
+        """Spec of the machine; the simulated easel, unless another was named."""
         return self.robot or "sim"
 
     @property
     def simulated(self) -> bool:
-        """Whether that is the simulated easel."""
+        """Whether the machine is the simulated easel."""
         return self.machine.startswith("sim")
 
     @property
     def tag_side(self) -> float:
-        """Of the tags' black squares, metres."""
+        """Side of the tags' black squares, metres."""
         return _TAG if self.tag is None else self.tag
 
 

@@ -1,4 +1,4 @@
-"""The camera of a run: it looks at the sheet on the way, and what is left is planned again."""
+"""Replanning: the camera of a run photographs the sheet on the way, and what is left is planned again."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,11 +27,12 @@ from maulstick.storage.files import atomic_write, file_sum
 
 @dataclass(frozen=True)
 class Replanning:
-    """camera: its spec, None for the simulated easel's.
+    """Options of replanning.
 
-    every: strokes between two photographs, 0 for those alone that a person asks for.
-    picture: that the plan was made of.  view: the file of a camera that does not move, where there are no tags.
-    tag: the side of a tag's black square, metres.  colours: the file that a chart was learnt into.
+    camera: its spec, None for the simulated easel's.  every: strokes between two photographs, 0 for only those that
+    the operator asks for.  picture: the one that was planned.  view: the calibration file of a camera that does not
+    move, where there are no tags.  tag: the side of a tag's black square, metres.  colours: the file of the colour
+    calibration.
     """
 
     camera: str | None
@@ -43,7 +44,7 @@ class Replanning:
 
     @classmethod
     def of(cls, options: PaintOptions) -> Self | None:
-        """How the sheet is looked at on the way, if it is. Raises InputError where words for that are missing."""
+        """Return replanning by the options, or None. Raises InputError where an option for it is missing or useless."""
         if not (options.replan or options.look):
             if (
                 options.replan is None
@@ -66,7 +67,7 @@ class Replanning:
         )
 
     def check(self, plan: Painting) -> None:
-        """Raise InputError where the picture is not the one that was planned, or it cannot be planned again."""
+        """Raise InputError where the picture is not the one that was planned, or the plan cannot be planned again."""
         if plan.provenance.image_sha256 is None:
             raise InputError("the painting was not planned from a picture, so it cannot be planned again on the way")
         if file_sum(self.picture) != plan.provenance.image_sha256:
@@ -81,7 +82,7 @@ class Replanning:
 
     @contextmanager
     def opened(self, plan: Painting, simulation: Simulation | None, before: Journal | None) -> Iterator[Eye]:
-        """The camera, as an eye that has seen the bare sheet, now or in the run `before`, which this goes on with."""
+        """Open the camera, as an eye that has seen the bare sheet: now, or in the run `before` that is resumed."""
         tags = self._tags(plan)
         view = None if self.view is None else read_view(self.view)
         canvas = flat_canvas(plan.sheet.width, plan.sheet.height)
@@ -94,17 +95,18 @@ class Replanning:
                 yield Eye.opened(camera, canvas, tags, plan.sheet.paper, self._chart(), view)
 
     def keep(self, eye: Eye, journal: Journal) -> None:
-        """What it saw of the bare sheet, for whoever goes on."""
+        """Write what the eye saw of the bare sheet, for a run that resumes this one."""
         eye.write(_eye_of(journal))
 
     def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator) -> None:
-        """Paint what is left of the plan, and plan again on the way."""
+        """Paint what is left of the plan, and plan the rest again on the way."""
         from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
 
         picture = read_picture(self.picture, longest_px=READ_PX)
         journal, first = workplace.journal, workplace.easel
 
         def look() -> tuple[Image, Easel]:
+            """Photograph the sheet; return the picture, and where the sheet lies."""
             with operator.interruptible():
                 seen = eye.look()
             for note in seen.notes:
@@ -115,12 +117,14 @@ class Replanning:
             return seen.image, seen.easel(first, eye.canvas)
 
         def again(painting: Painting, photograph: Image) -> Painting:
+            """Plan the strokes that are left again."""
             with operator.interruptible():
                 painting = replanned(painting, journal.painted, photograph, picture)
             operator.expect_strokes(len(painting.strokes))
             return painting
 
         def enough(painted: int) -> bool:
+            """Return whether to look at the sheet after so many strokes."""
             return painted == self.every or operator.wants_a_look()
 
         paint_by_eye(plan, workplace, look, again, enough)
@@ -137,4 +141,5 @@ def _eye_of(journal: Journal) -> Path:
 
 
 def _beside(journal: Journal, ending: str) -> Path:
+    """Return the path of the file beside a journal that has another ending."""
     return journal.path.with_name(journal.path.name.removesuffix(".log.jsonl") + ending)

@@ -1,4 +1,4 @@
-"""A run: from what was asked to a machine that paints, and what it will come to."""
+"""Session: a run from its request to the end of painting, and its estimate."""
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
@@ -24,10 +24,10 @@ from maulstick.robot.workplace import Workplace
 
 @dataclass(frozen=True)
 class PaintRequest:
-    """What is to be painted, and how.
+    """A painting, and how to paint it.
 
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
-    restart: on a new sheet, whatever the journal says, which is kept.
+    restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
     robot: a machine of one's own, instead of the one that the options name.
     """
 
@@ -40,7 +40,7 @@ class PaintRequest:
 
 
 def rehearse(request: PaintRequest) -> Estimate:
-    """Everything but motion: the machine is asked for its limits. Raises what `paint` would."""
+    """Return the estimate of a run without any motion; asks the machine for its limits. Raises what `paint` would."""
     plan = _plan_of(request)
     if not request.resume:
         setup = PaintSetup.of(request.options, plan, request.robot)
@@ -54,17 +54,17 @@ def paint(
     is_painted: Callable[[int], bool],
     operator_for: Callable[[PaintSetup, Collection[int]], Operator],
 ) -> None:
-    """Paint, or go on painting, until nothing is left or somebody stops it.
+    """Paint, or go on painting, until nothing is left or the operator stops it.
 
-    is_painted: whether the stroke with this id, which was under the brush when an earlier run ended, is on the paper.
-    operator_for: the machine of a scene on which these strokes are painted.
+    is_painted: returns whether the stroke with this id, which an earlier run left unfinished, is on the paper.
+    operator_for: returns the operator for a setup in which the strokes with these ids are painted already.
     Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
     """
     plan = _plan_of(request)
     if not request.resume:
         setup = PaintSetup.of(request.options, plan, request.robot)
         with machine_lock(request.options.machine):
-            _see_that_it_may_begin(request)
+            _check_not_begun(request)
             _paint(request, setup, None, operator_for)
         return
     with _reopened(request) as (setup, journal), machine_lock(setup.options.machine):
@@ -74,6 +74,7 @@ def paint(
 
 
 def _plan_of(request: PaintRequest) -> Painting:
+    """Return the painting of a request. Raises InputError where it has no strokes, or not the first one named."""
     plan, number = read_painting(request.painting), request.from_stroke
     if not plan.strokes:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
@@ -84,6 +85,7 @@ def _plan_of(request: PaintRequest) -> Painting:
 
 @contextmanager
 def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
+    """Open the journal of an earlier run, with the setup that it says. Raises InputError where there is none."""
     path = journal_of(request.painting)
     if not path.exists():
         raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
@@ -100,16 +102,18 @@ def _was_begun(path: Path) -> bool:
     return path.exists() and path.stat().st_size > 0
 
 
-def _see_that_it_may_begin(request: PaintRequest) -> None:
+def _check_not_begun(request: PaintRequest) -> None:
+    """Raise InputError where the painting was begun and is not to be restarted, or is being painted."""
     path = journal_of(request.painting)
     if _was_begun(path) and not request.restart:
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
-    with locked(path):  # rather than once the machine is connected
+    with locked(path):  # raises before the machine is connected
         return
 
 
 @contextmanager
 def _new_journal(painting: Path) -> Iterator[Journal]:
+    """Open an empty journal; that of an earlier run is moved away."""
     path = journal_of(painting)
     if _was_begun(path):
         _make_room(path, painting.stem)
@@ -118,7 +122,7 @@ def _new_journal(painting: Path) -> Iterator[Journal]:
 
 
 def _make_room(path: Path, stem: str) -> None:
-    """For a new journal."""
+    """Move the journal and the files beside it into a folder of their own, to make room for a new journal."""
     kept = next(folder for i in count(1) if not (folder := path.with_name(f"{stem}.run{i}")).exists())
     with locked(path):
         try:
@@ -131,6 +135,7 @@ def _make_room(path: Path, stem: str) -> None:
 
 
 def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
+    """Return the estimate of a run in which the strokes `done` are painted already."""
     with machine_lock(setup.options.machine):
         setup.robot.ask_limits()
     actions = routine(setup.plan, setup.easel, setup.robot.limits, setup.tray, speed=setup.options.speed, done=done)
@@ -144,7 +149,10 @@ def _paint(
     before: Journal | None,
     operator_for: Callable[[PaintSetup, Collection[int]], Operator],
 ) -> None:
-    """before: the journal that is gone on with; without, a new one takes its place once the machine is connected."""
+    """Paint with a setup.
+
+    before: the journal of the run that is resumed; None begins a new one once the machine is connected.
+    """
     first = setup.first(request.from_stroke)
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)

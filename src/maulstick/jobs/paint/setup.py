@@ -1,4 +1,4 @@
-"""What stands ready for a run: the plan in order, the machine, the sheet before it, the tray, and who watches."""
+"""Setup of a run: the plan in order, the machine, the easel, the tray, and replanning."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -16,7 +16,10 @@ from maulstick.robot.tray import Tray, read_tray
 
 @dataclass(frozen=True)
 class PaintSetup:
-    """All that was named, read and found; nothing is connected. simulation: where the machine is the simulated one."""
+    """All that a run needs, read and checked; nothing is connected.
+
+    simulation: None where the machine is a real one.  replanning: None where the sheet is not looked at on the way.
+    """
 
     options: PaintOptions
     plan: Painting
@@ -28,7 +31,7 @@ class PaintSetup:
 
     @classmethod
     def of(cls, options: PaintOptions, plan: Painting, robot: Robot | None = None) -> "PaintSetup":
-        """Read what the words name. Raises InputError where something of it cannot be used."""
+        """Return the setup that the options name. Raises InputError where something of it cannot be used."""
         replanning = Replanning.of(options)
         if replanning is not None:
             replanning.check(plan)
@@ -42,10 +45,10 @@ class PaintSetup:
         return cls(options, plan, robot, easel, tray, simulation, replanning)
 
     def first(self, from_stroke: int | None) -> tuple[int, ...]:
-        """Ids of the strokes before that one, counted from 1."""
+        """Return the ids of the strokes before that one, counted from 1."""
         return () if from_stroke is None else tuple(stroke.id for stroke in self.plan.strokes[: from_stroke - 1])
 
     def paint_again(self, done: Collection[int]) -> None:
-        """Let a simulated sheet look as an earlier run left it."""
+        """Paint the strokes that are done onto a simulated sheet, which then looks as an earlier run left it."""
         if self.simulation is not None:
             self.simulation.paint_again(self.easel, done)

@@ -1,4 +1,4 @@
-"""The simulated easel as ``maulstick paint`` uses it: its paints are at hand, and its sheet can be looked at."""
+"""Simulation: the simulated easel as ``maulstick paint`` uses it, with paints at hand and a camera."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -20,13 +20,15 @@ from maulstick.robot.simulated.sheets import MyPaintSheet, sheet_for
 from maulstick.robot.tray import Tray
 from maulstick.storage.files import atomic_write
 
-_FINE, _MOST_PX = 6000, 2048
+_FINE = 6000  # pixels per metre of the simulated sheet: two across the thinnest line, that of a fineliner
+_MOST_PX = 2048  # longest side of the simulated sheet, which bounds memory and time
 _PACES = {"sim": (float("inf"), WEIGHTLESS), "sim:real": (1.0, ARM)}
+"""Pace, in times of real time, and limits of each simulated machine."""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """A simulated easel for a painting."""
+    """A simulated easel for a painting, and the painting."""
 
     robot: SimulatedEasel
     painting: Painting
@@ -59,7 +61,7 @@ class Simulation:
 
     @property
     def note(self) -> str | None:
-        """What is simpler than it could be, a sentence; None where libmypaint draws."""
+        """Sentence that says what is simplified; None where libmypaint draws."""
         if isinstance(self.robot.sheet, MyPaintSheet):
             return None
         return (
@@ -68,16 +70,16 @@ class Simulation:
         )
 
     def ask(self, action: Prompt) -> None:
-        """It helps itself."""
+        """Change the paint as prompted, which no operator has to do here."""
         self.robot.hold(self.painting.paints[action.paint].colour)
 
     def camera(self, tags: TagFrame) -> SimulatedCamera:
-        """One over its sheet."""
+        """Return a simulated camera over the sheet."""
         sheet = self.robot.sheet
         return SimulatedCamera(sheet.image, sheet.canvas, np.random.default_rng(0), tags=tags)
 
     def paint_again(self, easel: Easel, done: Collection[int]) -> None:
-        """Put the strokes that are painted onto the new sheet, as an earlier run left them."""
+        """Paint the strokes that are done onto the new sheet, as an earlier run left them."""
         others = [stroke.id for stroke in self.painting.strokes if stroke.id not in done]
         limits = self.robot.limits
         for action in routine(self.painting, easel, limits, speed=limits.speed, done=others):
@@ -87,7 +89,7 @@ class Simulation:
         self.robot.hold(self.painting.paints[0].colour)
 
     def write_photograph(self, painting: Path) -> Path:
-        """Write what is on the sheet beside the painting; returns where."""
+        """Write a picture of the sheet beside the painting, and return its path."""
         path = painting.with_name(f"{painting.stem}-painted.png")
         atomic_write(path, encode_png(self.robot.sheet.image()))
         return path

@@ -1,4 +1,4 @@
-"""How far a painting is, as its journal says, for whoever has not begun it."""
+"""Status of a painting: how far it is, as its journal says."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +10,10 @@ from maulstick.robot.journal import Journal, journal_of
 
 @dataclass(frozen=True)
 class PaintStatus:
-    """strokes, painted: how many there are, and on the sheet.  options: what was asked of the machine at last.
+    """Status of a painting that was begun.
 
-    unfinished: the stroke, by its id, that was under the brush when it ended.
+    strokes, painted: how many there are, and on the sheet.  unfinished: id of the stroke that was being painted when
+    the last run ended, or None.  options: those of the last run.
     """
 
     strokes: int
@@ -27,7 +28,7 @@ class PaintStatus:
 
 
 def status_of(painting: Path) -> PaintStatus | None:
-    """How far the painting in that file is; None where it was not begun.
+    """Return the status of the painting in that file; None where it was not begun.
 
     Raises InputError where its journal, or what it was begun with, cannot be read.
     """

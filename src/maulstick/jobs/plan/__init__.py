@@ -1,1 +1,1 @@
-"""Planning a painting: what was asked, kept beside the plan in the making, and what becomes of it."""
+"""Planning a painting: the request, which is kept with the plan in the making, and the results."""

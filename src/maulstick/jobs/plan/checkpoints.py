@@ -1,4 +1,4 @@
-"""A plan that keeps a file to go on from, and whose weights can be changed on the way."""
+"""Checkpoints: a plan that keeps a file to go on from, and whose weights can be changed on the way."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -11,14 +11,14 @@ from maulstick.painting.painting import Painting
 from maulstick.planning.planner import PlanProgress
 from maulstick.planning.state import State, read_state, write_state
 
-_EVERY = 15.0  # seconds between two states on the disk, at least
-_SHARE = 20  # times as long as writing one takes
+_EVERY = 15.0  # least seconds between two checkpoints: at most so much work is lost
+_SHARE = 20  # least time between two checkpoints, in times that writing one takes: at most 5 % go into writing
 
 Watch = Callable[[PlanProgress], bool]
 
 
 class _Reweighed(Exception):  # noqa: N818  nothing is wrong
-    """The plan is to go on from this state with these weights."""
+    """Signal that the plan is to go on from this state with these weights."""
 
     def __init__(self, weights: Mapping[str, float], state: State) -> None:
         self.weights, self.state = weights, state
@@ -27,15 +27,16 @@ class _Reweighed(Exception):  # noqa: N818  nothing is wrong
 def plan_with(
     prepared: Prepared,
     out: Path,
-    asked: PlanRequest,
+    request: PlanRequest,
     watch: Watch,
     reweighed: Callable[[], Mapping[str, float] | None] = lambda: None,
 ) -> Painting:
-    """Plan, or go on with the plan that its file in the folder `out` holds; the file, which says what was asked, stays.
+    """Return a planned painting; go on with the plan in its file in the folder `out`, if there is one.
 
-    Once `watch` returns False the file is left as it is, so that going on from there does not hurry.
-    reweighed: asked after every step for other weights of the terms, by which planning goes on; None as before.
-    Raises InputError for weights that cannot be.
+    The file, which also holds the request, stays. Once `watch` returns False it is no longer written, so that going on
+    from there does not hurry.
+    reweighed: called after every step; returns new weights of the terms to go on with, or None.
+    Raises InputError for weights that cannot be used.
     """
     file = state_file(out, prepared.settings.seed)
     state = read_state(file)[0] if file.is_file() else None
@@ -46,9 +47,9 @@ def plan_with(
         wanted = watch(progress)
         if going and (not wanted or time.monotonic() > due):
             started = time.monotonic()
-            write_state(file, progress.state(), asked.as_json())
-            taken = time.monotonic() - started
-            due = time.monotonic() + max(_EVERY, _SHARE * taken)
+            write_state(file, progress.state(), request.as_json())
+            written = time.monotonic()
+            due = written + max(_EVERY, _SHARE * (written - started))
         going = going and wanted
         if wanted and (weights := reweighed()) is not None:
             raise _Reweighed(weights, progress.state())
@@ -60,5 +61,5 @@ def plan_with(
             break
         except _Reweighed as change:
             prepared, state = prepared.weighed(change.weights), change.state
-            asked = replace(asked, options=replace(asked.options, weights=dict(change.weights)))
+            request = replace(request, options=replace(request.options, weights=dict(change.weights)))
     return prepared.painting(planned)

@@ -1,4 +1,4 @@
-"""What can be asked of a plan: one set of options, checks and defaults for the command line, the studio and Python."""
+"""Options of a plan: one set of defaults and checks for the command line, the studio and Python."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,18 +15,18 @@ from maulstick.painting.raster import parse_size
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
-_USUAL_PAINTS = 12  # as many as a person mixes without losing patience
-_MOST_STEPS = 1_000_000  # steps, days of work
-_MOST_SEED = 2**32 - 1  # what NumPy's generators take
+_USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
+_MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
+_MOST_SEED = 2**32 - 1  # largest seed that all generators of random numbers take
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanOptions:
-    """How to plan a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
+    """Options of planning a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
 
     strokes: at most so many; exactly so many with `exact`.
-    style: whose strokes, a name or the path of a JSON file.  brush: the same, of a brush.
+    style: a name, or the path of a JSON file.  brush: the same, of a brush.
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
     paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
     paints_from: a CSV file of paints to use unmixed instead.
@@ -110,14 +110,14 @@ class PlanOptions:
 
     @property
     def mixed_paints(self) -> int | None:
-        """How many colours are mixed; None where an ink or paints out of a file are used."""
+        """Number of colours that are mixed; None where an ink or paints of a file are used."""
         if self.ink is not None or self.paints_from is not None:
             return None
         return self.paints if self.paints is not None else min(_USUAL_PAINTS, self.strokes)
 
     @property
     def names_clip(self) -> bool:
-        """Whether networks are asked to be CLIP, by any of its options."""
+        """Whether any option of CLIP is given, so that CLIP is the network."""
         return any(value is not None for value in (self.clip, self.clip_weights, self.clip_layers))
 
     def _check_paints(self) -> None:

@@ -1,4 +1,4 @@
-"""From what was asked to what the planner is asked: files are read, and nothing is planned yet."""
+"""Preparation of a plan: the files of a request are read and checked; nothing is planned yet."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -34,7 +34,10 @@ _SHEET_PX, _WIDEST_SHEET_PX = 1024, 2048  # a background over the sheet's height
 
 @dataclass(frozen=True)
 class Prepared:
-    """All that planning and its file need; names: of the paints, by their colours as ``#rrggbb``."""
+    """All that planning and its file need.
+
+    names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
+    """
 
     request: PlanRequest
     layout: Layout
@@ -49,7 +52,7 @@ class Prepared:
     network: Callable[[], Network]
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
-        """Plan it, in windows where it is large."""
+        """Return the plan; a mural is planned in windows. Arguments are those of `plan`."""
         if self.mural is None:
             return plan(self.problem, self.settings, watch, resume=resume)
         return plan_mural(
@@ -69,10 +72,10 @@ class Prepared:
         return with_metrics(painting, self.layout, self.problem)
 
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
-        """The same with other weights of the terms. Raises InputError for weights that cannot be."""
+        """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""
         loss_options = replace(self.loss_options, weights=weights)
-        told = loss_options.weights_of_terms(has_picture=self.layout.target is not None)
-        provenance = self.provenance.model_copy(update={"options": {**self.provenance.options, "weights": told}})
+        used = loss_options.weights_of_terms(has_picture=self.layout.target is not None)
+        provenance = self.provenance.model_copy(update={"options": {**self.provenance.options, "weights": used}})
         problem = problem_of(self.layout, self.brush, self.style, self.settings, loss_options, self.network)
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
@@ -80,10 +83,11 @@ class Prepared:
 def prepare(
     request: PlanRequest, image: Image | None = None, *, brush: Brush | None = None, style: Style | None = None
 ) -> Prepared:
-    """Read all files of a request. Raises InputError for the first that cannot be used, and for contradictions.
+    """Return what planning needs, from the files of a request.
 
     image: the picture, (H, W, 3), sRGB in [0, 1], where it is in memory and not in a file that the request names.
-    brush, style: instead of those that the options name.
+    brush, style: replace those that the options name.
+    Raises InputError for the first file that cannot be used, and for contradictions.
     """
     options = request.options
     brush, sheet = brush or load_brush(options.brush), _sheet(options)
@@ -101,10 +105,10 @@ def prepare(
         layout = mural.overview(LONGEST_PX)
     style = style or load_style(options.style, layout.canvas)
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
-    asks_clip = {"likeness": 1.0} if options.names_clip and picture is not None else {}
-    loss_options = LossOptions(options.text, look, {**asks_clip, **options.weights})
-    known = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
-    request = request.with_sums({**known, "the style": style.hash})
+    clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
+    loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights})
+    sums = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
+    request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))
     problem = problem_of(layout, brush, style, settings, loss_options, network)
     if options.names_clip and not problem.network_losses:
@@ -120,7 +124,7 @@ def prepare(
 
 
 def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush) -> Mural | None:
-    """The windows of a canvas that is too large to be planned in one piece."""
+    """Return the mural of a canvas that is too large to be planned in one piece, or None."""
     canvas = canvas_for(picture, sheet, brush, options.fit, options.px)
     if max(canvas.width_px, canvas.height_px) <= LONGEST_PX:
         return None

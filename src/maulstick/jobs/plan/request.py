@@ -1,4 +1,4 @@
-"""A plan that is asked for, as it is written beside a plan in the making."""
+"""Request of a plan, as it is kept with the plan in the making."""
 
 import hashlib
 import json
@@ -14,18 +14,18 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.painting.video import Video
 from maulstick.storage.files import file_sum
 
-_MOST_TRIES = 64  # plans; each is a process of its own
-_MOST_SEED = 2**32 - 1  # what NumPy's generators take
+_MOST_TRIES = 64  # largest number of plans, each of which is a process of its own
+_MOST_SEED = 2**32 - 1  # largest seed that all generators of random numbers take
 
 
 @dataclass(frozen=True)
 class PlanRequest:
-    """A picture, or None where the options have a text alone, and how to plan it; files as absolute paths.
+    """A picture, or None where there is only a text or a look, and options; files as absolute paths.
 
     tries: plans from so many seeds, of which the best is kept.  video: the format to record the planning in, if any.
     sums: SHA-256 of each file, and of the brush and the style, by name.
 
-    Raises InputError for a value that is out of its range, and where there is neither a picture nor a text.
+    Raises InputError for a value that is out of its range, and for a video of several tries.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -51,17 +51,17 @@ class PlanRequest:
                 )
 
     def with_sums(self, more: dict[str, str]) -> "PlanRequest":
-        """The same, knowing what is in its files, and `more` by which anything else is known."""
+        """Return the same with the sums of its files, and `more` sums by name."""
         return replace(self, sums={**{str(path): file_sum(path) for path in self._files()}, **more})
 
     def as_json(self) -> dict[str, JsonValue]:
-        """The request for a file."""
+        """Return the request as JSON, for a file."""
         plain: dict[str, JsonValue] = TypeAdapter(PlanRequest).dump_python(self, mode="json")
         return plain
 
     @property
     def provenance_options(self) -> dict[str, JsonValue]:
-        """The options for a painting's provenance: files by their names alone, and how many paints were mixed."""
+        """Options for a painting's provenance: files by their names alone, and the number of paints that were mixed."""
         named = {
             name: Path(value.name) if isinstance(value, Path) else value
             for name, value in asdict(self.options).items()
@@ -72,7 +72,7 @@ class PlanRequest:
 
     @classmethod
     def from_json(cls, plain: dict[str, JsonValue], source: Path) -> Self:
-        """The request out of a file. Raises InputError, naming it, where it is none of this version's."""
+        """Return the request read from the file `source`. Raises InputError, naming it, for one of another version."""
         try:
             return TypeAdapter(cls).validate_python(plain)
         except ValidationError as error:
@@ -94,20 +94,20 @@ class PlanRequest:
 
 
 def demo_picture() -> Path:
-    """Return the path of the portrait that comes along, with scikit-image: Eileen Collins, by NASA."""
+    """Return the path of the demo portrait, which is part of scikit-image: Eileen Collins, by NASA."""
     return Path(str(files("skimage.data").joinpath("astronaut.png")))
 
 
 def state_file(out: Path, seed: int) -> Path:
-    """The file that keeps the plan from this seed while it is made."""
+    """Return the path of the file that keeps the plan from this seed while it is made."""
     return out / f"plan-{seed}.npz"
 
 
 def state_files(out: Path) -> list[Path]:
-    """All plans in the making in the folder `out`."""
+    """Return the files of all plans in the making in the folder `out`."""
     return sorted(file for file in out.glob("plan-*.npz") if file.stem.removeprefix("plan-").isdigit())
 
 
 def sum_of(plain: Any) -> str:
-    """SHA-256 of something as JSON."""
+    """Return the SHA-256 of a value as JSON."""
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""What planning leaves behind: files, all together or none."""
+"""Results of planning: files, all together or none."""
 
 import io
 from pathlib import Path
@@ -13,11 +13,12 @@ from maulstick.rendering.preview import preview
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import all_or_nothing
 
-_PREVIEW_PX, _WIDEST_PX = 1024, 4096
+_PREVIEW_PX = 1024  # height of the preview: fills a screen
+_WIDEST_PX = 4096  # largest width of the preview, for sheets that are much wider than high
 
 
 def write_results(painting: Painting, out: Path, video: Video | None) -> list[str]:
-    """Write all files; their names. A video of an earlier plan goes, since it would not be of this one."""
+    """Write all files, and return their names. A video of an earlier plan is removed: it does not show this one."""
     with all_or_nothing(out) as folder:
         write_painting(painting, folder / "painting.json")
         atomic_write(folder / "painting.svg", painting_svg(painting).encode())

@@ -1,4 +1,4 @@
-"""CLIP, by way of the package open-clip-torch: a network that knows what pictures and words are about."""
+"""CLIP, by the package open-clip-torch: a network that compares pictures with texts."""
 
 import warnings
 from collections.abc import Callable, Sequence
@@ -20,9 +20,11 @@ from maulstick.planning.features.network import ReadingNetwork
 from maulstick.storage.files import file_to_read
 
 USUAL: Final = ("RN50", "RN101", "ViT-B-16", "ViT-B-32", "ViT-L-14")
-_USUAL_WEIGHTS = "openai"
-_FORMATS = (".safetensors", ".pt", ".pth", ".bin")
-_LAYERS = 4
+"""Models that messages name as examples: those with OpenAI's weights."""
+
+_USUAL_WEIGHTS = "openai"  # set of weights where none is named: the original ones, which most models have
+_FORMATS = (".safetensors", ".pt", ".pth", ".bin")  # endings of files that open_clip loads as tensors
+_LAYERS = 4  # maps that are compared where no layers are named: from fine to coarse, as in CLIPasso
 
 
 class Clip(ReadingNetwork):
@@ -36,7 +38,7 @@ class Clip(ReadingNetwork):
         shown: dict[str, Any],
         layers: tuple[int, ...] | None,
     ) -> None:
-        """Take a model and its tokeniser; `shown` says what images it was shown: their size, mean and std."""
+        """Take a model and its tokeniser; `shown` has size, mean and std of the images that it was trained with."""
         self._name, self._model, self._tokenize = name, model.eval().requires_grad_(False), tokenize
         size = shown["size"]
         self._side = int(size if isinstance(size, int) else size[0])
@@ -53,12 +55,12 @@ class Clip(ReadingNetwork):
     ) -> "Clip":
         """Load a model by its name in open_clip, as in ``RN101``, or by name and weights, as in ``RN101:openai``.
 
-        weights: a file of them; when left out they are fetched once, and kept where open_clip keeps them.
-        layers: which maps are its features, the first one 0: of a ResNet the stem and four stages, of a transformer
-        its blocks. When left out, four that are spread evenly up to the last.
+        weights: a file of weights; when left out they are fetched once into open_clip's cache.
+        layers: indices from 0 of the maps that are its features: of a ResNet the stem and four stages, of a
+        transformer its blocks. When left out, four that are spread evenly up to the last.
 
-        Raises InputError without the package, for a model that it does not know or a layer that there is not, and for
-        weights that cannot be had, or only by running what is in their file.
+        Raises InputError without the package, for an unknown model, a layer that does not exist, and weights that
+        cannot be had, or could only be read by running code in their file.
         """
         if find_spec("open_clip") is None:
             raise InputError("CLIP needs the package open-clip-torch; install maulstick[clip]")
@@ -90,34 +92,35 @@ class Clip(ReadingNetwork):
 
     @property
     def name(self) -> str:
-        """As it was asked for: ``RN101``, or ``RN101:openai``."""
+        """Name as given to `load`: ``RN101``, or ``RN101:openai``."""
         return self._name
 
     @property
     def side(self) -> int:
-        """As the model was trained with, mostly 224."""
+        """Side of the images that the model was trained with, pixels, mostly 224."""
         return self._side
 
     def features(self, images: Tensor) -> tuple[list[Tensor], Tensor]:
-        """The chosen layers' maps, those of a transformer without its class token, and a unit vector an image."""
+        """Return the chosen layers' maps, of a transformer without its class token, and one unit vector per image."""
         maps, embedding = self._intermediates(images)
         return [maps[layer] for layer in self._layers], embedding
 
     @torch.no_grad()
     def embed_text(self, texts: Sequence[str]) -> Tensor:
-        """Unit vectors (T, D) of English texts; of a long one, the first 75 or so words and signs."""
+        """Return unit vectors (T, D) of English texts; of a long text, its first 75 tokens count."""
         tokens = self._tokenize(list(texts)).to(next(self._model.parameters()).device)
         return normalize(self._model.encode_text(tokens), dim=-1)
 
     def _intermediates(self, images: Tensor) -> tuple[list[Tensor], Tensor]:
+        """Return the maps of all layers, and a unit vector per image."""
         self._model.to(images)
         shown = (images - self._mean.to(images)) / self._std.to(images)
-        seen = self._model.forward_intermediates(shown)
-        return seen["image_intermediates"], normalize(seen["image_features"], dim=-1)
+        found = self._model.forward_intermediates(shown)
+        return found["image_intermediates"], normalize(found["image_features"], dim=-1)
 
 
 def _named(model: str) -> tuple[str, str]:
-    """The model's name and that of its weights; raises InputError where open_clip knows no such model or weights."""
+    """Return the names of the model and of its weights; raises InputError where open_clip does not know one of them."""
     import open_clip
 
     name, _, tag = model.partition(":")
@@ -134,6 +137,7 @@ def _named(model: str) -> tuple[str, str]:
 
 
 def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
+    """Return the file of weights, fetched if it is not cached. Raises InputError where that fails."""
     import open_clip
 
     if not made:
@@ -156,7 +160,7 @@ def _fetched(name: str, tag: str, made: dict[str, Any]) -> Path:
 
 
 def _reachable(address: str) -> bool:
-    """Whether anybody knows where that is, or a proxy is to be asked."""
+    """Return whether the name of the host is resolved, or there is a proxy."""
     try:
         return bool(getproxies() or getaddrinfo(urlsplit(address).hostname, None))
     except OSError:
@@ -164,4 +168,5 @@ def _reachable(address: str) -> bool:
 
 
 def _spread(count: int) -> tuple[int, ...]:
+    """Return indices of a few layers of `count`, evenly spread up to the last."""
     return tuple(sorted({round(k * (count - 1) / _LAYERS) for k in range(1, _LAYERS + 1)}))

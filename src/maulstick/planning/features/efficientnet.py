@@ -1,4 +1,4 @@
-"""EfficientNet-Lite0, trained on ImageNet: a network that is simply there, since its weights are a package."""
+"""EfficientNet-Lite0, trained on ImageNet: the default network, whose weights are an ordinary package."""
 
 from functools import cached_property
 from typing import Final
@@ -8,28 +8,28 @@ from torch import Tensor, nn
 
 from maulstick.planning.features.network import Network
 
-_LAST_BLOCKS: Final = (0, 2, 4, 10, 15)  # of each resolution: 112, 56, 28, 14 and 7 places a side
-_MIDDLE, _SPREAD = 127 / 255, 128 / 255
+_LAST_BLOCKS: Final = (0, 2, 4, 10, 15)  # of each resolution: 112, 56, 28, 14 and 7 places per side
+_MIDDLE, _SPREAD = 127 / 255, 128 / 255  # mean and scale of sRGB that the weights were trained with
 
 
 class EfficientNetLite0(Network):
-    """The last block of each resolution, and the average of what its head makes of the deepest.
+    """Features of EfficientNet-Lite0: the last block of each resolution, and the average of its head's output.
 
-    Loaded when it is first asked. Source: Tan and Le, EfficientNet; Liu, EfficientNet-Lite.
+    Loaded when it is first used. Source: Tan and Le, EfficientNet; Liu, EfficientNet-Lite.
     """
 
     @property
     def name(self) -> str:
-        """``efficientnet-lite0``."""
+        """Name of the network: ``efficientnet-lite0``."""
         return "efficientnet-lite0"
 
     @property
     def side(self) -> int:
-        """224."""
+        """Side of its images, pixels: 224."""
         return 224
 
     def features(self, images: Tensor) -> tuple[list[Tensor], Tensor]:
-        """Five maps, of 16, 24, 40, 112 and 320 channels, and an embedding (B, 1280)."""
+        """Return five maps, of 16, 24, 40, 112 and 320 channels, and an embedding (B, 1280)."""
         stem, blocks, head = self._parts.to(images)
         maps = []
         features = stem((images - _MIDDLE) / _SPREAD)

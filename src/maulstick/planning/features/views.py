@@ -1,6 +1,6 @@
-"""Views of a canvas: what of it a network sees, and from where, so that it likes no painting for one view alone.
+"""Views of a canvas: perspectives and crops that a network sees, so that no painting is fitted to one view alone.
 
-A view is a homography (3, 3) that takes places in the view's square to places on the canvas. Both are (x, y, 1), with
+A view is a homography (3, 3) that maps places in the view's square to places on the canvas. Both are (x, y, 1), with
 x and y from -1 at one edge to 1 at the other, whatever the pixels.
 """
 
@@ -10,19 +10,19 @@ import torch
 from torch import Generator, Tensor
 from torch.nn.functional import avg_pool2d, grid_sample, interpolate
 
-_DISTORTION = 0.5  # the most a corner moves inwards, as a share of the way to the middle
-_LEAST_AREA = 0.7
-_SAMPLES = 2  # a pixel's, along each side: views shrink the canvas up to about so much
+_DISTORTION = 0.5  # the most a corner moves inwards, as a share of the way to the middle, as in CLIPasso
+_LEAST_AREA = 0.7  # smallest crop, as a share of the area: a view still shows most of the painting
+_SAMPLES = 2  # samples of a pixel along each side: views shrink the canvas by up to about so much
 
 
 def whole(height: int, width: int) -> Tensor:
-    """The one view (1, 3, 3) that just shows all of a canvas of so many pixels, in the middle of the square."""
+    """Return the one view (1, 3, 3) that just shows all of a canvas of so many pixels, in the middle of the square."""
     longest = max(height, width)
     return torch.diag(torch.tensor([longest / width, longest / height, 1.0]))[None]
 
 
 def squares(height: int, width: int) -> Tensor:
-    """The fewest views (V, 3, 3) that show all of a canvas of so many pixels and nothing beside it."""
+    """Return the fewest views (V, 3, 3) that show all of a canvas of so many pixels and nothing beside it."""
     shortest = min(height, width)
     count = math.ceil(max(height, width) / shortest)
     shares = torch.tensor([shortest / width, shortest / height])
@@ -31,7 +31,7 @@ def squares(height: int, width: int) -> Tensor:
 
 
 def random_views(count: int, height: int, width: int, torch_rng: Generator) -> Tensor:
-    """Random perspectives (V, 3, 3) of all of a canvas of so many pixels, cropped at random.
+    """Return random perspectives (V, 3, 3) of all of a canvas of so many pixels, cropped at random.
 
     Source: Vinker et al., CLIPasso, its augmentations: a perspective whose corners move up to half way to the middle,
     then a square, here of 0.7 to 1 of the area.
@@ -45,7 +45,7 @@ def random_views(count: int, height: int, width: int, torch_rng: Generator) -> T
 
 
 def through(image: Tensor, views: Tensor, side: int, paper: Tensor) -> Tensor:
-    """What an image (C, H, W) of the canvas looks like through views (V, 3, 3): (V, C, side, side).
+    """Return an image (C, H, W) of the canvas as seen through views (V, 3, 3): (V, C, side, side).
 
     Beside the canvas lies paper (C,). Differentiable with respect to the image.
     """
@@ -56,7 +56,7 @@ def through(image: Tensor, views: Tensor, side: int, paper: Tensor) -> Tensor:
         size = [max(1, round(shrink * pixels)) for pixels in image.shape[1:]]
         beyond_paper = interpolate(beyond_paper, size=size, mode="bilinear", antialias=True)
     places = on_canvas(views.to(image), samples, samples)
-    # Far beside the canvas is as good as beside it; coordinates near the horizon would overflow.
+    # All places beside the canvas are paper alike; clamped, since coordinates near the horizon would overflow.
     seen = grid_sample(
         beyond_paper.expand(len(views), -1, -1, -1), places.clamp(-9, 9), padding_mode="zeros", align_corners=False
     )
@@ -64,7 +64,7 @@ def through(image: Tensor, views: Tensor, side: int, paper: Tensor) -> Tensor:
 
 
 def on_canvas(views: Tensor, rows: int, columns: int) -> Tensor:
-    """Where on the canvas the middles of a view's cells lie, (V, rows, columns, 2), for views (V, 3, 3)."""
+    """Return where on the canvas the middles of a view's cells lie, (V, rows, columns, 2), for views (V, 3, 3)."""
     y, x = ((2 * torch.arange(n, dtype=views.dtype, device=views.device) + 1) / n - 1 for n in (rows, columns))
     square = torch.stack([*torch.meshgrid(x, y, indexing="xy"), torch.ones_like(x).expand(rows, columns)], dim=-1)
     places = torch.einsum("vij,rcj->vrci", views, square)
@@ -72,14 +72,14 @@ def on_canvas(views: Tensor, rows: int, columns: int) -> Tensor:
 
 
 def _scaled(shares: Tensor, middles: Tensor) -> Tensor:
-    """Views (V, 3, 3) of a rectangle each: its sides (V, 2), as shares of all, and its middle (V, 2)."""
+    """Return views (V, 3, 3) of one rectangle each: its sides (V, 2), as shares of all, and its middle (V, 2)."""
     views = torch.diag_embed(torch.cat([shares, torch.ones_like(shares[:, :1])], dim=1))
     views[:, :2, 2] = middles
     return views
 
 
 def _homographies(sources: Tensor, targets: Tensor) -> Tensor:
-    """The homographies (V, 3, 3) that take four points (V, 4, 2) to four points (4, 2)."""
+    """Return the homographies (V, 3, 3) that map four points (V, 4, 2) to four points (4, 2)."""
     ones = torch.ones_like(sources[..., :1])
     points = torch.cat([sources, ones], dim=-1)
     targets = targets.expand_as(sources)

@@ -1,4 +1,4 @@
-"""Pictures too large to be planned in one piece: window by window, in memory that the window and the strokes bound.
+"""Plans of pictures too large for one piece: window by window, in memory that the window and the strokes bound.
 
 All strokes are first planned together on a small image of the whole: how many go where, and their paints, are settled
 there. Then each window in turn is planned at full resolution with a margin around it. Strokes whose centres end up in
@@ -35,9 +35,10 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
-_TRIED, _NEARLY_ALL = 256, 0.95
-_SLACK = 1e-6  # metres, to which strokes are known to end within a sheet
-_ALL, _BEGUN = "all.", "begun."
+_REACH_SAMPLES = 256  # strokes of the style whose reach sets the margin of windows: enough for its quantile
+_REACH_QUANTILE = 0.95  # of these strokes, the margin holds so many: the few longest would widen every window
+_SLACK = 1e-6  # metres: rounding by which a stroke that was kept inside a sheet may end beyond its edge
+_ALL, _CURRENT = "all.", "current."  # prefixes in a state: all strokes of the mural, and the plan of the present window
 
 Watch = Callable[[PlanProgress], bool]
 
@@ -54,27 +55,27 @@ def plan_mural(
     window_px: int = 1024,
     resume: State | None = None,
 ) -> PlanResult:
-    """Plan a mural in windows whose cores have at most `window_px` a side; so has the small image of the whole.
+    """Plan a mural in windows whose cores have at most `window_px` per side, as has the small image of the whole.
 
-    The steps are those of each window, and of the whole.
-    watch: called after every step, and shown the window that is being planned; once it returns False, that is finished
-    in a few more steps, and later windows stay as they were planned in the whole.
-    resume: what `PlanProgress.state` said in an earlier run that was asked for the same; planning goes on from there.
-    Raises InputError for a text: every window would be made to show it.
+    The steps of the options are taken in each window, and in the whole.
+    watch: called after every step with the progress of the present window; once it returns False, this window ends
+    after a few more steps, and later windows stay as they were planned in the whole.
+    resume: what `PlanProgress.state` returned in an earlier run of the same mural; planning goes on from there.
+    Raises InputError for a text, since every window would be made to show it, and for a side below one pixel.
     """
     if "text" in loss_options.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
     planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px)
-    begun = None if resume is None else planning.restore(resume)
-    while not planning.done and planning.advance(watch, begun):
-        begun = None
+    current = None if resume is None else planning.restore(resume)
+    while not planning.done and planning.advance(watch, current):
+        current = None
     return planning.finish()
 
 
 class _Planning:
-    """A mural in the making: all its strokes on the sheet, which of them are finished, and how many windows are."""
+    """A mural in the making: all strokes on the sheet, which of them are finished, and how many windows are done."""
 
     def __init__(
         self,
@@ -92,16 +93,16 @@ class _Planning:
         self._importance = importance_of(self._whole)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
         self._all: PlanResult | None = None
-        self._finished, self._over = torch.zeros(0, dtype=torch.bool), 0
+        self._finished, self._windows_done = torch.zeros(0, dtype=torch.bool), 0
 
     @property
     def done(self) -> bool:
         """Whether no window is left."""
-        return self._over == len(self._windows)
+        return self._windows_done == len(self._windows)
 
-    def advance(self, watch: Watch, begun: State | None) -> bool:
-        """Plan the whole, or else the next window, from the state where that was begun; whether to go on."""
-        stage = 0 if self._all is None else self._over + 1
+    def advance(self, watch: Watch, current: State | None) -> bool:
+        """Plan the whole, or else the next window, from its current state if there is one; return whether to go on."""
+        stage = 0 if self._all is None else self._windows_done + 1
         wanted = True
 
         def watch_stage(progress: PlanProgress) -> bool:
@@ -111,47 +112,51 @@ class _Planning:
             return wanted
 
         if self._all is None:
-            self._plan_whole(watch_stage, begun)
+            self._plan_whole(watch_stage, current)
         else:
-            self._plan_window(self._all, watch_stage, begun)
+            self._plan_window(self._all, watch_stage, current)
         return wanted
 
     def restore(self, state: State) -> State:
-        """Go on from there; the state of what was begun."""
+        """Go on from a state; return that of the present window's plan."""
         tensors = {name: torch.from_numpy(array) for name, array in _below(_ALL, state).items()}
         if tensors:
-            self._finished, self._over = tensors.pop("finished").bool(), int(state["over"])
+            self._finished, self._windows_done = tensors.pop("finished").bool(), int(state["windows_done"])
             paints, paint_of = tensors.pop("paints"), tensors.pop("paint_of")
             self._all = PlanResult(StrokeParameters(**tensors), paints, paint_of)
-        return _below(_BEGUN, state)
+        return _below(_CURRENT, state)
 
     def finish(self) -> PlanResult:
-        """All strokes, paint by paint."""
+        """Return all strokes, paint by paint."""
         assert self._all is not None
         order = torch.argsort(self._all.paint_of, stable=True)
         return PlanResult(self._all.strokes[order], self._all.paints, self._all.paint_of[order])
 
-    def _state(self, begun: State) -> State:
-        """All that the next step depends on."""
-        state = {_BEGUN + name: array for name, array in begun.items()}
+    def _state(self, current: State) -> State:
+        """Return all that the next step depends on; `current` is the state of the present window's plan."""
+        state = {_CURRENT + name: array for name, array in current.items()}
         if self._all is None:
             return state
         numbers = {"paints": self._all.paints, "paint_of": self._all.paint_of, "finished": self._finished.byte()}
         tensors = {**self._all.strokes.each(), **numbers}
-        return {**state, "over": np.array(self._over), **{_ALL + name: each.numpy() for name, each in tensors.items()}}
+        return {
+            **state,
+            "windows_done": np.array(self._windows_done),
+            **{_ALL + name: each.numpy() for name, each in tensors.items()},
+        }
 
-    def _plan_whole(self, watch: Watch, begun: State | None) -> None:
-        asked = self._problem(self._whole, self._importance, self._options)
-        planned = plan(asked, self._options, watch, resume=begun)
+    def _plan_whole(self, watch: Watch, current: State | None) -> None:
+        problem = self._problem(self._whole, self._importance, self._options)
+        planned = plan(problem, self._options, watch, resume=current)
         light_first = np.argsort(-lightness(as_array(planned.paints)), kind="stable")  # as the planner sorts a palette
         paint_of = torch.from_numpy(np.argsort(light_first))[planned.paint_of]
         paints = planned.paints[torch.from_numpy(light_first)]
         self._all = PlanResult(replace(planned.strokes, colours=paints[paint_of]), paints, paint_of)
         self._finished = torch.zeros(len(paint_of), dtype=torch.bool)
 
-    def _plan_window(self, before: PlanResult, watch: Watch, begun: State | None) -> None:
-        """Plan the strokes anew that lie in the next window whole, but for those that earlier windows finished."""
-        box, paints = self._windows.box(self._over), before.paints
+    def _plan_window(self, before: PlanResult, watch: Watch, current: State | None) -> None:
+        """Plan again the strokes that lie entirely in the next window, but for those that earlier windows finished."""
+        box, paints = self._windows.box(self._windows_done), before.paints
         canvas, corner = self._mural.part(box), torch.tensor(box[:2]) / self._mural.canvas.pixels_per_metre
         trajectories = before.strokes.trajectories(self._style)
         trajectories[..., :2] -= corner
@@ -162,24 +167,24 @@ class _Planning:
         if mine.any():
             options = self._options_for(int(mine.sum()), paints)
             importance = enlarged(self._importance, self._mural.canvas, box)
-            asked = self._problem(self._mural.window(box), importance, options)
-            asked = replace(asked, neighbours=Neighbours(trajectories[near], paints[before.paint_of[near]]))
+            problem = self._problem(self._mural.window(box), importance, options)
+            problem = replace(problem, neighbours=Neighbours(trajectories[near], paints[before.paint_of[near]]))
             start = before.strokes[mine]
             start = replace(start, centres=start.centres - corner)
-            planned = plan(asked, options, watch, start=start, resume=begun)
+            planned = plan(problem, options, watch, start=start, resume=current)
             self._put(before, ~mine, planned, planned.strokes.centres + corner)
-        self._over += 1
+        self._windows_done += 1
 
     def _options_for(self, strokes: int, paints: Tensor) -> PlannerSettings:
-        """Those of the next window."""
-        seed = int(np.random.SeedSequence((self._options.seed, self._over)).generate_state(1)[0])
+        """Return the settings of the next window, for so many strokes in the given paints (k, 3)."""
+        seed = int(np.random.SeedSequence((self._options.seed, self._windows_done)).generate_state(1)[0])
         palette = tuple((red, green, blue) for red, green, blue in paints.tolist())
         return replace(self._options, strokes=strokes, paints=None, palette=palette, seed=seed)
 
     def _put(self, before: PlanResult, others: Tensor, planned: PlanResult, centres: Tensor) -> None:
-        """Take what was planned, with its centres (N, 2) on the sheet, beside the other strokes that there were."""
+        """Keep the `others` of the strokes before, and add those planned, with their centres (N, 2) on the sheet."""
         x, y = as_array(centres).T * self._mural.canvas.pixels_per_metre
-        finished = torch.from_numpy(self._windows.owner(x, y) <= self._over)
+        finished = torch.from_numpy(self._windows.owner(x, y) <= self._windows_done)
         now = replace(planned.strokes, centres=centres, colours=before.paints[planned.paint_of])
         both = {name: torch.cat([x, getattr(now, name)]) for name, x in before.strokes[others].each().items()}
         paint_of = torch.cat([before.paint_of[others], planned.paint_of])
@@ -187,20 +192,21 @@ class _Planning:
         self._finished = torch.cat([self._finished[others], finished])
 
     def _problem(self, layout: Layout, importance: Image, options: PlannerSettings) -> PlanningProblem:
-        """Of all or a part of the sheet."""
+        """Return the planning problem of a layout of all or a part of the sheet."""
         return problem_of(layout, self._brush, self._style, options, self._loss_options, self._network, importance)
 
 
 def _margin(mural: Mural, brush: Brush, style: Style, options: PlannerSettings) -> int:
-    """How far from a stroke's centre the centre of the farthest may be that it touches, pixels."""
+    """Return the largest usual distance in pixels between the centres of two strokes that touch."""
     spacing = (mural.canvas.width_px * mural.canvas.height_px / options.strokes) ** 0.5
-    nowhere = np.zeros((_TRIED, 2))
-    places = Places(nowhere, nowhere[:, 0], np.full(_TRIED, spacing), np.zeros((_TRIED, 3)))
+    origin = np.zeros((_REACH_SAMPLES, 2))
+    places = Places(origin, origin[:, 0], np.full(_REACH_SAMPLES, spacing), np.zeros((_REACH_SAMPLES, 3)))
     torch_rng, resolution = Generator().manual_seed(options.seed), mural.canvas.pixels_per_metre
     usual = start_strokes(places, style, brush, resolution, torch_rng)
     reaches = usual.trajectories(style)[..., :2].norm(dim=-1).amax(dim=1) + brush.widest
-    return ceil(2 * torch.quantile(reaches, _NEARLY_ALL).item() * resolution)
+    return ceil(2 * torch.quantile(reaches, _REACH_QUANTILE).item() * resolution)
 
 
 def _below(prefix: str, state: State) -> State:
+    """Return the part of a state whose names begin with the prefix, without it."""
     return {name.removeprefix(prefix): array for name, array in state.items() if name.startswith(prefix)}

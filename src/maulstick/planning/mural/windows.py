@@ -1,4 +1,4 @@
-"""A large sheet in windows, each of which is drawn without the others."""
+"""Windows of a large sheet, each of which is drawn without the others."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,7 +6,6 @@ from math import ceil
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image as Pillow
 
 from maulstick.errors import InputError
@@ -14,19 +13,19 @@ from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import FITS, decode_png, lay_out, place_of, scaled
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
-from maulstick.storage.arrays import Floats, Image
+from maulstick.storage.arrays import Floats, Image, Ints
 
 Box = tuple[int, int, int, int]
-"""(left, top, right, bottom), pixels of the canvas."""
+"""A rectangle (left, top, right, bottom), pixels of the canvas."""
 
-_FILTER = 3  # pixels, of the coarser grid, that count when a picture is scaled
+_FILTER = 3  # pixels of the coarser grid: half the width of the Lanczos filter that scales pictures
 
 
 @dataclass(frozen=True)
 class Mural:
-    """A picture (h, w, 3) on a sheet, as `lay_out` lays it out, but never all of it at the resolution to plan in.
+    """A picture (h, w, 3) on a sheet, as `lay_out` lays it out, but never all of it at full resolution.
 
-    canvas: the sheet's, at that resolution.  fit: ``contain`` or ``cover``. Raises InputError for another.
+    canvas: the sheet's, at the resolution to plan in.  fit: ``contain`` or ``cover``. Raises InputError for another.
     """
 
     picture: Image
@@ -39,27 +38,27 @@ class Mural:
             raise InputError.of_choice("fit", self.fit, FITS)
 
     def overview(self, longest_px: int) -> Layout:
-        """All of the sheet, at most so many pixels long."""
+        """Return the layout of all of the sheet, at most so many pixels long."""
         width, height = self.sheet.width, self.sheet.height
         canvas = Canvas(width, height, min(longest_px / max(width, height), self.canvas.pixels_per_metre))
         under = self.sheet.image(canvas)
         return Layout(canvas, self.sheet, under, *lay_out(self.picture, canvas, self.fit, under))
 
     def part(self, box: Box) -> Canvas:
-        """The canvas of the box alone."""
+        """Return the canvas of the box alone."""
         resolution = self.canvas.pixels_per_metre
         left, top, right, bottom = (edge / resolution for edge in box)
         return Canvas(min(right, self.sheet.width) - left, min(bottom, self.sheet.height) - top, resolution)
 
     def under(self, box: Box) -> Image:
-        """The sheet as it is within the box, (H, W, 3)."""
+        """Return the sheet as it is within the box, (H, W, 3)."""
         left, top, right, bottom = box
         if self._photograph is None:
             return np.full((bottom - top, right - left, 3), self.sheet.paper, dtype=np.float32)
         return _drawn(self._photograph, (0, 0, self.canvas.width_px, self.canvas.height_px), box)
 
     def target(self, box: Box) -> Image:
-        """The sheet as it should be within the box, (H, W, 3)."""
+        """Return the sheet as it should be within the box, (H, W, 3)."""
         target = self.under(box)
         left, top, right, bottom = (round(edge) for edge in self._place)
         shown = max(left, box[0]), max(top, box[1]), min(right, box[2]), min(bottom, box[3])
@@ -69,7 +68,7 @@ class Mural:
         return target
 
     def window(self, box: Box) -> Layout:
-        """The box alone, all of which is picture."""
+        """Return the layout of the box alone, all of which counts as picture."""
         canvas = self.part(box)
         area = (0.0, 0.0, canvas.width, canvas.height)
         return Layout(canvas, self.sheet, self.under(box), self.target(box), area)
@@ -87,23 +86,23 @@ class Mural:
 class Windows:
     """Cores that tile a canvas, row by row, each with a margin around it that ends where the canvas does.
 
-    columns, rows: where cores begin, and the last ones end, pixels.  margin: pixels.
+    columns, rows: edges of the cores, ascending, pixels.  margin: pixels.
     """
 
-    columns: NDArray[np.int64]
-    rows: NDArray[np.int64]
+    columns: Ints
+    rows: Ints
     margin: int
 
     @classmethod
     def of(cls, canvas: Canvas, core_px: int, margin: int) -> Self:
-        """The fewest cores of at most `core_px` a side, as even as can be."""
+        """Return the fewest windows whose cores have at most `core_px` per side, all as even as possible."""
         return cls(_edges(canvas.width_px, core_px), _edges(canvas.height_px, core_px), margin)
 
     def __len__(self) -> int:
         return (len(self.columns) - 1) * (len(self.rows) - 1)
 
     def box(self, index: int) -> Box:
-        """A core with its margin."""
+        """Return a core with its margin."""
         row, column = divmod(index, len(self.columns) - 1)
         return (
             max(int(self.columns[column]) - self.margin, 0),
@@ -112,16 +111,16 @@ class Windows:
             min(int(self.rows[row + 1]) + self.margin, int(self.rows[-1])),
         )
 
-    def owner(self, x: Floats, y: Floats) -> NDArray[np.int64]:
-        """Which core each place lies in; x and y in pixels."""
+    def owner(self, x: Floats, y: Floats) -> Ints:
+        """Return the index of the core in which each place lies, (N,); x and y, (N,), in pixels."""
         column = np.searchsorted(self.columns[1:-1], x, side="right")
         row = np.searchsorted(self.rows[1:-1], y, side="right")
-        owner: NDArray[np.int64] = row * (len(self.columns) - 1) + column
+        owner: Ints = row * (len(self.columns) - 1) + column
         return owner
 
 
 def enlarged(field: Floats | Image, canvas: Canvas, box: Box) -> Image:
-    """What a field (h, w) that covers the canvas is like at the pixels of the box, (H, W)."""
+    """Return a field (h, w) that covers the canvas, interpolated at the pixels of the box, (H, W)."""
     across, down = field.shape[1] / canvas.width_px, field.shape[0] / canvas.height_px
     source = (box[0] * across, box[1] * down, box[2] * across, box[3] * down)
     size = (box[2] - box[0], box[3] - box[1])
@@ -129,14 +128,14 @@ def enlarged(field: Floats | Image, canvas: Canvas, box: Box) -> Image:
 
 
 def _drawn(picture: Image, place: tuple[float, float, float, float], box: Box) -> Image:
-    """What a picture (h, w, 3) whose edges lie at `place` shows at the pixels of the box, (H, W, 3)."""
+    """Return what a picture (h, w, 3) whose edges lie at `place` shows at the pixels of the box, (H, W, 3)."""
     columns, left, right = _reached((box[0], box[2]), (place[0], place[2]), picture.shape[1])
     rows, top, bottom = _reached((box[1], box[3]), (place[1], place[3]), picture.shape[0])
     return scaled(picture[rows, columns], (box[2] - box[0], box[3] - box[1]), (left, top, right, bottom))
 
 
 def _reached(box: tuple[int, int], place: tuple[float, float], length: int) -> tuple[slice, float, float]:
-    """The pixels, of so many along an edge, that count for those between the ends of a box; where its ends are there.
+    """Return the slice of a picture's `length` pixels that a box needs, and where the box begins and ends in it.
 
     Scaling copies all that it is given, so it is given no more.
     """
@@ -147,5 +146,5 @@ def _reached(box: tuple[int, int], place: tuple[float, float], length: int) -> t
     return slice(start, ceil(last) + reach), first - start, last - start
 
 
-def _edges(length: int, core_px: int) -> NDArray[np.int64]:
+def _edges(length: int, core_px: int) -> Ints:
     return np.linspace(0, length, ceil(length / core_px) + 1).round().astype(np.int64)

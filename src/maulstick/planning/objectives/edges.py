@@ -1,4 +1,4 @@
-"""Whether edges are where a picture has them."""
+"""Edges: a loss that compares where the edges of canvas and picture lie."""
 
 import math
 
@@ -10,9 +10,9 @@ from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.tone import halved
 
-_LEVELS = 3
-_LARGEST_PX = 512
-_FAINTEST = 1e-4  # a slope of luminance, squared, per pixel²: 1 % of contrast a pixel
+_LEVELS = 3  # levels of the pyramid: edges of one, two and four pixels of the finest
+_LARGEST_PX = 512  # longest side of the finest level: on a finer one, single lines would count as edges
+_FAINTEST = 1e-4  # squared slope of luminance, per pixel²: below 1 % of contrast per pixel, a place counts as flat
 
 
 class Edges(Objective):
@@ -20,9 +20,9 @@ class Edges(Objective):
 
     weights: (H, W), how much each pixel counts.
 
-    The correlation is normalised in a window of a few pixels, so that a soft edge counts as fulfilled by any edge that
-    lies where it does, and runs as it does. Strong edges of the target matter most, flat places little, but enough to
-    keep them flat. Seen on three levels of a pyramid alike; the finest has at most 512 pixels a side, since on larger
+    The correlation is normalised in a window of a few pixels, so that any edge of the same place and direction matches
+    a soft edge. Strong edges of the target matter most, flat places little, but enough to keep them flat. The three
+    levels of a pyramid count alike; the finest has at most 512 pixels a side, since on larger
     ones single lines would be edges.
     """
 
@@ -37,11 +37,11 @@ class Edges(Objective):
 
     @property
     def name(self) -> str:
-        """``edges``."""
+        """Name of the term: ``edges``."""
         return "edges"
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
-        """0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
+        """Return 0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
         losses = []
         for image, (wanted, wanted_energy, shares) in zip(self._pyramid(luminance(canvas)), self._wanted, strict=True):
             slopes = _slopes(image)
@@ -50,7 +50,7 @@ class Edges(Objective):
         return torch.stack(losses).mean()
 
     def _pyramid(self, image: Tensor) -> list[Tensor]:
-        """The levels, finest first, of an image (1, H, W)."""
+        """Return the levels, finest first, of an image (1, H, W)."""
         for _ in range(self._halvings):
             image = halved(image)
         levels = [image]
@@ -60,13 +60,13 @@ class Edges(Objective):
 
 
 def _slopes(image: Tensor) -> Tensor:
-    """Per pixel along x and y, (2, H, W), of an image (1, H, W) (Sobel)."""
-    apart = pad(image, (1, 1, 1, 1), mode="replicate")[0]
-    down = apart[:-2] + 2 * apart[1:-1] + apart[2:]
-    across = apart[:, :-2] + 2 * apart[:, 1:-1] + apart[:, 2:]
+    """Return slopes per pixel along x and y, (2, H, W), of an image (1, H, W) (Sobel)."""
+    padded = pad(image, (1, 1, 1, 1), mode="replicate")[0]
+    down = padded[:-2] + 2 * padded[1:-1] + padded[2:]
+    across = padded[:, :-2] + 2 * padded[:, 1:-1] + padded[:, 2:]
     return torch.stack([down[:, 2:] - down[:, :-2], across[2:] - across[:-2]]) / 8
 
 
 def _windowed(slopes: Tensor, others: Tensor) -> Tensor:
-    """The average of the slopes' products in windows four pixels apart, and a little more, so that it is never 0."""
+    """Return the average of the slopes' products in windows four pixels apart, plus a little, so that it is never 0."""
     return halved(halved((slopes * others).sum(dim=0, keepdim=True))) + _FAINTEST

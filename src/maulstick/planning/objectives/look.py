@@ -1,4 +1,4 @@
-"""How much the canvas looks as if it were made as another picture was, whatever either of them shows."""
+"""Look: a loss that compares the style of the canvas with that of another picture, whatever the two show."""
 
 from collections.abc import Sequence
 
@@ -10,15 +10,15 @@ from maulstick.planning.features.network import Network
 from maulstick.planning.features.views import on_canvas, squares, through
 from maulstick.planning.objectives.objective import NetworkLoss
 
-_PLACES = 512
-_FAINTEST = 1e-3  # as a share of the usual feature: shorter ones have no direction to speak of
+_PLACES = 512  # places of a map that are compared, at most: time and memory grow with their square
+_FAINTEST = 1e-3  # as a share of the usual feature: shorter ones have no clear direction, and count less
 
 
 class Look(NetworkLoss):
-    """How far the features of the canvas are, as a crowd, from those of another picture (3, h, w), layer by layer.
+    """Distance between the distributions of features of the canvas and of another picture (3, h, w), layer by layer.
 
-    views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it; places there are not looked at.
-    torch_rng: chooses which places of a map are looked at, the same ones for good.
+    views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it; places there do not count.
+    torch_rng: chooses which places of a map count; they stay the same.
     layers: which of the network's maps count, alike; all when left out.
 
     The distance is the relaxed earth mover's, with one minus the cosine for its cost, and the mean difference of the
@@ -43,28 +43,29 @@ class Look(NetworkLoss):
 
     @property
     def name(self) -> str:
-        """``look``."""
+        """Name of the term: ``look``."""
         return "look"
 
     @property
     def views(self) -> int:
-        """As many as were given."""
+        """Number of views."""
         return len(self._views)
 
     def losses(self, canvas: Tensor, which: Sequence[int]) -> Tensor:
-        """0 for the same features at the places looked at, (len(which),)."""
+        """Return a loss per view, (len(which),), 0 for the same features at the chosen places."""
         if not self._wanted:
-            self._look_at_picture()
+            self._remember_picture()
         maps = self._maps(canvas, self._views[list(which)])
         losses = [
-            _distance(_chosen(said[None], self._views[[view]], self._seeds[view]) / scale, wanted)
+            _distance(_chosen(maps_of_view[None], self._views[[view]], self._seeds[view]) / scale, wanted)
             for layer, (scale, wanted) in zip(maps, self._wanted, strict=True)
-            for view, said in zip(which, layer, strict=True)
+            for view, maps_of_view in zip(which, layer, strict=True)
         ]
         return torch.stack(losses).reshape(len(maps), len(which)).mean(dim=0)
 
     @torch.no_grad()
-    def _look_at_picture(self) -> None:
+    def _remember_picture(self) -> None:
+        """Keep the features of the picture, layer by layer, with the scale that they are divided by."""
         views = squares(*self._picture.shape[1:])
         for layer in self._maps(self._picture, views):
             vectors = _chosen(layer, views, self._picture_seed)
@@ -77,7 +78,7 @@ class Look(NetworkLoss):
 
 
 def _chosen(maps: Tensor, views: Tensor, seed: int) -> Tensor:
-    """Feature vectors (n, C) at random places of maps (V, C, h, w) that show the canvas, the same for the same seed."""
+    """Return feature vectors (n, C) at random places, by the seed, of maps (V, C, h, w) where they show the canvas."""
     beside = on_canvas(views, *maps.shape[2:]).abs().amax(dim=-1).flatten()
     places = (beside <= max(1.0, beside.min().item())).nonzero()[:, 0]
     order = torch.randperm(len(places), generator=Generator().manual_seed(seed))[:_PLACES]
@@ -85,7 +86,7 @@ def _chosen(maps: Tensor, views: Tensor, seed: int) -> Tensor:
 
 
 def _distance(vectors: Tensor, wanted: Tensor) -> Tensor:
-    """Between two crowds of features, (n, C) and (m, C)."""
+    """Return the distance between two sets of features, (n, C) and (m, C), as a scalar."""
     costs = 1 - normalize(vectors, dim=1, eps=_FAINTEST) @ normalize(wanted, dim=1, eps=_FAINTEST).T
     moved = torch.maximum(costs.amin(dim=0).mean(), costs.amin(dim=1).mean())
     means = (vectors.mean(dim=0) - wanted.mean(dim=0)).abs().mean()

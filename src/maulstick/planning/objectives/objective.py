@@ -1,4 +1,4 @@
-"""What a painting should look like. Whoever says so sees the canvas and nothing else."""
+"""Interfaces of the terms of the loss. Each sees the canvas and nothing else."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -7,35 +7,38 @@ from torch import Tensor
 
 
 class Objective(ABC):
-    """A term of the loss that is cheap enough to be asked at every step."""
+    """A term of the loss that is cheap enough to be evaluated at every step."""
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What the command line calls it."""
+        """Name of the term on the command line."""
 
     @abstractmethod
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
-        """A scalar, smaller for a better canvas (C, H, W); progress in [0, 1] tells how far planning has come."""
+        """Return a scalar, smaller for a better canvas (C, H, W); progress in [0, 1] is the share of planning done."""
 
 
 class NetworkLoss(ABC):
-    """A term of the loss that asks a network, and so is asked seldom.
+    """A term of the loss that calls a network, and so is evaluated seldom.
 
-    It has a number of views of the canvas (perspectives and crops, the same ones for good), and is asked through some
-    of them at a time; what it compares with is worked out once a view.
+    It has a fixed set of views of the canvas (perspectives and crops), and is evaluated through some of them at a
+    time; the features that it compares with are computed once per view.
     """
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What the command line calls it."""
+        """Name of the term on the command line."""
 
     @property
     @abstractmethod
     def views(self) -> int:
-        """How many views there are to choose from."""
+        """Number of views to choose from."""
 
     @abstractmethod
     def losses(self, canvas: Tensor, which: Sequence[int]) -> Tensor:
-        """A loss for each of these views, (len(which),), smaller for a better canvas (C, H, W); differentiable."""
+        """Return one loss per view, (len(which),), smaller for a better canvas (C, H, W); differentiable.
+
+        which: indices of the views.
+        """

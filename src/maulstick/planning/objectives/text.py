@@ -1,4 +1,4 @@
-"""Whether the canvas shows what a text says."""
+"""Text: a loss that compares what the canvas shows with a text."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from maulstick.planning.objectives.objective import NetworkLoss
 
 
 class TextMatch(NetworkLoss):
-    """One minus the cosine between what a network says of a view of the canvas, and of a text.
+    """One minus the cosine between a network's embeddings of a view of the canvas and of a text.
 
     views: (V, 3, 3), of the canvas.  paper: (3,), what lies beside it.
     Raises InputError for an empty text. Source: Frans et al., CLIPDraw.
@@ -26,16 +26,16 @@ class TextMatch(NetworkLoss):
 
     @property
     def name(self) -> str:
-        """``text``."""
+        """Name of the term: ``text``."""
         return "text"
 
     @property
     def views(self) -> int:
-        """As many as were given."""
+        """Number of views."""
         return len(self._views)
 
     def losses(self, canvas: Tensor, which: Sequence[int]) -> Tensor:
-        """0 to 2, (len(which),); with CLIP rarely below 0.6."""
+        """Return a loss in [0, 2] per view, (len(which),); with CLIP rarely below 0.6."""
         seen = through(canvas, self._views[list(which)], self._network.side, self._paper)
         _, embedding = self._network.features(seen)
         return 1 - cosine_similarity(embedding, self._wanted.to(canvas)[None])

@@ -1,4 +1,4 @@
-"""How near the tones of the canvas are to those of a picture."""
+"""Tone: a loss that compares the colours of canvas and picture, pixel by pixel and blurred."""
 
 import torch
 from torch import Tensor
@@ -13,7 +13,7 @@ class Tone(Objective):
     weights: (H, W), how much each pixel counts.
 
     Coarse levels weigh most at first and fade by the middle of planning. With `halftone` they stay, and the finest
-    fades instead: one ink makes greys by the distance between its lines, which only a coarse level can see.
+    fades instead: one ink makes greys by the distance between its lines, which only coarse levels show.
     """
 
     def __init__(self, target: Tensor, weights: Tensor, *, halftone: bool = False, levels: int | None = None) -> None:
@@ -24,11 +24,11 @@ class Tone(Objective):
 
     @property
     def name(self) -> str:
-        """``tone``."""
+        """Name of the term: ``tone``."""
         return "tone"
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
-        """Mean squared difference, averaged over the levels."""
+        """Return the mean squared difference, averaged over the levels."""
         coarse = 1.0 if self._halftone else max(0.0, 1 - 2 * progress)
         difference = (canvas - self._target) * self._scale
         total = 0.2 if self._halftone else 1.0
@@ -42,7 +42,7 @@ class Tone(Objective):
 
 
 def halved(image: Tensor) -> Tensor:
-    """The image (C, H, W) at half its size, each pixel a binomial average (Burt and Adelson's pyramid).
+    """Return the image (C, H, W) at half its size, each pixel a binomial average (Burt and Adelson's pyramid).
 
     Averages over squares would reward lines that run along rows and columns.
     """
