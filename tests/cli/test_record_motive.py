@@ -85,7 +85,7 @@ def test_a_take_that_was_kept_live_is_read_as_well(record: Path) -> None:
 
 def test_decisions_are_taken_as_told(record: Path) -> None:
     ran = motive(
-        record, "--threshold", "0.4mm", "--merge", "0.16s", "--shortest", "5 ms", "--pen", "Pen", "--canvas", "Canvas"
+        record, "--threshold", "0.4mm", "--merge", "0.16s", "--shortest", "5 ms", "--pen", "Pen", "--sheet", "Canvas"
     )
     assert "threshold 0.40 mm over the paper, as you set it" in ran.stdout
     assert "of at most 160 ms" in ran.stdout

@@ -153,7 +153,7 @@ def test_a_pen_or_a_canvas_that_cannot_be_told_lists_what_there_is(complaint: Ca
     there = "there are the rigid bodies 'A' (4 markers), 'B' (3 markers) and 0 loose markers"
     content = motive_csv(a_take(), pen_name="A", canvas_name="B")
     assert complaint(content) == (
-        "there is no telling which is the canvas; name it (canvas), a rigid body of exactly three markers, "
+        "there is no telling which is the canvas; name it (sheet), a rigid body of exactly three markers, "
         f"or let exactly three markers be loose: {there}"
     )
     assert complaint(content, pen="C") == f"there is no rigid body 'C'; {there}"

@@ -139,7 +139,7 @@ def test_a_server_that_falls_silent_ends_the_recording_and_loses_nothing(
         ({"version": (5, 0)}, "{} streams NatNet 5.0.0.0; it must be 3 or 4, those of Motive 2 and 3"),
         (
             {"names": ("A", "B")},
-            "there is no telling which is the canvas; name it (canvas), a rigid body of exactly three markers, or "
+            "there is no telling which is the canvas; name it (sheet), a rigid body of exactly three markers, or "
             "let exactly three markers be loose: there are the rigid bodies 'A' (4 markers), 'B' (3 markers) and 0 "
             "loose markers",
         ),

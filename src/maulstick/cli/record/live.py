@@ -48,7 +48,7 @@ def live(
     pen_axis: options.PenAxis = "-y",
     pivot: options.PivotTake = None,
     pen: options.Pen = None,
-    canvas: options.Board = None,
+    sheet: options.Board = None,
     corner: options.Corner = "upper-left",
     threshold: options.Threshold = None,
     merge: options.Merge = options.MERGE,
@@ -69,13 +69,13 @@ def live(
     check_absent(kept, "--out", overwrite)
     if seconds is not None and not seconds > 0:
         raise InputError.of_range("--seconds", f"{seconds:g}", "more than 0")
-    tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
+    tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, sheet)
 
     from maulstick.recording.mocap.drawing import drawing_of  # these load scipy
     from maulstick.recording.mocap.take import write_take
 
     with made_folder(out.parent), made_folder(plot.parent):  # before anything is recorded
-        take = _record(server, local, pen, canvas, multicast, seconds)
+        take = _record(server, local, pen, sheet, multicast, seconds)
         write_take(take, kept)
         try:
             drawing = drawing_of(take, tip, contact, corner, kept.name)
@@ -88,7 +88,7 @@ def live(
 
 
 def _record(
-    server: str, local: str | None, pen: str | None, canvas: str | None, multicast: bool, seconds: float | None
+    server: str, local: str | None, pen: str | None, sheet: str | None, multicast: bool, seconds: float | None
 ) -> "Take":
     from maulstick.recording.mocap.natnet import receive
 
@@ -96,7 +96,7 @@ def _record(
     with ExitStack() as recorded, console.status(f"asking {server} …") as status:
         recording = _Recording(status, recorded, seconds)
         take = receive(
-            server, recording.going, local=local, pen=pen, canvas=canvas, multicast=multicast, watch=recording.show
+            server, recording.going, local=local, pen=pen, canvas=sheet, multicast=multicast, watch=recording.show
         )
     if recording.going():
         console.print(f"note: {server} fell silent, so the recording ends there", soft_wrap=True)
@@ -123,7 +123,7 @@ class _Recording:
         if self._wanted is None:
             self._wanted = self._recorded.enter_context(stop_on_interrupt(Console(quiet=True)))
         self._seconds = seen.seconds
-        pen, canvas = ("seen" if what else "NOT SEEN" for what in (seen.pen, seen.canvas))
+        pen, sheet = ("seen" if what else "NOT SEEN" for what in (seen.pen, seen.canvas))
         self._status.update(
-            f"recording: {seen.frames} frames, {seen.seconds:.1f} s, pen {pen}, canvas {canvas} (Ctrl-C ends)"
+            f"recording: {seen.frames} frames, {seen.seconds:.1f} s, pen {pen}, canvas {sheet} (Ctrl-C ends)"
         )

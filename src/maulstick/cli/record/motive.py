@@ -18,7 +18,7 @@ def motive(
     pen_axis: options.PenAxis = "-y",
     pivot: options.PivotTake = None,
     pen: options.Pen = None,
-    canvas: options.Board = None,
+    sheet: options.Board = None,
     corner: options.Corner = "upper-left",
     threshold: options.Threshold = None,
     merge: options.Merge = options.MERGE,
@@ -35,9 +35,9 @@ def motive(
     plot: options.Plot = None,
     overwrite: options.Overwrite = False,
 ) -> None:
-    """Find the strokes in a motion-capture take of a pen and a canvas.
+    """Find the strokes in a motion-capture take of a pen and a sheet.
 
-    The canvas has a marker at three of its corners, and the pen is a rigid body. Writes the ink, and a plot of the
+    The sheet has a marker at three of its corners, and the pen is a rigid body. Writes the ink, and a plot of the
     tip's height over time with the strokes marked in it. Where they are wrong, read a threshold from the plot.
 
     Example: maulstick record motive take.csv --pen-length 139mm --out me.ink.npz
@@ -50,7 +50,7 @@ def motive(
     from maulstick.recording.mocap.motive import read_motive
 
     with made_folder(out.parent), made_folder(plot.parent):  # before an hour is read
-        tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, canvas)
-        drawing = drawing_of(read_motive(take, pen, canvas), tip, contact, corner, take.name)
+        tip, how = options.tip_of(pen_length, pen_axis, pivot, pen, sheet)
+        drawing = drawing_of(read_motive(take, pen, sheet), tip, contact, corner, take.name)
         print(how)
         write_drawing(drawing, out, plot, overwrite)

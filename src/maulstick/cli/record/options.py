@@ -22,7 +22,7 @@ _SECONDS = {"ms": 1e-3, "s": 1.0}
 MERGE, SHORTEST = "20ms", "30ms"
 """Defaults of `ContactOptions`, written as options; importing that loads scipy."""
 
-_THE_PEN = "The pen and the canvas"
+_THE_PEN = "The pen and the sheet"
 _TOUCHING = "When the pen touches"
 WRITING = "What is written"
 """Heading of the options for files."""
@@ -68,7 +68,7 @@ Board = Annotated[
         metavar="NAME",
         rich_help_panel=_THE_PEN,
         show_default="found by its name",
-        help="Name of the canvas's rigid body.",
+        help="Name of the rigid body that lies as the sheet does.",
     ),
 ]
 Corner = Annotated[

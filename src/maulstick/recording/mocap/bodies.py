@@ -39,7 +39,7 @@ def pen_and_canvas(
         named = [name for name in _named(markers, _CANVAS) if name != pen and markers[name] == CANVAS_MARKERS]
         if len(named) > 1 or (not named and loose != CANVAS_MARKERS):
             raise InputError(
-                f"there is no telling which is the canvas; name it ({option('canvas')}), a rigid body of "
+                f"there is no telling which is the canvas; name it ({option('sheet')}), a rigid body of "
                 "exactly three markers, "
                 f"or let exactly three markers be loose: {there}"
             )
