@@ -70,7 +70,7 @@ def test_a_clearance_above_the_workspace_is_refused() -> None:
     assert "the machine's z is 110 mm; it must be -20 to 100 mm: 10 mm less far" in refused(SIX, tray=high)
 
 
-def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down() -> None:
+def test_a_stroke_that_is_too_fast_is_refused_with_the_option_that_slows_it_down() -> None:
     fast = painting_of([line(4, speed=0.35)])
     assert refused(fast) == (
         "stroke 4 is drawn at 350 mm/s, and the machine's fastest is 200; slow all strokes down with speed=0.2"
@@ -89,7 +89,7 @@ def test_a_speed_beyond_the_machines_is_the_machines() -> None:
     assert fast.motion.speed.max() == LIMITS.speed
 
 
-def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_flag_that_plans_it_again() -> None:
+def test_pressure_that_varies_is_refused_where_the_machine_only_lifts_with_the_option_that_plans_it_again() -> None:
     soft = painting_of([line(1), line(2, pressure=(0.2, 0.7))])
     assert refused(soft, limits=LIFTS) == (
         "stroke 2 varies its pressure by 0.50, and this machine only lifts its pen; plan it again with pressure=0.5"

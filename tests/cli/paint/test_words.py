@@ -51,7 +51,7 @@ def test_a_painting_that_is_not_there_or_has_no_strokes_is_refused(tmp_path: Pat
     assert ran.mistake == f"{tmp_path / 'empty.json'} has no strokes; plan it again with more"
 
 
-def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down(tmp_path: Path) -> None:
+def test_a_stroke_that_is_too_fast_is_refused_with_the_option_that_slows_it_down(tmp_path: Path) -> None:
     path = tmp_path / "fast.json"
     write_painting(painting_of([line(1, speed=0.4)]), path)
     ran = run("paint", path, "--robot", "sim:real")
@@ -60,7 +60,7 @@ def test_a_stroke_that_is_too_fast_is_refused_with_the_flag_that_slows_it_down(t
     assert run("paint", path, "--robot", "sim:real", "--speed", "250").code == 0
 
 
-def test_pressure_that_a_plotter_does_not_have_is_refused_with_the_flag_that_plans_it_again(
+def test_pressure_that_a_plotter_does_not_have_is_refused_with_the_option_that_plans_it_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = Recorder(LIMITS.model_copy(update={"varies_pressure": False}))
