@@ -9,6 +9,7 @@ import typer
 from maulstick.cli.brush import brush
 from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
+from maulstick.cli.doctor import doctor
 from maulstick.cli.exit_codes import STOPPED, UNUSABLE
 from maulstick.cli.export import export
 from maulstick.cli.mix import mix
@@ -35,6 +36,7 @@ app.command()(mix)
 app.command()(export)
 app.command()(studio)
 app.command()(survey)
+app.command()(doctor)
 app.add_typer(record, name="record")
 app.add_typer(style, name="style")
 app.add_typer(brush, name="brush")

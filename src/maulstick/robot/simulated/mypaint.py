@@ -76,7 +76,7 @@ class MyPaintPaper:
         """Make a sheet of the canvas' size. Raises InputError where libmypaint or its brushes are not installed."""
         self.canvas = canvas
         self._library = _library(_LIBRARY)
-        if not all(_settings_of(medium).is_file() for medium in MEDIA):
+        if not brushes_exist():
             raise _not_installed()
         surface = self._library.mypaint_fixed_tiled_surface_new(canvas.width_px, canvas.height_px)
         weakref.finalize(self, self._library.mypaint_surface_unref, surface)
@@ -182,6 +182,20 @@ class MyPaintPaper:
                 self._library.mypaint_tiled_surface_tile_request_start(self._surface, request)
                 yield (top, left), np.ctypeslib.as_array(request.buffer, (_TILE, _TILE, 4))
                 self._library.mypaint_tiled_surface_tile_request_end(self._surface, request)
+
+
+def library_loads() -> bool:
+    """Return whether the library is installed."""
+    try:
+        ctypes.CDLL(_LIBRARY)
+    except OSError:
+        return False
+    return True
+
+
+def brushes_exist() -> bool:
+    """Return whether the library's brushes are installed."""
+    return all(_settings_of(medium).is_file() for medium in MEDIA)
 
 
 @cache

@@ -1,0 +1,138 @@
+"""What is found about an installation, with and without what can be missing."""
+
+import ctypes
+import os
+import pty
+import tomllib
+import webbrowser
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NoReturn
+
+import pytest
+from serial.tools import list_ports
+
+from maulstick.jobs import doctor
+from maulstick.jobs.doctor import EXTRAS, Finding, State, findings
+from maulstick.painting.brush import BRUSHES
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def found() -> dict[str, Finding]:
+    return {finding.name: finding for finding in findings()}
+
+
+@pytest.fixture
+def devices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in place of /dev, and no serial port."""
+    monkeypatch.setattr(doctor, "DEVICES", tmp_path)
+    monkeypatch.setattr(list_ports, "comports", list)
+    return tmp_path
+
+
+@pytest.fixture
+def terminal() -> Iterator[str]:
+    """The name of a serial port."""
+    ours, theirs = pty.openpty()
+    yield os.ttyname(theirs)
+    os.close(ours)
+    os.close(theirs)
+
+
+def no_access(monkeypatch: pytest.MonkeyPatch, forbidden: Path) -> None:
+    """Nobody may use that path; root may use any, so that its rights cannot be taken away."""
+    access = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != forbidden and access(path, mode))
+
+
+def test_the_extras_are_those_of_the_package() -> None:
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    packages = {name: lines[0].partition(">=")[0] for name, lines in declared.items() if name != "dev"}
+    assert {name: extra.package for name, extra in EXTRAS.items()} == packages
+
+
+def test_what_is_installed_has_a_version(devices: Path) -> None:
+    there = found()
+    assert there["Maulstick"] == Finding("Maulstick", State.WORKS, version("maulstick"))
+    assert there["native renderer"].note.startswith("instructions: ")
+    assert there["native ordering"].state == there["PyTorch"].state == State.WORKS
+    studio = there["the studio and surveys [studio]"]
+    assert studio == Finding(studio.name, State.INSTALLED, f"nicegui {version('nicegui')}")
+    assert there["own brushes"] == Finding("own brushes", State.WORKS, f"0 in {BRUSHES.own()}")
+    assert len(there) == len(EXTRAS) + 13
+
+
+def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(
+    devices: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(*_: object) -> NoReturn:
+        raise OSError("no such library")
+
+    def no_browser(*_: object) -> NoReturn:
+        raise webbrowser.Error
+
+    monkeypatch.setattr(doctor, "find_spec", lambda name: None)
+    monkeypatch.setattr(doctor, "import_module", missing)
+    monkeypatch.setattr(ctypes, "CDLL", missing)
+    monkeypatch.setattr(webbrowser, "get", no_browser)
+    there = found()
+    for name, extra in EXTRAS.items():
+        finding = there[f"{extra.purpose} [{name}]"]
+        assert finding.state == State.MISSING
+        assert f"'maulstick[{name}]'" in finding.note or (name == "ur" and "Python 3.12" in finding.note)
+    assert there["native renderer"].state == State.MISSING
+    assert there["libmypaint"].note.startswith("apt-get install libmypaint-1.5-1; without it, the simulated easel")
+    assert there["browser"].state == State.NOT_FOUND
+    assert there["camera"].state == there["serial port"].state == State.NOT_FOUND
+
+
+@pytest.mark.parametrize(
+    ("triton", "state", "note"),
+    [(True, State.WORKS, "H200, Triton"), (False, State.MISSING, "H200 needs Triton: pip install triton")],
+)
+def test_a_gpu_is_used_by_triton(
+    devices: Path, monkeypatch: pytest.MonkeyPatch, triton: bool, state: State, note: str
+) -> None:
+    monkeypatch.setattr("torch.cuda.is_available", lambda: True)
+    monkeypatch.setattr("torch.cuda.get_device_name", lambda: "H200")
+    monkeypatch.setattr(doctor, "find_spec", lambda name: object() if triton else None)
+    gpu = found()["GPU"]
+    assert gpu.state == state
+    assert gpu.note.startswith(note)
+
+
+def test_a_camera_and_a_serial_port_say_how_to_name_them(
+    devices: Path, terminal: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (devices / "video10").touch()
+    (devices / "video2").touch()
+    port = SimpleNamespace(device=terminal, description="USB Serial")
+    monkeypatch.setattr(list_ports, "comports", lambda: [port])
+    there = found()
+    cameras = [finding for name, finding in there.items() if name.startswith("camera ")]
+    assert [finding.note for finding in cameras] == ["--camera usb:2", "--camera usb:10"]
+    assert there[f"serial port {terminal}"] == Finding(f"serial port {terminal}", State.WORKS, "USB Serial")
+
+
+def test_a_port_that_may_not_be_opened_names_its_group(devices: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (device := devices / "ttyUSB0").touch()
+    os.chown(device, -1, 0) if os.getuid() == 0 else None
+    monkeypatch.setattr(list_ports, "comports", lambda: [SimpleNamespace(device=str(device), description=None)])
+    no_access(monkeypatch, device)
+    finding = found()[f"serial port {device}"]
+    assert finding.state == State.NO_ACCESS
+    assert finding.note.startswith("add yourself to the group ")
+    if os.getuid() == 0:
+        assert finding.note == "add yourself to the group dialout: sudo usermod -aG dialout $USER, and log in again"
+
+
+def test_a_folder_of_ones_own_that_cannot_be_written_is_told(devices: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    BRUSHES.own().parent.mkdir(parents=True, exist_ok=True)
+    existing = next(path for path in (BRUSHES.own(), *BRUSHES.own().parents) if path.exists())
+    no_access(monkeypatch, existing)
+    finding = found()["own brushes"]
+    assert finding.state == State.NO_ACCESS
+    assert str(existing) in finding.note
