@@ -53,13 +53,12 @@ class PlanWeights(ui.expansion):
 
     def follow(self) -> None:
         """Show the plan's present weights, which another page may have changed."""
-        if (
-            self._plan.request.options.weights is self._shown_weights
-        ):  # or a slider would slip from under a person's finger
+        weights = self._plan.request.options.weights
+        if weights is self._shown_weights:  # or a slider would slip from under a person's finger
             return
-        self._shown_weights = self._plan.request.options.weights
+        self._shown_weights = weights
         for name, slider in self._sliders.items():
-            slider.set(self._plan.request.options.weights.get(name, slider.value))
+            slider.set(weights.get(name, slider.value))
 
     def _weigh(self) -> None:
         weights = check_weights({name: slider.value for name, slider in self._sliders.items()})
