@@ -62,7 +62,7 @@ def test_a_paint_is_told_with_its_metres_its_strokes_and_its_turn(folder: Folder
     assert (blue.number, blue.label, blue.strokes, blue.place, blue.times) == (2, BLUE, 3, 1, 2)
     assert [red.metres, blue.metres] == pytest.approx(BLUE_FIRST.metres_of_paints())
     assert red.well is blue.well is None
-    assert [red.called, blue.called] == ["paint 1 (red)", "paint 2 (blue)"]
+    assert [red.display_name, blue.display_name] == ["paint 1 (red)", "paint 2 (blue)"]
 
 
 def test_a_paint_has_the_well_that_the_tray_has_for_its_colour(folder: Folder) -> None:

@@ -18,8 +18,8 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plans import Phase, Plan, Plans
 from maulstick.studio.workers.planner import TARGET, order_frame
 
-_PATIENCE = 120.0
-LONG = 100_000
+_PATIENCE = 120.0  # seconds, for a machine that does much else
+LONG = 100_000  # steps, more than a test waits for
 OPTIONS = PlanOptions(weights={"tone": 1.0}, size="80x80mm", strokes=20, paints=3, steps=20, px=48)
 REQUEST = PlanRequest(Path(data_dir) / "astronaut.png", OPTIONS)
 
@@ -110,8 +110,8 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None
         return plan
 
     made = asyncio.run(plan())
-    assert made.asked.options.weights == {"tone": 0.5}
-    assert json.loads((made.folder / "job.json").read_bytes())["weigh"] == {"tone": 0.5}
+    assert made.request.options.weights == {"tone": 0.5}
+    assert json.loads((made.folder / "request.json").read_bytes())["options"]["weights"] == {"tone": 0.5}
     assert read_painting(made.folder / "painting.json").provenance.options["weights"] == {"tone": 0.5}
 
 
@@ -124,11 +124,11 @@ def test_a_plan_that_cannot_be_says_why_and_can_be_thrown_away_and_taken_back(fo
         await until(lambda: not plan.is_busy)
         assert plan.phase is Phase.FAILED
         assert plan.why.startswith("there is no style 'nobody'; there are: ")
-        grave = plans.throw_away(plan)
+        trashed = plans.throw_away(plan)
         assert not plans.plans
         with pytest.raises(InputError, match="there is no plan data any more"):
             plans.of("data")
-        plans.take_back(grave)
+        plans.take_back(trashed)
         assert plans.of("data").folder.is_dir()
         await until(lambda: not plans._processes)
 
@@ -155,8 +155,8 @@ def test_plans_take_turns_and_one_that_waits_can_be_taken_out(folder: Folder, mo
 
 
 def test_a_folder_that_holds_no_plan_of_this_version_is_passed_over(folder: Folder) -> None:
-    for name, words in (("empty", None), ("broken", b"{"), ("other", b'{"photo": 3}')):
+    for name, content in (("empty", None), ("broken", b"{"), ("other", b'{"photo": 3}')):
         (folder.root / "plans" / name).mkdir()
-        if words is not None:
-            (folder.root / "plans" / name / "job.json").write_bytes(words)
+        if content is not None:
+            (folder.root / "plans" / name / "request.json").write_bytes(content)
     assert Plans(folder).plans == {}

@@ -31,18 +31,18 @@ from tests.support.studio.work import never_stop
 
 PATIENCE = 120.0  # seconds, for a machine that does much else
 SIM, SLOW = PaintOptions(robot="sim"), PaintOptions(robot="sim:real")
-PEN = Pen(up=200, down=700, seconds=0.05)
+PEN = Pen(up=200, down=700, seconds=0.05)  # quicker than a real servo, so that tests are
 
 
 @pytest.fixture(autouse=True)
 def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody else's machines are in use."""
+    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 @pytest.fixture
 def easel(tmp_path: Path) -> Path:
-    """Of a plotter with a servo, and a sheet 40 mm high."""
+    """Write an easel file of a plotter with a servo and a sheet 40 mm high; return its path."""
     path = tmp_path / "easel.json"
     write_easel(Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=PEN), path)
     return path
@@ -50,6 +50,7 @@ def easel(tmp_path: Path) -> Path:
 
 @asynccontextmanager
 async def opened(root: Path) -> AsyncIterator[Run]:
+    """Open a studio without a page, and stop its machine at the end."""
     with Folder.opened(root) as folder:
         desk = Desk()
         run = Run(folder, desk, Mixing(folder, desk))
@@ -61,14 +62,15 @@ async def opened(root: Path) -> AsyncIterator[Run]:
 
 
 async def until(run: Run, condition: Callable[[], bool]) -> None:
+    """Wait until the condition holds, while the run is on."""
     async with asyncio.timeout(PATIENCE):
         while not condition():
             assert run.is_busy, run.state.sentence
             await asyncio.sleep(0.02)
 
 
-async def over(run: Run) -> str:
-    """How it came out, once it has."""
+async def outcome(run: Run) -> str:
+    """Wait for the end of a run; return its sentence."""
     async with asyncio.timeout(PATIENCE):
         while run.is_busy:
             await asyncio.sleep(0.02)
@@ -76,10 +78,12 @@ async def over(run: Run) -> str:
 
 
 def stroke(run: Run) -> int:
-    return 0 if run.state.going is None else run.state.going.stroke
+    """Return the number of the present stroke, 0 before the first."""
+    return 0 if run.state.progress is None else run.state.progress.stroke
 
 
 def events(painting: Path, event: str) -> list[int]:
+    """Return the strokes of all entries of that event in the painting's journal."""
     lines = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
     return [entry["stroke"] for entry in lines if entry["event"] == event]
 
@@ -90,16 +94,16 @@ def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal
     async def paint() -> None:
         async with opened(tmp_path) as run:
             run.check("lines", SIM)
-            assert await over(run) == "It fits."
+            assert await outcome(run) == "It fits."
             assert run.state.estimate is not None
             assert (run.state.estimate.strokes, round(run.state.estimate.metres, 3)) == (STROKES, 0.9)
             assert not journal_of(painting).exists()
             assert await run.status("lines") is None
             seen: list[float] = []
-            run.changed.subscribe(lambda: seen.append(0.0 if run.state.going is None else run.state.going.drawn))
+            run.changed.subscribe(lambda: seen.append(0.0 if run.state.progress is None else run.state.progress.drawn))
             await run.begin("lines", SIM)
             assert run.doing == "starting lines"
-            assert await over(run) == "lines is painted."
+            assert await outcome(run) == "lines is painted."
             assert (run.doing, run.state.fault) == ("", False)
             assert seen == sorted(seen)
             assert seen[-1] == pytest.approx(0.9)
@@ -131,22 +135,20 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
             await until(run, lambda: len(events(painting, "begin")) == held + 2)
             run.stop()
             assert run.state.phase == "stopping"
-            assert await over(run) == "You stopped it. The pen is lifted."
+            assert await outcome(run) == "You stopped it. The pen is lifted."
             status = await run.status("lines")
             assert status is not None
             assert (status.strokes, status.options.machine) == (STROKES, "sim:real")
             assert status.painted == len(events(painting, "end")) < STROKES
             assert status.unfinished == events(painting, "begin")[-1]
             await run.resume("lines", SIM, None)
-            assert "say whether it is on the paper" in await over(run)
+            assert "say whether it is on the paper" in await outcome(run)
             await run.begin("lines", SIM)
-            assert "says that this painting was begun; “Go on where it stopped”, or “Start again on a" in await over(
-                run
-            )
+            assert "says that this painting was begun; “Go on where it stopped”, or “Start again" in await outcome(run)
             run.check("lines", PaintOptions(robot="grbl:/dev/ttyUSB0"), resume=True)
-            assert (await over(run)).startswith("this painting was begun on another machine, Simulated easel, at an")
+            assert (await outcome(run)).startswith("this painting was begun on another machine, Simulated easel, at an")
             await run.resume("lines", SIM, True)
-            assert await over(run) == "lines is painted."
+            assert await outcome(run) == "lines is painted."
             run.stop()  # which can be done at any time
             assert run.state.sentence == "lines is painted."
 
@@ -188,12 +190,12 @@ def test_what_does_not_fit_the_machine_is_said_and_nothing_moves(tmp_path: Path)
     async def paint() -> None:
         async with opened(tmp_path) as run:
             run.check("fast", SLOW)
-            sentence = await over(run)
+            sentence = await outcome(run)
             assert "the machine's fastest is 250" in sentence
             assert sentence.endswith("; slow all strokes down: write 250 under “Speed, sheet and camera”")
             assert run.state.fault
             await run.begin("fast", PaintOptions(robot="grbl:/dev/null/none"))
-            assert (await over(run)).startswith("cannot open the port /dev/null/none")
+            assert (await outcome(run)).startswith("cannot open the port /dev/null/none")
 
     asyncio.run(paint())
     assert not journal_of(painting).exists()
@@ -205,8 +207,8 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
-            asked = PaintOptions(robot=f"grbl:{device.port}", easel=easel)
-            await run.begin("six", asked)
+            options = PaintOptions(robot=f"grbl:{device.port}", easel=easel)
+            await run.begin("six", options)
             await until(run, lambda: bool(run.state.question))
             assert run.state.question == "put in the marker with paint 1 (red)"
             assert run.doing == "painting six: waits for you"
@@ -218,7 +220,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
                     await asyncio.to_thread(
                         rehearse, PaintRequest(other, PaintOptions(robot=f"grbl:{port}", easel=easel))
                     )
-            first = run.state.asked_for
+            first = run.state.question_number
             run.done(first)
             await until(run, lambda: bool(run.state.question))
             run.done(first)  # in another tab, late
@@ -228,11 +230,11 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             assert run.state.question == "put in the marker with paint 2 (blue)"
             assert len(events(painting, "end")) == 3
             run.stop()
-            assert await over(run) == "You stopped it. The pen is lifted."
+            assert await outcome(run) == "You stopped it. The pen is lifted."
             await run.resume("six", PaintOptions(), None)
             await until(run, lambda: bool(run.state.question))
-            run.done(run.state.asked_for)
-            assert await over(run) == "six is painted."
+            run.done(run.state.question_number)
+            assert await outcome(run) == "six is painted."
 
     with FakeGrbl() as device:
         asyncio.run(paint())
@@ -249,7 +251,7 @@ def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: P
             await until(run, lambda: device.servo == PEN.down and len(events(painting, "begin")) == 2)
             run.stop()
             run.stop()  # as somebody does who is frightened
-            assert await over(run) == "You stopped it. The pen is lifted."
+            assert await outcome(run) == "You stopped it. The pen is lifted."
             assert device.holds >= 1
             assert device.servo == PEN.up
 
@@ -259,6 +261,7 @@ def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: P
 
 
 def is_gone(process: int) -> bool:
+    """Return whether the process of that id has ended."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except FileNotFoundError:
@@ -271,7 +274,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
     painting = put_plan(tmp_path, "lines")
     with FakeGrbl(pace=1.0) as device:
         machine = f"grbl:{device.port}"
-        words: list[str | Path] = [
+        command: list[str | Path] = [
             sys.executable,
             "-m",
             "tests.support.studio.mortal_studio",
@@ -280,7 +283,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
             machine,
             easel,
         ]
-        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as studio:
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as studio:
             assert studio.stdout is not None
             painter = int(studio.stdout.readline())
             studio.send_signal(signal.SIGKILL)
@@ -300,7 +303,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
                 assert status is not None
                 assert status.painted == painted
                 await run.resume("lines", PaintOptions(), None if status.unfinished is None else False)
-                assert await over(run) == "lines is painted."
+                assert await outcome(run) == "lines is painted."
 
         device.pace = 200.0
         asyncio.run(go_on())
@@ -319,14 +322,14 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
             run.replan_now()
             assert run.state.will_look
             await until(run, lambda: painting.with_name("painting.r1.json").exists())
-            await until(run, lambda: run.state.going is not None and run.state.going.strokes is None)
+            await until(run, lambda: run.state.progress is not None and run.state.progress.strokes is None)
             assert not run.state.will_look
-            await until(run, lambda: run.state.going is not None and run.state.going.strokes is not None)
+            await until(run, lambda: run.state.progress is not None and run.state.progress.strokes is not None)
             planned_again = read_painting(painting.with_name("painting.r1.json"))
-            assert run.state.going is not None
-            assert run.state.going.strokes == len(planned_again.strokes)
+            assert run.state.progress is not None
+            assert run.state.progress.strokes == len(planned_again.strokes)
             run.stop()
-            assert await over(run) == "You stopped it. The pen is lifted."
+            assert await outcome(run) == "You stopped it. The pen is lifted."
 
     asyncio.run(paint())
     revisions = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
@@ -367,9 +370,9 @@ def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old
         journal.revise(painting)
         journal.write_options(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json())
     assert rehearse(PaintRequest(painting, PaintOptions(robot="sim", tray=None), resume=True)).strokes == STROKES
-    for asked, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
+    for options, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
         with pytest.raises(InputError, match=tray):
-            rehearse(PaintRequest(painting, asked, resume=True))
+            rehearse(PaintRequest(painting, options, resume=True))
     after = PaintOptions(robot="sim", tray=None).after(
         PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json()
     )
@@ -385,7 +388,7 @@ def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:
             await until(run, lambda: stroke(run) == 2)
             assert run._process is not None
             os.kill(run._process._process.pid or 0, signal.SIGKILL)
-            assert "Look at the machine: its pen may still be down." in await over(run)
+            assert "Look at the machine: its pen may still be down." in await outcome(run)
             assert run.state.fault
             status = await run.status("lines")
             assert status is not None

@@ -1,4 +1,4 @@
-"""How the studio's page calls machines, and how it says errors."""
+"""Wording of the studio's page: names of machines and options, and texts of errors."""
 
 from typing import Final
 
@@ -14,25 +14,25 @@ MACHINES: Final = {
     "franka": "Franka arm",
     "ur": "Universal Robots arm",
 }
-"""Machines by the words that name them, without an address."""
+"""Names of machines for people, by the kind that a spec begins with."""
 
-FINER = "Speed, sheet and camera"
-"""Where the finer points are asked for."""
+DETAILS_LABEL = "Speed, sheet and camera"
+"""Label of the part of the form that is closed at first."""
 
-RESTART = "Start again on a new sheet"
-"""The button for that."""
+RESTART_LABEL = "Start again on a new sheet"
+"""Label of the button that begins a painting anew."""
 
 
-def name_of(machine: str) -> str:
-    """A machine by its word, for people."""
-    kind, _, address = machine.partition(":")
-    if machine in MACHINES:
-        return MACHINES[machine]
+def machine_name(spec: str) -> str:
+    """Return the name of a machine for people, out of its spec such as ``grbl:/dev/ttyUSB0``."""
+    kind, _, address = spec.partition(":")
+    if spec in MACHINES:
+        return MACHINES[spec]
     return f"{MACHINES.get(kind, kind)} at {address}"
 
 
-def said(error: MaulstickError) -> str:
-    """The error in the words of the page."""
+def error_text(error: MaulstickError) -> str:
+    """Return the text of an error in the words of the page."""
     return _PAGE.say(error)
 
 
@@ -43,26 +43,26 @@ _OPTIONS: Final = {
     "name": "name",
     "out": "folder",
 }
-"""What the page calls options; those left out are called by their names."""
+"""Names of options on the page; others keep their own names, with spaces for underscores."""
 
 _PAGE: Final = Wording(
     option=lambda name: _OPTIONS.get(name, name.replace("_", " ")),
-    machine=name_of,
+    machine=machine_name,
     remedies={
-        Remedy.RESUME_OR_RESTART: f"“Go on where it stopped”, or “{RESTART}”",
-        Remedy.RESTART: f"“{RESTART}”",
-        Remedy.PUT_BACK_OR_RESTART: f"put that one back, or “{RESTART}”",
-        Remedy.MEND_OR_RESTART: f"mend it, or “{RESTART}”",
+        Remedy.RESUME_OR_RESTART: f"“Go on where it stopped”, or “{RESTART_LABEL}”",
+        Remedy.RESTART: f"“{RESTART_LABEL}”",
+        Remedy.PUT_BACK_OR_RESTART: f"put that one back, or “{RESTART_LABEL}”",
+        Remedy.MEND_OR_RESTART: f"mend it, or “{RESTART_LABEL}”",
         Remedy.START: "start it",
-        Remedy.SAME_MACHINE_OR_RESTART: f"choose that machine, or “{RESTART}”",
+        Remedy.SAME_MACHINE_OR_RESTART: f"choose that machine, or “{RESTART_LABEL}”",
         Remedy.GO_ON: "then “Go on where it stopped”",
         Remedy.NAME_PICTURE: "choose a plan of a picture, or no camera",
         Remedy.NAME_CAMERA: "choose one",
         Remedy.LEAVE_OUT_CAMERA: "choose that one, or none",
         Remedy.WITHOUT_REPLAN: "go on without a camera",
         Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
-        Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{FINER}”",
-        Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{FINER}”",
+        Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
+        Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",
         Remedy.CLIP_WEIGHTS: "plan it on the command line, which takes a file of weights",
         Remedy.CLIP_WEIGHTS_OR_NETWORK: "plan it on the command line, which takes a file of weights",

@@ -17,7 +17,7 @@ async def paint(root: Path, plan: str, machine: str, easel: Path) -> None:
         desk = Desk()
         run = Run(folder, desk, Mixing(folder, desk))
         await run.begin(plan, PaintOptions(robot=machine, easel=easel))
-        while run.state.going is None or run.state.going.stroke < 3:
+        while run.state.progress is None or run.state.progress.stroke < 3:
             await asyncio.sleep(0.02)
         assert run._process is not None
         print(run._process._process.pid, flush=True)

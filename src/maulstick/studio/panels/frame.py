@@ -10,7 +10,7 @@ from nicegui import PageArguments, html, ui
 from maulstick.errors import MaulstickError
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 
 _PANELS = {
     "/": ("Draw", "draw", "maulstick.studio.panels.draw.draw"),
@@ -99,7 +99,7 @@ def _stop() -> None:
 def _tell(error: Exception) -> None:
     """Show a person's mistake on the page; NiceGUI prints any other error in the terminal."""
     if isinstance(error, MaulstickError):
-        first, _, rest = said(error).partition(" ")
+        first, _, rest = error_text(error).partition(" ")
         sentence = f"{first.capitalize() if first.isalpha() and first.islower() else first} {rest}"
         notify = partial(ui.notify, sentence, timeout=12000, multi_line=True)
     else:

@@ -14,7 +14,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.storage.files import atomic_write
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.hands import Hands
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.drawn_sheet import (
     MOST_POINTS,
@@ -155,7 +155,7 @@ class Drawing:
         try:
             return read_sheet(last), last.parent.name
         except InputError as error:
-            self.trouble = said(error)
+            self.trouble = error_text(error)
             return DrawnSheet(USUAL_SHEET, ()), None
 
     def _lay(self, sheet: DrawnSheet, name: str | None) -> None:
@@ -213,7 +213,7 @@ class Drawing:
                     await asyncio.to_thread(_write_sheet, self._path, self.size, list(self.strokes.values()))
                 except OutputError as error:
                     self._unsaved = True
-                    self._say(said(error))
+                    self._say(error_text(error))
                     raise
                 self._say("")
 

@@ -1,4 +1,4 @@
-"""The plans of the studio: those there are, and those that are being made, each in a process of its own."""
+"""Plans of the studio, finished or in the making, each made in a process of its own."""
 
 import json
 import os
@@ -22,15 +22,15 @@ from maulstick.studio.workers.planner import Leave, Planned, Step, Stop, Weigh, 
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
 
-_AT_ONCE = max(1, (os.cpu_count() or 2) // 2)
-_NICENESS = 10
-_PATIENCE = 20.0  # seconds for plans to keep what they have
-_WORDS, _STORY = "job.json", "story.json"
-_CURVE = 400  # steps of a loss that are kept at most
+_AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server and a machine have cores left
+_NICENESS = 10  # below the server and a run, whose machine must not wait
+_PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
+_REQUEST, _STORY = "request.json", "story.json"  # files in a plan's folder
+_MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
 
 
 class Phase(Enum):
-    """What a plan is doing, in a person's words."""
+    """Phase of a plan, with its name for people."""
 
     WAITING = "waiting for its turn"
     PLANNING = "planning"
@@ -42,15 +42,15 @@ class Phase(Enum):
 
 @final
 class Plan:
-    """One of them.
+    """Plan of one picture or text.
 
-    asked: its words.  curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG, and `seen` how many came.
-    left: seconds, as far as one can tell.  metrics: once it is planned.  why: it failed.
-    stepped: at every word from its process.
+    curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG.  seen: number of canvases that came.
+    left: estimated seconds, None while unknown.  metrics: of the painting, once there is one.
+    why: reason of a failure.  stepped: event at every message of its process.
     """
 
-    def __init__(self, name: str, folder: Path, asked: PlanRequest) -> None:
-        self.name, self.folder, self.asked = name, folder, asked
+    def __init__(self, name: str, folder: Path, request: PlanRequest) -> None:
+        self.name, self.folder, self.request = name, folder, request
         self.stepped = Event[[]]()
         self.phase = Phase.WAITING
         self.curve: list[tuple[float, Mapping[str, float]]] = []
@@ -62,17 +62,17 @@ class Plan:
 
     @property
     def done(self) -> float:
-        """How far it is, in [0, 1]."""
+        """Share of planning that is done, in [0, 1]."""
         return 1.0 if self.phase is Phase.PLANNED else self.curve[-1][0] if self.curve else 0.0
 
     @property
     def frames(self) -> int:
-        """How many pictures show the order of its strokes."""
+        """Number of pictures that show the order of its strokes."""
         return len(list(order_frame(self.folder, 0).parent.glob("*.jpg"))) if self.is_painting else 0
 
     @property
     def is_painting(self) -> bool:
-        """Whether there is something to paint."""
+        """Whether its folder holds a painting."""
         return (self.folder / "painting.json").is_file()
 
     @property
@@ -82,37 +82,37 @@ class Plan:
 
     @property
     def planned(self) -> int:
-        """Another number whenever what is there was planned anew."""
+        """Time of its painting, in nanoseconds; it differs after each planning."""
         return (self.folder / "painting.json").stat().st_mtime_ns
 
-    def keep_words(self) -> None:
-        """Let its folder know what was asked."""
-        atomic_write(self.folder / _WORDS, json.dumps(self.asked.as_json(), indent=1).encode())
+    def write_request(self) -> None:
+        """Write its request into its folder."""
+        atomic_write(self.folder / _REQUEST, json.dumps(self.request.as_json(), indent=1).encode())
 
-    def keep_story(self) -> None:
-        """Let its folder know how planning went, for a studio that is opened later."""
+    def write_story(self) -> None:
+        """Write its metrics and its curve into its folder, for a studio that is opened later."""
         story = {"metrics": self.metrics, "curve": [[done, dict(parts)] for done, parts in self.curve]}
         atomic_write(self.folder / _STORY, json.dumps(story).encode())
 
     def begin(self) -> None:
-        """It is planned from now on."""
+        """Note that its process begins to plan."""
         self.phase, self.curve, self._began, self.left, self.why = Phase.PLANNING, [], None, None, ""
 
     def take(self, step: Step) -> None:
-        """It made a step."""
+        """Take a step of its process."""
         now = time.monotonic()
         began, done = self._began = self._began or (now, step.done)
         if step.done > done:
             self.left = (now - began) * (1 - step.done) / (step.done - done)
         self.curve.append((step.done, step.parts))
-        if len(self.curve) > _CURVE:
+        if len(self.curve) > _MOST_POINTS:
             self.curve = self.curve[::2]
         self.canvas, self.seen = step.canvas, self.seen + 1
 
 
 @final
 class Plans:
-    """All of them by name, oldest first. changed: when there are others, or one is in another phase."""
+    """All plans by name, oldest first. changed: event when a plan comes, goes or is in another phase."""
 
     def __init__(self, folder: Folder) -> None:
         self.changed = Event[[]]()
@@ -120,37 +120,37 @@ class Plans:
         self._processes: dict[str, Process] = {}
         self.plans: dict[str, Plan] = {}
         for name in folder.names("plans"):
-            if (plan := _found(name, folder.of("plans", name))) is not None:
+            if (plan := _read_plan(name, folder.of("plans", name))) is not None:
                 self.plans[name] = plan
 
     @property
     def doing(self) -> str:
-        """What is being planned, in a line."""
-        going = [plan for plan in self.plans.values() if plan.is_busy]
-        if not going:
+        """Plans in the making, in one line; "" where there are none."""
+        busy = [plan for plan in self.plans.values() if plan.is_busy]
+        if not busy:
             return ""
-        return f"planning {going[0].name}" if len(going) == 1 else f"planning {len(going)} pictures"
+        return f"planning {busy[0].name}" if len(busy) == 1 else f"planning {len(busy)} pictures"
 
-    def add(self, asked: PlanRequest) -> Plan:
-        """Plan what is asked, at once or when others are finished."""
-        wish = asked.picture.parent.name if asked.picture is not None else asked.options.text or "plan"
-        name = self._folder.free_name("plans", wish)
-        plan = Plan(name, self._folder.of("plans", name), asked)
+    def add(self, request: PlanRequest) -> Plan:
+        """Add a plan, and begin it at once or when others are finished."""
+        wanted = request.picture.parent.name if request.picture is not None else request.options.text or "plan"
+        name = self._folder.free_name("plans", wanted)
+        plan = Plan(name, self._folder.of("plans", name), request)
         with as_output_error(plan.folder):
             plan.folder.mkdir()
-        plan.keep_words()
+        plan.write_request()
         self.plans[name] = plan
         self._next()
         return plan
 
     def of(self, name: str) -> Plan:
-        """The plan of that name. Raises InputError where there is none."""
+        """Return the plan of that name. Raises InputError where there is none."""
         if name not in self.plans:
             raise InputError(f"there is no plan {name} any more")
         return self.plans[name]
 
     def stop(self, plan: Plan) -> None:
-        """Finish with what there is; `go_on` can go on from there."""
+        """Finish a plan with the strokes as they are; `go_on` can go on from there."""
         if plan.phase is Phase.WAITING:
             plan.phase = Phase.STOPPED
         elif plan.phase is Phase.PLANNING:
@@ -159,7 +159,7 @@ class Plans:
         self.changed.emit()
 
     def go_on(self, plan: Plan) -> None:
-        """Go on with a plan that was stopped, or that failed. Raises InputError where it is already being painted."""
+        """Go on with a plan that was stopped or failed. Raises InputError where it was begun on paper."""
         if journal_of(plan.folder / "painting.json").exists():
             raise InputError(f"{plan.name} was begun on paper, so its strokes must stay; plan the picture once more")
         if not plan.is_busy:
@@ -167,31 +167,31 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Let terms count more, or less, from now on."""
+        """Change the weights of the terms, by name, while a plan is plan."""
         if plan.phase is Phase.PLANNING:
-            plan.asked = replace(plan.asked, options=replace(plan.asked.options, weights=weights))
-            plan.keep_words()
+            plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
+            plan.write_request()
             self._processes[plan.name].tell(Weigh(weights))
             plan.stepped.emit()
 
     def throw_away(self, plan: Plan) -> Path:
-        """Put it into the trash; where it is there."""
+        """Move a plan into the trash; return its place there. Raises InputError while it is planned."""
         if plan.is_busy:
             raise InputError(f"{plan.name} is being planned; stop it first")
-        grave = self._folder.throw_away(plan.folder)
+        trashed = self._folder.throw_away(plan.folder)
         del self.plans[plan.name]
         self.changed.emit()
-        return grave
+        return trashed
 
-    def take_back(self, grave: Path) -> None:
-        """Take it out of the trash."""
-        for path in self._folder.take_back(grave, self._folder.root / "plans"):
-            if (plan := _found(path.name, path)) is not None:
+    def take_back(self, trashed: Path) -> None:
+        """Move a plan back out of the trash."""
+        for path in self._folder.take_back(trashed, self._folder.root / "plans"):
+            if (plan := _read_plan(path.name, path)) is not None:
                 self.plans[path.name] = plan
         self.changed.emit()
 
     def close(self) -> None:
-        """Let all that are being planned keep what they have."""
+        """Let all plans in the making store what they have, and end their processes."""
         for plan in self.plans.values():
             if plan.phase is Phase.WAITING:
                 plan.phase = Phase.STOPPED
@@ -204,42 +204,42 @@ class Plans:
                 process.kill()
 
     def _next(self) -> None:
-        """Begin with those whose turn it is."""
+        """Begin the plans whose turn it is."""
         for plan in self.plans.values():
             if plan.phase is Phase.WAITING and len(self._processes) < _AT_ONCE:
                 self._begin(plan)
         self.changed.emit()
 
-    def _begin(self, made: Plan) -> None:
+    def _begin(self, plan: Plan) -> None:
         outcome = Phase.STOPPED
 
-        def hear(word: Step | Planned | Failed) -> None:
+        def hear(message: Step | Planned | Failed) -> None:
             nonlocal outcome
-            match word:
+            match message:
                 case Step():
-                    made.take(word)
-                    made.stepped.emit()
+                    plan.take(message)
+                    plan.stepped.emit()
                 case Planned(metrics=metrics):
-                    outcome = Phase.STOPPED if state_files(made.folder) else Phase.PLANNED
-                    made.metrics = metrics
-                    made.keep_story()
+                    outcome = Phase.STOPPED if state_files(plan.folder) else Phase.PLANNED
+                    plan.metrics = metrics
+                    plan.write_story()
                 case Failed(why=why):
-                    outcome, made.why = Phase.FAILED, why
+                    outcome, plan.why = Phase.FAILED, why
 
         def ended() -> None:
-            made.phase = outcome
-            del self._processes[made.name]
+            plan.phase = outcome
+            del self._processes[plan.name]
             self._next()
 
-        self._processes[made.name] = Process(
-            plan_in_process, made.asked, made.folder, hear=hear, ended=ended, niceness=_NICENESS
+        self._processes[plan.name] = Process(
+            plan_in_process, plan.request, plan.folder, hear=hear, ended=ended, niceness=_NICENESS
         )
-        made.begin()
+        plan.begin()
 
 
-def _found(name: str, folder: Path) -> Plan | None:
-    """A plan that an earlier studio left, if that is what is in the folder."""
-    path = folder / _WORDS
+def _read_plan(name: str, folder: Path) -> Plan | None:
+    """Return the plan that an earlier studio left in the folder, or None where there is none of this version."""
+    path = folder / _REQUEST
     try:
         plan = Plan(name, folder, PlanRequest.from_json(json.loads(path.read_bytes()), path))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick

@@ -14,7 +14,7 @@ from nicegui import Event
 
 from maulstick.errors import InputError
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.style_work import Difference, Map, differences_of, draw_sheet, map_of
 from maulstick.style.cards import STYLES, StyleCard, read_card, rename_style
@@ -65,7 +65,7 @@ class Styles:
         try:
             return Entry(name, STYLES.is_built_in(path), read_card(path))
         except InputError as error:
-            return Entry(name, STYLES.is_built_in(path), None, said(error))
+            return Entry(name, STYLES.is_built_in(path), None, error_text(error))
 
     async def sheet(self, name: str) -> Path:
         """Return the file of a style's sheet: strokes by the hand and by the style. Draw it where there is none yet.

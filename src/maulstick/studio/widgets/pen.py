@@ -9,7 +9,7 @@ from nicegui.element import Element
 
 from maulstick.errors import InputError
 from maulstick.studio.state.drawing import Drawing
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.drawn_sheet import MOST_OF_A_STROKE, DrawnStroke, in_mm
 
 _AT_ONCE = 50_000  # points per message, so that the page stays responsive while a full sheet loads
@@ -64,7 +64,7 @@ class DrawingSheet(Element, component="pen.js"):
             self._drawing.add(sent.get("id"), sent.get("points"))
         except InputError as error:
             self.run_method("drop", sent.get("id"))
-            self._say(said(error))
+            self._say(error_text(error))
         else:
             self._say("")
         finally:

@@ -5,7 +5,7 @@ from enum import Enum
 
 PAINTING = "painting"
 PLANNING = "planning the rest again"
-"""Values of `Going.doing` while a stroke is painted, and while the rest is planned again after a look."""
+"""Values of `RunProgress.doing` while a stroke is painted, and while the rest is planned again after a look."""
 
 
 class Command(Enum):
@@ -19,14 +19,14 @@ class Command(Enum):
 
 @dataclass(frozen=True)
 class Done:
-    """Message to the process that a person has done what it asked for. question: its number."""
+    """Message to the process that a person has done what it asked for. question: number of the `OperatorRequest`."""
 
     question: int
 
 
 @dataclass(frozen=True)
-class Going:
-    """Progress of painting, sent a few times per second.
+class RunProgress:
+    """Progress of a run, sent a few times per second.
 
     doing: current action, in a few words.  stroke: number of the current or the last stroke, from 1, over all runs.
     strokes: number in the painting, None while it is planned again.  drawn, metres: length of stroke drawn so far,
@@ -44,10 +44,10 @@ class Going:
 
 
 @dataclass(frozen=True)
-class Asking:
-    """Request to a person, answered by `Done`. question: its number, from 1.  message: None once it is done."""
+class OperatorRequest:
+    """Request to a person, answered by `Done`. number: from 1.  message: None once it is done."""
 
-    question: int
+    number: int
     message: str | None
 
 

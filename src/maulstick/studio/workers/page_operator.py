@@ -16,8 +16,8 @@ from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.storage.arrays import Image
-from maulstick.studio.workers.messages import PAINTING, PLANNING, Asking, Going, Note, Photograph
-from maulstick.studio.workers.planned_paints import called
+from maulstick.studio.workers.messages import PAINTING, PLANNING, Note, OperatorRequest, Photograph, RunProgress
+from maulstick.studio.workers.planned_paints import display_name
 from maulstick.studio.workers.process import Line
 
 _GLANCE = 0.05  # seconds between two checks for an answer or a stop
@@ -30,7 +30,7 @@ _MOVING = {PAINTING, *_TRAY_VISITS.values()}
 
 @dataclass(frozen=True)
 class _Moment:
-    going: Going
+    progress: RunProgress
     since: float
 
 
@@ -87,8 +87,10 @@ class PageOperator(Operator):
         drawn, metres = self._drawn + progress.drawn, self._drawn + progress.metres
         if progress.action is None:
             self._drawn = drawn
-        going = Going(doing, self._stroke, self._strokes, drawn, metres, progress.left, paint, progress.next_paint)
-        self._moment = _Moment(going, time.monotonic())
+        self._moment = _Moment(
+            RunProgress(doing, self._stroke, self._strokes, drawn, metres, progress.left, paint, progress.next_paint),
+            time.monotonic(),
+        )
         if self._setup.simulation is not None and time.monotonic() > self._photograph_due:
             self._sheet = self._setup.simulation.robot.sheet.image()
             self._photograph_due = time.monotonic() + _PHOTOGRAPH
@@ -98,11 +100,11 @@ class PageOperator(Operator):
         self._question += 1
         self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
-        message = action.message.replace(f"the paint {paint.label}", called(paint, action.paint))
-        self._line.say(Asking(self._question, message))
+        message = action.message.replace(f"the paint {paint.label}", display_name(paint, action.paint))
+        self._line.say(OperatorRequest(self._question, message))
         while not (self._done.wait(_GLANCE) or self.stopped):
             pass
-        self._line.say(Asking(self._question, None))
+        self._line.say(OperatorRequest(self._question, None))
 
     def note(self, sentence: str) -> None:
         """As in `Operator`."""
@@ -113,8 +115,8 @@ class PageOperator(Operator):
         self.leave(photograph)
         self._strokes = None  # it may leave some out
         if (moment := self._moment) is not None:
-            going = replace(moment.going, doing=PLANNING, strokes=None)
-            self._moment = _Moment(going, time.monotonic())
+            planning = replace(moment.progress, doing=PLANNING, strokes=None)
+            self._moment = _Moment(planning, time.monotonic())
 
     def expect_strokes(self, number: int) -> None:
         """As in `Operator`."""
@@ -149,6 +151,6 @@ class PageOperator(Operator):
     def _say_where_it_is(self) -> None:
         if (moment := self._moment) is None:
             return
-        moves = moment.going.doing in _MOVING and not self.pause.held
+        moves = moment.progress.doing in _MOVING and not self.pause.held
         passed = time.monotonic() - moment.since if moves else 0.0
-        self._line.say(replace(moment.going, left=max(moment.going.left - passed, 0.0)))
+        self._line.say(replace(moment.progress, left=max(moment.progress.left - passed, 0.0)))

@@ -11,7 +11,7 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.messages import Command, Done, Ended
 from maulstick.studio.workers.process import Line
 
@@ -54,7 +54,7 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
     except (MaulstickError, KeyboardInterrupt) as error:
         if commands.operator is None:
             raise
-        why = said(error) if isinstance(error, MaulstickError) and not commands.operator.stopped else ""
+        why = error_text(error) if isinstance(error, MaulstickError) and not commands.operator.stopped else ""
         line.say(Ended(why, commands.operator.robot.lifted))
     else:
         line.say(Ended(None, True))

@@ -13,7 +13,7 @@ from maulstick.robot.tray import read_tray
 class PlannedPaint:
     """Paint as a plan uses it.
 
-    number: in the plan's palette, from 1.  called: its name for people.
+    number: in the plan's palette, from 1.  display_name: its name for people.
     metres: length of all its strokes.  strokes: their number.
     place: among the paints in the order of their first use, from 1; 0 where no stroke has it.
     times: number of times that it is taken up.  well: its place in the tray (x, y), metres, or None.
@@ -21,7 +21,7 @@ class PlannedPaint:
 
     number: int
     label: str
-    called: str
+    display_name: str
     colour: tuple[float, float, float]
     is_named: bool
     metres: float
@@ -36,7 +36,7 @@ class PlannedPaint:
         return hex_colour(self.colour)
 
 
-def called(paint: Paint, index: int) -> str:
+def display_name(paint: Paint, index: int) -> str:
     """Name of a paint for people: its own, or its number in the palette, from 1, and a word for its colour."""
     return paint.name if paint.name is not None else f"paint {index + 1} ({colour_word(paint.colour)})"
 
@@ -58,7 +58,7 @@ def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ..
             PlannedPaint(
                 number=index + 1,
                 label=paint.label,
-                called=called(paint, index),
+                display_name=display_name(paint, index),
                 colour=paint.colour,
                 is_named=paint.name is not None,
                 metres=float(metres),

@@ -1,4 +1,4 @@
-"""A plan in a process of its own."""
+"""Planning in a process of its own."""
 
 import shutil
 import signal
@@ -21,34 +21,34 @@ from maulstick.studio.workers.process import Line
 if TYPE_CHECKING:
     from maulstick.planning.planner import PlanProgress
 
-_TOLD_EVERY = 0.25  # seconds between two words
-_FRAMES, _FRAME_PX = 48, 640
-_PATIENCE = 30.0  # seconds for one to leave whose studio was killed
+_STEP_PERIOD = 0.25  # seconds between two messages: fluent on the page, and cheap beside planning
+_FRAMES, _FRAME_PX = 48, 640  # pictures of the order of strokes, one per step of a slider; pixels of the longer side
+_PATIENCE = 30.0  # seconds that the process of a killed studio gets to store its plan
 
 TARGET = "target.jpg"
-"""In a plan's folder: the picture as it lies on the sheet, where there is one."""
+"""File in a plan's folder: the picture as it lies on the sheet, where there is one."""
 
 
 @dataclass(frozen=True)
 class Stop:
-    """Finish now, with what there is."""
+    """Message to the process: finish now, with the strokes as they are."""
 
 
 @dataclass(frozen=True)
 class Leave:
-    """Keep what there is to go on from, and end."""
+    """Message to the process: store what going on later needs, and end."""
 
 
 @dataclass(frozen=True)
 class Weigh:
-    """Go on with these weights of the terms."""
+    """Message to the process: go on with these weights of the terms."""
 
     weights: dict[str, float]
 
 
 @dataclass(frozen=True)
 class Step:
-    """How far planning is in [0, 1], what each term of the loss comes to, and the canvas, a JPEG."""
+    """Progress of planning. done: share in [0, 1].  parts: weighted terms of the loss by name.  canvas: a JPEG."""
 
     done: float
     parts: Mapping[str, float]
@@ -57,80 +57,83 @@ class Step:
 
 @dataclass(frozen=True)
 class Planned:
-    """The last word. figures: of the painting, for people."""
+    """Last message of a plan that was finished or stopped. metrics: of the painting, for people."""
 
     metrics: tuple[str, ...]
 
 
 def order_frame(folder: Path, number: int) -> Path:
-    """A picture of a plan's first strokes; number: of such pictures, from 0."""
+    """Return the path of a picture of a plan's first strokes. number: of the picture, from 0."""
     return folder / "order" / f"{number:02}.jpg"
 
 
-class _Wishes:
-    """What the studio wants by now. weights: new ones, once."""
+class _Control:
+    """Control of planning by messages of the studio.
+
+    goes_on: whether to plan further.  leaves: whether to store the plan and end.
+    """
 
     def __init__(self) -> None:
-        self.wanted, self.leaves = True, False
+        self.goes_on, self.leaves = True, False
         self._weights: dict[str, float] | None = None
 
     def hear(self, word: object) -> None:
-        """Take a word for it."""
+        """Take a message of the studio."""
         match word:
             case Weigh(weights=weights):
                 self._weights = weights
             case Stop():
-                self.wanted = False
+                self.goes_on = False
             case Leave():
                 self.leave()
 
     def leave(self) -> None:
-        """Nobody wants it any more, for now."""
-        self.wanted, self.leaves = False, True
+        """Let planning store what it has, and end."""
+        self.goes_on, self.leaves = False, True
 
-    def reweighed(self) -> Mapping[str, float] | None:
-        """The new weights, if there are any."""
+    def take_weights(self) -> Mapping[str, float] | None:
+        """Return the weights that came since the last call, or None."""
         weights, self._weights = self._weights, None
         return weights
 
 
 def plan(line: Line, request: PlanRequest, folder: Path) -> None:
-    """Plan, or go on with the plan in its folder; once the studio is gone, all that going on needs is kept there."""
+    """Plan, or go on with the plan in its folder; store there what going on later needs, once the studio is gone."""
     from maulstick.jobs.plan.checkpoints import plan_with  # these load torch, which the server goes without
     from maulstick.jobs.plan.prepare import prepare
     from maulstick.jobs.plan.results import write_results
 
-    loss_options, told, kept = _Wishes(), 0.0, False
+    control, sent, kept = _Control(), 0.0, False
 
     def watch(progress: "PlanProgress") -> bool:
-        nonlocal told, kept
-        if loss_options.leaves and kept:
+        nonlocal sent, kept
+        if control.leaves and kept:
             sys.exit()
-        if time.monotonic() - told > _TOLD_EVERY:
-            told = time.monotonic()
+        if time.monotonic() - sent > _STEP_PERIOD:
+            sent = time.monotonic()
             canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
             line.say(Step(progress.done, progress.parts, encode_jpeg(canvas)))
-        kept = not loss_options.wanted  # since it is not, `plan_with` keeps it before the next step
-        return loss_options.wanted
+        kept = not control.goes_on  # where it does not, `plan_with` stores the plan before the next step
+        return control.goes_on
 
-    line.heard_by(loss_options.hear, alone=loss_options.leave)
+    line.heard_by(control.hear, alone=control.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
         prepared = prepare(request)
         if prepared.layout.target is not None:
             atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
-        painting = plan_with(prepared, folder, request, watch, loss_options.reweighed)
+        painting = plan_with(prepared, folder, request, watch, control.take_weights)
         write_results(painting, folder, None)
         _write_order(painting, folder)
-        if loss_options.wanted:
+        if control.goes_on:
             for file in state_files(folder):
                 file.unlink()
         line.say(Planned(_metrics(painting)))
 
 
 def _write_order(painting: Painting, folder: Path) -> None:
-    """Pictures of its first strokes, ever more of them."""
+    """Write pictures of the first strokes, each with more of them than the one before."""
     from maulstick.rendering.preview import preview
 
     width, height = painting.sheet.width, painting.sheet.height

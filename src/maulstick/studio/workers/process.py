@@ -16,7 +16,7 @@ from queue import SimpleQueue
 from typing import Any, final
 
 from maulstick.errors import MaulstickError
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 
 _SPAWN = get_context("spawn")
 _OF_THE_TERMINAL = {signal.SIGINT}  # Ctrl-C reaches every process of a terminal; here the studio alone acts on it
@@ -139,7 +139,7 @@ def _begin(work: Callable[..., None], connection: Connection, niceness: int, arg
     try:
         work(line, *arguments)
     except MaulstickError as error:
-        line.say(Failed(said(error)))
+        line.say(Failed(error_text(error)))
         sys.exit(1)
     except MemoryError:
         line.say(Failed("that needs more memory than there is for it; try it with something smaller"))

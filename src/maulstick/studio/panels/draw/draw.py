@@ -12,7 +12,7 @@ from maulstick.studio.panels.draw.sheet_form import choose_sheet
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 
 _STYLE = Path(__file__).with_name("draw.css")
 _GOOD = 20  # strokes that the page recommends for a style
@@ -106,7 +106,7 @@ class _Sheet:
             await drawing.keep()
             await learn_hand(self._studio, drawing.name, self._client)
         except MaulstickError as error:
-            self._complain(said(error))
+            self._complain(error_text(error))
         finally:
             self._learn.props(remove="loading")
 

@@ -10,7 +10,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.hand_work import PICTURE, HandCard
 
 _ENDINGS = ".csv,.uim,.will,.inkml,.svg,.json,.npz"  # that the browser offers; the content decides
@@ -72,7 +72,7 @@ class OtherHands:
         try:
             await learn_hand(self._studio, name, self._client)
         except MaulstickError as error:
-            trouble.set_text(said(error))
+            trouble.set_text(error_text(error))
         finally:
             button.props(remove="loading")
 
@@ -88,7 +88,7 @@ class OtherHands:
             async with incoming(self._studio.folder, upload) as file:
                 name = await self._drawing.hands.take_in(file, called, self._pen.value)
         except MaulstickError as error:
-            self._trouble.set_text(said(error))
+            self._trouble.set_text(error_text(error))
             return
         finally:
             self._bring.props(remove="loading")

@@ -8,7 +8,7 @@ from maulstick.errors import MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import name_of
+from maulstick.studio.wording import machine_name
 from maulstick.studio.workers.messages import PAINTING
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
@@ -19,7 +19,7 @@ class Controls:
     def __init__(self, studio: Studio) -> None:
         self._studio, self._run = studio, studio.run
         self._paints: tuple[str, tuple[PlannedPaint, ...]] = ("", ())
-        self._asked_for: int | None = None
+        self._question_number: int | None = None
         self.root = html.section().classes("sheet going")
         with self.root:
             with html.h2():
@@ -44,33 +44,33 @@ class Controls:
 
     def show(self) -> None:
         """Show the state of the run."""
-        state, going = self._run.state, self._run.state.going
+        state, progress = self._run.state, self._run.state.progress
         if not state.is_on:
             self._show_answer(None)
             return
-        self._title.text = f"{state.plan} · {name_of(state.options.machine)}"
+        self._title.text = f"{state.plan} · {machine_name(state.options.machine)}"
         self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
-        self._show_answer(state.asked_for if state.question else None)
+        self._show_answer(state.question_number if state.question else None)
         self._silent.visible = state.silent
         self._doing.text = _doing(state)
-        self._bar.value = 0.0 if going is None else going.drawn / (going.metres or 1.0)
+        self._bar.value = 0.0 if progress is None else progress.drawn / (progress.metres or 1.0)
         self._metrics.text = _metrics(state)
         paints = state.phase == "painting"
         self._pause.visible, self._on.visible = not state.held, state.held
         self._pause.enabled = self._on.enabled = paints
         self._look.visible = bool(state.options.look or state.options.replan)
-        is_drawing = going is not None and going.doing == PAINTING
+        is_drawing = progress is not None and progress.doing == PAINTING
         self._look.enabled = paints and is_drawing and not state.will_look and not state.held
-        self._show_next(None if going is None else going.next_paint)
+        self._show_next(None if progress is None else progress.next_paint)
         if self._paints[0] != state.plan:
             self._paints = (state.plan, ())
             background_tasks.create(self._learn_paints(state.plan), context=self.root)
 
     def _show_answer(self, question: int | None) -> None:
         """Make a new button for each request, so that a late click for an earlier one does not answer this one."""
-        if question == self._asked_for:
+        if question == self._question_number:
             return
-        self._asked_for = question
+        self._question_number = question
         self._answer.clear()
         if question is not None:
             with self._answer:
@@ -83,7 +83,7 @@ class Controls:
         if paint is not None:
             self._swatch.style(f"background: {paint.hex}")
             well = "" if paint.well is None else ", in its well"
-            self._next_paint.text = f"Next: {paint.called}{well}"
+            self._next_paint.text = f"Next: {paint.display_name}{well}"
 
     async def _learn_paints(self, plan: str) -> None:
         try:
@@ -157,29 +157,29 @@ class Sheets:
 
 
 def _doing(state: State) -> str:
-    going = state.going
+    progress = state.progress
     if state.phase == "stopping":
         return "Stopping, and lifting the pen …"
     if state.phase == "starting":
         return "Getting ready …"
     if state.question:
         return "It waits for you."
-    if going is None:
+    if progress is None:
         return "Connected."
     if state.held:
-        return f"Paused at stroke {going.stroke}."
-    if going.doing != PAINTING:
-        return f"{going.doing.capitalize()} …"
-    of = "" if going.strokes is None else f" of {going.strokes}"
-    return f"Stroke {going.stroke}{of}{'; then it looks' if state.will_look else ''}"
+        return f"Paused at stroke {progress.stroke}."
+    if progress.doing != PAINTING:
+        return f"{progress.doing.capitalize()} …"
+    of = "" if progress.strokes is None else f" of {progress.strokes}"
+    return f"Stroke {progress.stroke}{of}{'; then it looks' if state.will_look else ''}"
 
 
 def _metrics(state: State) -> str:
-    if (going := state.going) is None:
+    if (progress := state.progress) is None:
         return "" if state.estimate is None else _summary(state.estimate)
-    if going.metres < 1:
-        return f"{1e3 * going.drawn:.0f} of {_length(going.metres)} · {_left(going.left)}"
-    return f"{going.drawn:.1f} m of {_length(going.metres)} · {_left(going.left)}"
+    if progress.metres < 1:
+        return f"{1e3 * progress.drawn:.0f} of {_length(progress.metres)} · {_left(progress.left)}"
+    return f"{progress.drawn:.1f} m of {_length(progress.metres)} · {_left(progress.left)}"
 
 
 def _length(metres: float) -> str:
@@ -195,7 +195,7 @@ def _outcome(state: State) -> str:
         return f"Checking whether {state.plan} can be painted …"
     if state.phase != "ended":
         return ""
-    if state.estimate is not None and state.estimate.strokes and state.going is None and not state.fault:
+    if state.estimate is not None and state.estimate.strokes and state.progress is None and not state.fault:
         return f"{state.sentence} {_summary(state.estimate)}"
     return state.sentence[:1].upper() + state.sentence[1:] if state.fault else state.sentence
 

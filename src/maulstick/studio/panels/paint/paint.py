@@ -12,7 +12,7 @@ from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import FINER, RESTART, said
+from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")
@@ -74,10 +74,10 @@ class _Setting:
                 self._check = ui.button("Check", icon="rule", on_click=self._rehearse).props("outline")
                 self._start = ui.button("Start painting", icon="play_arrow", on_click=self._begin)
                 self._resume = ui.button("Go on where it stopped", icon="play_arrow", on_click=self._go_on)
-                self._restart = ui.button(RESTART, icon="note_add", on_click=self._ask_for_a_new_sheet)
+                self._restart = ui.button(RESTART_LABEL, icon="note_add", on_click=self._ask_for_a_new_sheet)
                 self._restart.props("outline")
             self._mix = ui.link("", "/paints").classes("hint")
-            later = ui.expansion(FINER).classes("more")
+            later = ui.expansion(DETAILS_LABEL).classes("more")
             self._new_sheet = ui.dialog().props('aria-label="A new sheet"')
             with self._new_sheet, html.div().classes("sheet new-sheet"):
                 html.h2("Start again on a new sheet?")
@@ -133,7 +133,7 @@ class _Setting:
             missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
             status = await self._run.status(plan)
         except MaulstickError as error:
-            fault = said(error)
+            fault = error_text(error)
         if plan != self.plan or self.root.is_deleted:
             return
         is_other = status is not None and (self._status is None or status.options != self._status.options)
@@ -168,7 +168,7 @@ class _Setting:
 
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        return self.plan, self._form.options(None if known is None else known.asked.picture)
+        return self.plan, self._form.options(None if known is None else known.request.picture)
 
     def _rehearse(self) -> None:
         self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)

@@ -12,7 +12,7 @@ from maulstick.studio.panels.paints.tray import build_tray
 from maulstick.studio.panels.paints.tubes import build_tubes
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paints.css")
@@ -79,7 +79,7 @@ class _Paints:
             mixed, missing = self._studio.mixing.mixed(plan), await self._studio.mixing.missing(plan)
         except MaulstickError as error:
             if plan == self._plan.value:
-                self._show_nothing(said(error))
+                self._show_nothing(error_text(error))
             return
         if plan != self._plan.value or self._root.is_deleted:
             return
@@ -136,7 +136,7 @@ def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone:
         swatch = html.div().classes("swatch").style(f"background: {paint.hex}")
         with swatch.props(f'role="img" aria-label="The colour {paint.hex}"'):
             html.span(str(paint.number)).classes("number")
-        html.h2(paint.called[0].upper() + paint.called[1:])
+        html.h2(paint.display_name[0].upper() + paint.display_name[1:])
         html.p(f"{paint.hex} · {_usage(paint)}").classes("figure hint")
         html.p(_place(studio, paint)).classes("hint")
         if not alone:

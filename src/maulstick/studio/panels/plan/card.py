@@ -1,4 +1,4 @@
-"""A plan on the page: its canvas as it is planned, and afterwards what it became."""
+"""Card of a plan: its canvas while it is planned, and its painting afterwards."""
 
 from math import ceil
 
@@ -21,11 +21,11 @@ _SPLIT = """(event) => {
   const pictures = event.target.closest(".plan").querySelector(".compare");
   pictures.style.setProperty("--split", event.target.value + "%");
 }"""
-_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
+_PHASE_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
 
 
 class PlanCard:
-    """A card. plan: what it shows."""
+    """Card on the page that follows one plan."""
 
     def __init__(self, studio: Studio, plan: Plan) -> None:
         self.plan, self._studio = plan, studio
@@ -42,8 +42,8 @@ class PlanCard:
                 html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
             self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
-            ui.label(_asked(plan.asked)).classes("hint")
-            self._said = ui.label().classes("hint figure")
+            ui.label(_summary(plan.request)).classes("hint")
+            self._figures = ui.label().classes("hint figure")
             self._curve = LossCurve()
             self._weights = PlanWeights(studio, plan)
             with ui.element().classes("line"):
@@ -52,22 +52,22 @@ class PlanCard:
         shown_by(self._card, plan.stepped, self.show)
 
     def delete(self) -> None:
-        """Take it off the page."""
+        """Remove the card from the page."""
         self._card.delete()
 
     def come_first(self) -> None:
-        """Before all other cards."""
+        """Move the card before all others."""
         self._card.move(target_index=0)
 
     def show(self) -> None:
-        """What the plan is now."""
+        """Show the present state of the plan."""
         plan = self.plan
         finished = plan.is_painting and not plan.is_busy
         self._phase.set_text(plan.phase.value)
-        self._card.classes(remove="planning waiting", add=_CLASSES.get(plan.phase))
+        self._card.classes(remove="planning waiting", add=_PHASE_CLASSES.get(plan.phase))
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
-        self._said.set_text(_said(plan))
+        self._figures.set_text(_outcome(plan))
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
         self._weights.follow()
@@ -96,8 +96,8 @@ class PlanCard:
         )
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
-            for file, called in _FILES.items():
-                ui.item(called).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
+            for file, label in _FILES.items():
+                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
         self._away = ui.button(icon="delete", on_click=self._throw_away).props(
             f'flat aria-label="Throw {plan.name} away"'
         )
@@ -111,7 +111,7 @@ class PlanCard:
         self._pictures.visible = finished or bool(plan.canvas)
 
     def _show_order(self) -> None:
-        """The first strokes, as many as the slider says."""
+        """Show the first strokes, as many as the slider says."""
         until, plan = int(self._until.value), self.plan
         if plan.is_busy:
             return
@@ -128,18 +128,20 @@ class PlanCard:
         plans, name, client = self._studio.plans, self.plan.name, ui.context.client
         if self._studio.run.state.is_on and self._studio.run.state.plan == name:
             raise InputError(f"{name} is being painted; stop the machine first")
-        grave = plans.throw_away(self.plan)
-        offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(grave))
+        trashed = plans.throw_away(self.plan)
+        offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(trashed))
 
 
-def _asked(request: PlanRequest) -> str:
+def _summary(request: PlanRequest) -> str:
+    """Return the main options of a plan in one line."""
     options = request.options
     mixed = options.mixed_paints
     colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
     return f"{options.style}, {options.brush}, {options.strokes} strokes, {colours}, {in_words(options.size)}"
 
 
-def _said(plan: Plan) -> str:
+def _outcome(plan: Plan) -> str:
+    """Return how far the plan is, why it failed, or the metrics of its painting."""
     if plan.phase is Phase.FAILED:
         return plan.why
     if plan.is_busy:

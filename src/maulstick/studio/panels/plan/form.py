@@ -1,4 +1,4 @@
-"""What is wished for: a picture or a text, how large, with what, in whose hand, and what matters."""
+"""Form for a new plan: picture or text, size, brush, paints, hand, and weights of the loss."""
 
 from importlib.util import find_spec
 
@@ -11,14 +11,14 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import BRUSHES
 from maulstick.painting.raster import parse_size
 from maulstick.studio.panels.plan.pictures import PictureChoice
-from maulstick.studio.panels.plan.weights import OF_A_PICTURE, checked, weight_sliders
+from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 
-_SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
-_EFFORTS = {300: "A sketch, quickly", 1500: "As usual", 4000: "Fine, and slowly"}
+_SHEET_SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
 _DEFAULT = PlanOptions()
-_USUAL = {
+_EFFORTS = {300: "A sketch, quickly", _DEFAULT.steps: "As usual", 4000: "Fine, and slowly"}  # by steps of the optimiser
+_FIRST_VALUES = {
     "text": "",
     "brush": _DEFAULT.brush,
     "strokes": _DEFAULT.strokes,
@@ -28,16 +28,16 @@ _USUAL = {
     "ink": "#000000",
     "effort": _DEFAULT.steps,
 }
-_PAUSE = 1.0  # seconds in which a second click plans nothing
+_PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
 
 
 class PlanForm:
-    """The form, and the button that plans what it says."""
+    """Form with the button that begins to plan. style: name of the hand that is chosen first."""
 
     def __init__(self, studio: Studio, style: str) -> None:
         self._studio = studio
-        kept = app.storage.client.setdefault("plan", dict(_USUAL))  # while a person is at other panels
+        kept = app.storage.client.setdefault("plan", dict(_FIRST_VALUES))  # while a person is at other panels
         with ui.element().classes("sheet"):
             html.h2("What")
             self._picture = PictureChoice(studio)
@@ -49,7 +49,7 @@ class PlanForm:
                 self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
                 self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
                 self._strokes.bind_value(kept, "strokes")
-                self._size = ui.select({size: in_words(size) for size in _SIZES}, label="Sheet").bind_value(
+                self._size = ui.select({size: in_words(size) for size in _SHEET_SIZES}, label="Sheet").bind_value(
                     kept, "size"
                 )
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
@@ -59,7 +59,7 @@ class PlanForm:
             self._ink.bind_visibility_from(self._kind, "value", value="ink")
         with ui.element().classes("sheet"):
             html.h2("What matters")
-            self._weights = weight_sliders({name: float(name == "tone") for name in OF_A_PICTURE})
+            self._weights = weight_sliders({name: float(name == "tone") for name in PICTURE_TERMS})
             self._effort = ui.select(_EFFORTS, label="How long").bind_value(kept, "effort")
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
@@ -72,12 +72,13 @@ class PlanForm:
         self._style.set_options({name: "free (nobody's)" if name == "free" else name for name in names}, value=chosen)
 
     def _plan(self) -> None:
-        plan = self._studio.plans.add(self._asked())
+        plan = self._studio.plans.add(self._request())
         self._go.disable()  # or a double click would plan it twice
         ui.timer(_PAUSE, self._go.enable, once=True)
         ui.notify(f"{plan.name} is being planned", type="positive")
 
-    def _asked(self) -> PlanRequest:
+    def _request(self) -> PlanRequest:
+        """Return the request that the form describes. Raises InputError for a value that cannot be used."""
         text = str(self._text.value or "").strip() or None
         picture = self._picture.path
         if picture is None and text is None:
@@ -92,7 +93,7 @@ class PlanForm:
         weights = {name: slider.value for name, slider in self._weights.items()}
         options = PlanOptions(
             text=text,
-            weights={} if picture is None else weights if text is not None else checked(weights),
+            weights={} if picture is None else weights if text is not None else check_weights(weights),
             size=size,
             strokes=strokes,
             paints=None
@@ -107,7 +108,7 @@ class PlanForm:
 
 
 def in_words(size: str) -> str:
-    """The size of a sheet, for people."""
+    """Return the size of a sheet for people: ``200 mm by 160 mm`` for ``200x160mm``."""
     return size.replace("x", " by ").replace("mm", " mm").replace("-landscape", ", lying")
 
 

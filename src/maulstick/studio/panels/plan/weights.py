@@ -1,4 +1,4 @@
-"""What matters in a plan, and how much: sliders, also while it is planned."""
+"""Sliders for the weights of the loss, before and during planning."""
 
 from collections.abc import Callable
 
@@ -9,56 +9,57 @@ from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.slider import Slider
 
-CALLED = {
+TERM_LABELS = {
     "tone": "Light and dark",
     "edges": "Outlines",
     "likeness": "What is in it",
     "sketch": "Like a sketch of it",
     "text": "The text",
 }
-"""Terms of the loss, in a person's words."""
+"""Labels of the terms of the loss, by name."""
 
-OF_A_PICTURE = ("tone", "edges", "likeness", "sketch")
-"""Those that compare with a picture."""
+PICTURE_TERMS = ("tone", "edges", "likeness", "sketch")
+"""Names of the terms that compare the canvas with a picture."""
 
-_MOST, _STEP = 3.0, 0.25
+_MOST_WEIGHT, _STEP = 3.0, 0.25  # three times the usual weight of 1; steps that a finger can hit
 
 
 def weight_sliders(weights: dict[str, float], on_change: Callable[[], object] = lambda: None) -> dict[str, Slider]:
-    """A slider a term, by its name."""
-    return {name: Slider(CALLED[name], _MOST, _STEP, weight, on_change) for name, weight in weights.items()}
+    """Make one slider per term; return them by the term's name."""
+    return {name: Slider(TERM_LABELS[name], _MOST_WEIGHT, _STEP, weight, on_change) for name, weight in weights.items()}
 
 
-def checked(weights: dict[str, float]) -> dict[str, float]:
-    """The weights themselves. Raises InputError where none counts."""
+def check_weights(weights: dict[str, float]) -> dict[str, float]:
+    """Return the weights as they are. Raises InputError where all are 0."""
     if not any(weights.values()):
         raise InputError("nothing matters any more, so any painting would do; move one of the sliders up")
     return weights
 
 
 class PlanWeights(ui.expansion):
-    """Sliders that a plan follows as it is made."""
+    """Sliders whose weights a plan takes while it is made."""
 
     def __init__(self, studio: Studio, plan: Plan) -> None:
         super().__init__("What matters")
-        self._studio, self._plan, self._followed = studio, plan, plan.asked.options.weights
+        self._studio, self._plan, self._shown_weights = studio, plan, plan.request.options.weights
         terms = (
-            *(OF_A_PICTURE if plan.asked.picture is not None else ()),
-            *(("text",) if plan.asked.options.text else ()),
+            *(PICTURE_TERMS if plan.request.picture is not None else ()),
+            *(("text",) if plan.request.options.text else ()),
         )
         usual = {"tone": 1.0, "text": 1.0}
         with self:
-            weights = {name: plan.asked.options.weights.get(name, usual.get(name, 0.0)) for name in terms}
+            weights = {name: plan.request.options.weights.get(name, usual.get(name, 0.0)) for name in terms}
             self._sliders = weight_sliders(weights, self._weigh)
 
     def follow(self) -> None:
-        """Show what the plan is weighed by now, which another page may have changed."""
-        if self._plan.asked.options.weights is self._followed:  # or a slider would slip from under a person's finger
+        """Show the plan's present weights, which another page may have changed."""
+        weights = self._plan.request.options.weights
+        if weights is self._shown_weights:  # or a slider would slip from under a person's finger
             return
-        self._followed = self._plan.asked.options.weights
+        self._shown_weights = weights
         for name, slider in self._sliders.items():
-            slider.set(self._plan.asked.options.weights.get(name, slider.value))
+            slider.set(weights.get(name, slider.value))
 
     def _weigh(self) -> None:
-        weights = checked({name: slider.value for name, slider in self._sliders.items()})
+        weights = check_weights({name: slider.value for name, slider in self._sliders.items()})
         self._studio.plans.weigh(self._plan, weights)

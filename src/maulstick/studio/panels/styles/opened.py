@@ -6,7 +6,7 @@ from maulstick.errors import MaulstickError
 from maulstick.studio.panels.styles.map import StrokeMap
 from maulstick.studio.panels.styles.shown import AS_TURNED, about, address_of, sheet_picture, shown_later
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 
 
 def show_opened(studio: Studio, name: str) -> ui.element:
@@ -48,7 +48,7 @@ def _rename_dialog(studio: Studio, name: str) -> ui.dialog:
         try:
             await studio.styles.rename(name, new)
         except MaulstickError as error:
-            field.error = said(error)
+            field.error = error_text(error)
             return
         with page:  # this dialog is gone
             ui.navigate.to(address_of([new]))

@@ -7,7 +7,7 @@ from typing import TypeVar
 from nicegui import html, ui
 
 from maulstick.errors import MaulstickError
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.style.cards import StyleCard
 
 Result = TypeVar("Result")
@@ -42,7 +42,7 @@ async def fill(place: ui.element, result_to_come: Awaitable[Result], show: Calla
         if not place.is_deleted:
             place.clear()
             with place:
-                ui.label(f"This cannot be shown: {said(error)}").classes("fault")
+                ui.label(f"This cannot be shown: {error_text(error)}").classes("fault")
         return
     if not place.is_deleted:
         place.clear()

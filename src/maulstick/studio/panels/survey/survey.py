@@ -11,7 +11,7 @@ from maulstick.studio.panels.survey.results import confusion_table, opinions_tab
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.survey_results import SurveyReport
 from maulstick.survey.answers import Participant
 
@@ -109,7 +109,7 @@ class _Survey:
         try:
             report, people = await self._surveys.report(self._name), await self._surveys.people(self._name)
         except MaulstickError as error:
-            self._count.text, self._said.visible = said(error), True
+            self._count.text, self._said.visible = error_text(error), True
             return
         if self._root.is_deleted:
             return
