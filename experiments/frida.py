@@ -131,7 +131,7 @@ def plan_plainly(
 ) -> PlanResult:
     """Plan by RMSprop over all numbers of all strokes, whose rate rises and falls once.
 
-    loss: of the canvas (C, H, W), asked at every step; the commission's objectives and network losses are not.
+    loss: of the canvas (C, H, W), asked at every step; the problem's objectives and network losses are not.
     paints: how many to mix of the colours when a tenth of the steps is left; with None strokes keep the colours that
     they start with, as with one ink.  seed: of the mixing.  watch: gets the step, its loss and the canvas.
     even_pressure: the pressure of a stroke is one number, as FRIDA's is.

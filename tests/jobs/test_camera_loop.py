@@ -108,7 +108,7 @@ def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(mo
         canvases.append(layout.canvas)
         raise InterruptedError
 
-    monkeypatch.setattr(camera_loop, "commission_of", stop)
+    monkeypatch.setattr(camera_loop, "problem_of", stop)
     wide = {"sheet": Sheet(width=4 * SIDE, height=SIDE), "provenance": made_with(px=4000).provenance}
     for painting in (planned(), made_with(px=None), planned().model_copy(update=wide)):
         with pytest.raises(InterruptedError):

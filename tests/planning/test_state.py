@@ -113,7 +113,7 @@ def test_a_state_of_another_plan_is_refused_and_one_s_own_is_not_changed(asked: 
     assert same(plan(asked, wanted, resume=states[15]), whole)
     for name, array in before.items():
         assert np.array_equal(array, states[15][name]), name
-    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+    with pytest.raises(InputError, match="is no plan of this problem; plan anew"):
         plan(asked, options(steps=20, strokes=29), resume=states[15])
-    with pytest.raises(InputError, match="is no plan of this commission; plan anew"):
+    with pytest.raises(InputError, match="is no plan of this problem; plan anew"):
         plan(asked, wanted, resume={"numbers": states[15]["numbers"]})

@@ -36,10 +36,10 @@ def problem_of(
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
 ) -> PlanningProblem:
-    """What a sheet that is laid out asks of the planner, with those wishes; `network` is called where it is needed.
+    """What a sheet that is laid out asks of the planner, with those loss options; `network` is called where it is needed.
 
     importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
-    Rendered on a GPU where there is one. Raises InputError for wishes that cannot be fulfilled.
+    Rendered on a GPU where there is one. Raises InputError for options that cannot be.
     """
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     counts = importance_of(layout) if importance is None else importance

@@ -16,7 +16,7 @@ _SEEN = 2 / 255
 
 
 class Initialiser:
-    """New strokes for a commission. All chance comes from the generators."""
+    """New strokes for a planning problem. All chance comes from the generators."""
 
     def __init__(
         self, problem: PlanningProblem, options: PlannerSettings, rng: np.random.Generator, torch_rng: Generator

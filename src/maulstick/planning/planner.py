@@ -82,7 +82,7 @@ def plan(
         try:
             planning.restore(resume)
         except (KeyError, ValueError, RuntimeError) as error:
-            raise InputError("what there is to go on from is no plan of this commission; plan anew") from error
+            raise InputError("what there is to go on from is no plan of this problem; plan anew") from error
     while not planning.done:
         if not watch(planning.advance()):
             planning.hurry()
