@@ -36,7 +36,7 @@ def problem_of(
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
 ) -> PlanningProblem:
-    """What a sheet that is laid out asks of the planner, with those loss options; `network` is called where it is needed.
+    """What a laid out sheet asks of the planner, with those loss options; `network` is called where it is needed.
 
     importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
     Rendered on a GPU where there is one. Raises InputError for options that cannot be.

@@ -74,7 +74,7 @@ class Reference:
 def losses_of(
     loss_options: LossOptions, reference: Reference, network: Callable[[], Network]
 ) -> tuple[tuple[Weighted[Objective], ...], tuple[Weighted[NetworkLoss], ...]]:
-    """The objectives and network losses that the options come to; `network` is called where a network loss needs one."""
+    """The objectives and network losses that the options come to; `network` is called where one is needed."""
     network = cache(network)  # which takes seconds and a lot of memory to load
     objectives: list[Weighted[Objective]] = []
     network_losses: list[Weighted[NetworkLoss]] = []

@@ -131,7 +131,7 @@ class Server(threading.Thread):
         bodies = [
             struct.pack("<I8fH", number, *np.nan_to_num(pose), 1e-4, not np.isnan(pose).any()) for number, pose in poses
         ]
-        parts: list[list[bytes]] = [[], [], bodies, [], markers, [], []]  # sets, others, skeletons, force plates, devices
+        parts: list[list[bytes]] = [[], [], bodies, [], markers, [], []]  # sets, others, skeletons, plates, devices
         if self.version >= (4, 1):
             parts.insert(4, [])  # assets
         frame = struct.pack("<I", index)
