@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.request import demo_picture
 from maulstick.studio.state.gallery import keep_picture, picture_of
 
 
