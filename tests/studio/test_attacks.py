@@ -131,7 +131,7 @@ def test_what_a_page_loads_keeps_frames_and_guesses_out(intruder: Intruder) -> N
         "/picture/plans/link/order/1e9.jpg",
         "/picture/plans/link/order/" + "9" * 250 + ".jpg",
         "/picture/plans/link/order/" + "9" * 5000 + ".jpg",
-        "/picture/plans/link/job.json",
+        "/picture/plans/link/request.json",
         "/picture/plans/link/%00/preview.png",
         "/picture/plans/link%00/preview.png",
         "/picture/plans/link%0a/preview.png",
@@ -151,7 +151,7 @@ def test_no_path_leads_out_of_what_is_shown(
     outside.write_text(SECRET)
     plan = running.folder / "plans" / "link"
     (plan / "order").mkdir(parents=True, exist_ok=True)
-    for link in (plan / "preview.png", plan / "order" / "00.jpg", plan / "job.json", plan.with_name("folder")):
+    for link in (plan / "preview.png", plan / "order" / "00.jpg", plan / "request.json", plan.with_name("folder")):
         link.unlink(missing_ok=True)
         link.symlink_to(tmp_path if link.name == "folder" else outside)
     answer = intruder.ask(path.format(str(outside).lstrip("/")))

@@ -111,7 +111,7 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None
 
     made = asyncio.run(plan())
     assert made.asked.options.weights == {"tone": 0.5}
-    assert json.loads((made.folder / "job.json").read_bytes())["weigh"] == {"tone": 0.5}
+    assert json.loads((made.folder / "request.json").read_bytes())["options"]["weights"] == {"tone": 0.5}
     assert read_painting(made.folder / "painting.json").provenance.options["weights"] == {"tone": 0.5}
 
 
@@ -158,5 +158,5 @@ def test_a_folder_that_holds_no_plan_of_this_version_is_passed_over(folder: Fold
     for name, words in (("empty", None), ("broken", b"{"), ("other", b'{"photo": 3}')):
         (folder.root / "plans" / name).mkdir()
         if words is not None:
-            (folder.root / "plans" / name / "job.json").write_bytes(words)
+            (folder.root / "plans" / name / "request.json").write_bytes(words)
     assert Plans(folder).plans == {}

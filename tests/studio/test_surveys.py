@@ -128,7 +128,12 @@ def test_a_survey_is_made_answered_thrown_away_and_taken_back(folder: Folder) ->
 
 
 def test_hands_plans_and_pictures_can_be_shown(folder: Folder) -> None:
-    for path in ("hands/me/hand.png", "plans/cat/preview.png", "plans/cat/painting-painted.png", "plans/cat/job.json"):
+    for path in (
+        "hands/me/hand.png",
+        "plans/cat/preview.png",
+        "plans/cat/painting-painted.png",
+        "plans/cat/request.json",
+    ):
         file = folder.root / path
         file.parent.mkdir(exist_ok=True)
         file.touch()

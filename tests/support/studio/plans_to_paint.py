@@ -26,7 +26,7 @@ def put_plan(root: Path, name: str, painting: Painting = LINES, mixed: bool = Tr
     folder.mkdir(parents=True)
     photo = None if painting.provenance.image is None else root / "pictures" / name / "picture.png"
     write_painting(painting, folder / "painting.json")
-    (folder / "job.json").write_text(json.dumps(_request(photo).as_json()))
+    (folder / "request.json").write_text(json.dumps(_request(photo).as_json()))
     (folder / "preview.png").write_bytes(encode_png(np.ones((40, 60, 3), dtype=np.float32)))
     if mixed:
         write_record(Mixed(paints=tuple(sorted({paint.label for paint in painting.paints}))), folder / "mixed.json")

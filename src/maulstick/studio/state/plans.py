@@ -25,7 +25,7 @@ from maulstick.studio.workers.process import Failed, Process
 _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)
 _NICENESS = 10
 _PATIENCE = 20.0  # seconds for plans to keep what they have
-_WORDS, _STORY = "job.json", "story.json"
+_REQUEST, _STORY = "request.json", "story.json"
 _CURVE = 400  # steps of a loss that are kept at most
 
 
@@ -87,7 +87,7 @@ class Plan:
 
     def keep_words(self) -> None:
         """Let its folder know what was asked."""
-        atomic_write(self.folder / _WORDS, json.dumps(self.asked.as_json(), indent=1).encode())
+        atomic_write(self.folder / _REQUEST, json.dumps(self.asked.as_json(), indent=1).encode())
 
     def keep_story(self) -> None:
         """Let its folder know how planning went, for a studio that is opened later."""
@@ -239,7 +239,7 @@ class Plans:
 
 def _found(name: str, folder: Path) -> Plan | None:
     """A plan that an earlier studio left, if that is what is in the folder."""
-    path = folder / _WORDS
+    path = folder / _REQUEST
     try:
         plan = Plan(name, folder, PlanRequest.from_json(json.loads(path.read_bytes()), path))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick
