@@ -10,7 +10,8 @@ import pytest
 from PIL import Image
 
 from maulstick.errors import InputError
-from maulstick.studio.state.gallery import keep_picture, picture_of, portrait
+from maulstick.jobs.plan.request import demo_picture
+from maulstick.studio.state.gallery import keep_picture, picture_of
 
 
 def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:
@@ -88,13 +89,13 @@ def test_nothing_but_the_pixels_of_a_picture_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_picture_comes_along(tmp_path: Path) -> None:
-    keep_picture(portrait(), tmp_path / "kept")
+    keep_picture(demo_picture(), tmp_path / "kept")
     with Image.open(tmp_path / "kept" / "small.jpg") as small:
         assert small.size == (480, 480)
 
 
 def test_of_two_pictures_that_come_at_once_under_one_name_the_first_stays_whole(tmp_path: Path) -> None:
-    keep_picture(portrait(), tmp_path / "kept")
+    keep_picture(demo_picture(), tmp_path / "kept")
     before = picture_of(tmp_path / "kept").read_bytes()
     (tmp_path / "brought").write_bytes(png(9, 9))
     with pytest.raises(InputError, match="there is a picture kept meanwhile; use that one, or bring yours again"):
