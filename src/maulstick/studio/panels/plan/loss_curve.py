@@ -5,7 +5,7 @@ from math import log
 
 from nicegui import html, ui
 
-from maulstick.studio.panels.plan.weights import CALLED
+from maulstick.studio.panels.plan.weights import TERM_LABELS
 
 _COLOURS = ("var(--mark)", "var(--focus)", "#5f8a3a", "#b98220", "#7a4f95", "#6a6257")
 _WIDE, _HIGH = 300, 60  # units of the drawing, which is stretched to the width of its card
@@ -48,4 +48,4 @@ class LossCurve:
         self._terms[name] = line
         with self._names, html.span():
             html.span("▬ ").style(f"color: {colour}").props("aria-hidden=true")
-            html.span(CALLED.get(name, name))
+            html.span(TERM_LABELS.get(name, name))
