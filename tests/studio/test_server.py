@@ -32,7 +32,7 @@ def test_a_port_in_use_is_told(tmp_path: Path, taken: socket.socket) -> None:
 
 
 def test_an_address_of_another_machine_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"cannot listen at 192\.0\.2\.200, port 0: .*; choose another --port, or"):
+    with pytest.raises(InputError, match=r"cannot listen at 192\.0\.2\.200, port 0: .*; choose another port, or"):
         serve(tmp_path, "192.0.2.200", 0, browse=False)
 
 
