@@ -146,7 +146,9 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
             await run.begin("lines", SIM)
             assert "says that this painting was begun; “Go on where it stopped”, or “Start again" in await outcome(run)
             run.check("lines", PaintOptions(robot="grbl:/dev/ttyUSB0"), resume=True)
-            assert (await outcome(run)).startswith("this painting was begun on another machine, Simulated easel, at an")
+            assert (await outcome(run)).startswith(
+                "this painting was begun on Simulated easel, at an arm's pace, and what"
+            )
             await run.resume("lines", SIM, True)
             assert await outcome(run) == "lines is painted."
             run.stop()  # which can be done at any time

@@ -167,7 +167,7 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, while a plan is plan."""
+        """Change the weights of the terms, by name, while a plan is made."""
         if plan.phase is Phase.PLANNING:
             plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
             plan.write_request()
