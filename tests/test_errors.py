@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError, MachineError, MaulstickError, OutputError, Remedy, machine, option
 from maulstick.robot.robot import StoppedError
-from maulstick.studio.wording import said
+from maulstick.studio.wording import error_text
 
 VALUES = {"speed": "40"}
 
@@ -17,7 +17,7 @@ VALUES = {"speed": "40"}
 @pytest.mark.parametrize("remedy", Remedy)
 def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy) -> None:
     error = InputError("something is wrong", remedy, **VALUES)
-    page, line, python = said(error), COMMAND_LINE.say(error), str(error)
+    page, line, python = error_text(error), COMMAND_LINE.say(error), str(error)
     assert all(sentence.startswith("something is wrong; ") for sentence in (page, line, python))
     assert [word for word in ("--", "PORT", "PATH", "=", "{") if word in page] == []
     assert [word for word in ("=", "{", "(...") if word in line] == []
@@ -42,7 +42,7 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
     ],
 )
 def test_the_page_does_not_speak_like_the_command_line(error: MaulstickError, here: str) -> None:
-    sentence = said(error)
+    sentence = error_text(error)
     assert sentence.startswith(here)
     assert [word for word in ("--", "PORT", "PATH", "maulstick paint") if word in sentence] == []
 
@@ -62,7 +62,7 @@ def test_an_option_is_called_as_each_front_end_calls_it() -> None:
     error = InputError.of_range(option("ask_every"), 0, "at least 1")
     assert str(error) == "ask_every is 0; it must be at least 1"
     assert COMMAND_LINE.say(error) == "--ask-every is 0; it must be at least 1"
-    assert said(error) == "ask every is 0; it must be at least 1"
+    assert error_text(error) == "ask every is 0; it must be at least 1"
 
 
 def test_an_error_is_the_same_under_another_name_of_its_file() -> None:
