@@ -11,7 +11,7 @@ from maulstick.errors import InputError, MachineError, MaulstickError, OutputErr
 from maulstick.robot.robot import StoppedError
 from maulstick.studio.wording import said
 
-VALUES = {"speed": "40"}
+VALUES = {"speed": 0.04, "millimetres": "40"}
 
 
 @pytest.mark.parametrize("remedy", Remedy)
