@@ -1,4 +1,4 @@
-"""From a picture or a text to a painting: plan it, and write down the result."""
+"""Planning problems out of pictures and texts, and paintings out of plans."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
