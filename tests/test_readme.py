@@ -38,7 +38,8 @@ def test_the_python_of_the_readme_runs(folder: Path) -> None:
     (code,) = blocks("python")
     assert quickly(code) != code
     ran = subprocess.run([sys.executable, "-c", quickly(code)], cwd=folder, capture_output=True, text=True)
-    assert (ran.returncode, ran.stderr) == (0, "")
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stderr == "" or "libmypaint is not installed" in ran.stderr
     assert all((folder / name).is_file() for name in ("cat.json", "cat.png", "painted.png"))
 
 

@@ -23,6 +23,8 @@ from maulstick.robot.simulated.easel import SimulatedEasel
 from maulstick.robot.simulated.sheets import sheet_for
 from tests.cli.test_brush_fit import draw_trials
 
+pytestmark = pytest.mark.filterwarnings("ignore:libmypaint is not installed")
+
 QUICK = {"strokes": 6, "steps": 3, "px": 24, "paints": 2, "size": "60x60mm"}
 FUNCTIONS = [name for name in ms.__all__ if name != "__version__"]
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'
