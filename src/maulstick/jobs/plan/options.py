@@ -12,12 +12,14 @@ from maulstick.errors import InputError, option
 from maulstick.painting.picture import FITS
 from maulstick.painting.raster import parse_size
 
+MOST_SEED: Final = 2**32 - 1
+"""Largest seed that all generators of random numbers take."""
+
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
-_MOST_SEED = 2**32 - 1  # largest seed that all generators of random numbers take
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -83,7 +85,7 @@ class PlanOptions:
         _check_whole("strokes", self.strokes, 1, MOST_STROKES)
         _check_whole("steps", self.steps, 1, _MOST_STEPS)
         _check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
-        _check_whole("seed", self.seed, 0, _MOST_SEED)
+        _check_whole("seed", self.seed, 0, MOST_SEED)
         if self.px is not None:
             _check_whole("px", self.px, _FEWEST_PX, _MOST_PX)
         parse_size(self.size)

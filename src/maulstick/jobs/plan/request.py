@@ -10,12 +10,11 @@ from typing import Any, Self
 from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.options import MOST_SEED, PlanOptions
 from maulstick.painting.video import Video
 from maulstick.storage.files import file_sum
 
 _MOST_TRIES = 64  # largest number of plans, each of which is a process of its own
-_MOST_SEED = 2**32 - 1  # largest seed that all generators of random numbers take
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,8 @@ class PlanRequest:
             object.__setattr__(self, "picture", self.picture.absolute())
         if not 1 <= self.tries <= _MOST_TRIES:
             raise InputError.of_range(option("tries"), self.tries, f"from 1 to {_MOST_TRIES}")
-        if self.options.seed + self.tries - 1 > _MOST_SEED:
-            raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {_MOST_SEED + 1 - self.tries}")
+        if self.options.seed + self.tries - 1 > MOST_SEED:
+            raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {MOST_SEED + 1 - self.tries}")
         if self.video is not None:
             Video(self.video)
             if self.tries > 1:
