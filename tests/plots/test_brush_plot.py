@@ -63,7 +63,7 @@ def test_the_profile_is_what_the_renderer_draws(
         solid=solid,
     )
     path = torch.tensor([[[-0.1, 0.0205, pressure], [0.1, 0.0205, pressure]]])
-    marks = Traj2Stroke.of([brush]).bare(path, 1000.0)
+    marks = Traj2Stroke.of([brush]).marks(path, 1000.0)
     column = darkness(marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity, height=41, width=1)[
         0, :, 0
     ].numpy()

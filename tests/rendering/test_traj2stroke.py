@@ -134,7 +134,7 @@ def test_half_widths_are_those_of_the_brush_on_average_over_all_directions(press
     paths = np.stack([np.outer(np.cos(angles), along), np.outer(np.sin(angles), along)], axis=2)
     commanded = np.concatenate([paths, np.repeat(pressure, 36, axis=0)[..., None]], axis=2)
     straight = REED.model_copy(update={"lag": 0.0, "touch": (0.0, 0.0), "m_x": 1.0, "m_y": 1.0})
-    marks = brushes(*[straight] * 36).bare(torch.from_numpy(commanded), 1.0)
+    marks = brushes(*[straight] * 36).marks(torch.from_numpy(commanded), 1.0)
     assert marks.thickness.mean(dim=0).numpy() == pytest.approx(straight.half_width(pressure[0]), rel=1e-5)
     assert marks.thickness[0].numpy() == pytest.approx(1.3 * straight.half_width(pressure[0]), rel=1e-5)
 
@@ -151,7 +151,7 @@ def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_
 
 def test_a_lighter_stroke_is_fainter_until_the_pressure_that_is_solid() -> None:
     opacities = [
-        brushes(REED).bare(line(0.02, pressure, (0, 0), 0), 1.0).opacity.item() for pressure in (0.0, 0.35, 0.7, 1.0)
+        brushes(REED).marks(line(0.02, pressure, (0, 0), 0), 1.0).opacity.item() for pressure in (0.0, 0.35, 0.7, 1.0)
     ]
     assert opacities == pytest.approx([0.4, 0.7, 1.0, 1.0], rel=1e-5)
 
