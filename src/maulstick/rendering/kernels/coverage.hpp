@@ -10,8 +10,6 @@ namespace {
 
 constexpr int tile_pixels = tile_height * tile_width;
 constexpr int tile_blocks = tile_pixels / LANES;
-constexpr int cells_a_side = 4, cells_a_pixel = cells_a_side * cells_a_side;
-constexpr float cell_side = 1.0f / cells_a_side;
 constexpr float cut_near = 1.25f, cut_fade = 0.25f;       // as in reference.py: _NEAR, _FADE ...
 constexpr float sharp_turn = 0.4f, crease_near = 0.6f;
 constexpr float no_mark = 1e30f;                          // square of a cell that no segment reaches
@@ -39,7 +37,7 @@ inline Foot foot_on(const Segment& s, Floats x, Floats y) {
 // Takes segment k where it is nearer to the cells around (x, y). first, last: whether it is the stroke's. turned: that
 // of the nearest segments; unless it is null, cells are marked in which two parts of the stroke may meet in a crease.
 inline void take_nearer(Nearest& near, const Segment& s, int32_t k, bool first, bool last, Floats x, Floats y,
-                        float side, Floats* turned) {
+                        Floats side, Floats* turned) {
   const Foot foot = foot_on(s, x, y);
   Floats offset_x = foot.offset_x, offset_y = foot.offset_y;
   const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal * side;
@@ -50,7 +48,7 @@ inline void take_nearer(Nearest& near, const Segment& s, int32_t k, bool first, 
     if (first) beyond |= foot.free <= all(0.0f);
     if (last) beyond |= foot.free >= all(1.0f);
     const Floats far = root(larger(squared, all(1e-12f)));
-    const Floats bent = 1.0f + side * side / 24 / (far * larger(far, all(0.25f * side)));
+    const Floats bent = 1.0f + side * side / 24 / (far * larger(far, 0.25f * side));
     offset_x = beyond ? offset_x * bent : offset_x;
     offset_y = beyond ? offset_y * bent : offset_y;
   }
@@ -63,7 +61,6 @@ inline void take_nearer(Nearest& near, const Segment& s, int32_t k, bool first, 
     near.owner |= creased & creased_bit;
     *turned = nearer ? all(s.turned) : *turned;
   }
-  if (!any(nearer)) return;
   near.square = nearer ? square : near.square;
   near.offset_x = nearer ? offset_x : near.offset_x;
   near.offset_y = nearer ? offset_y : near.offset_y;
@@ -83,10 +80,16 @@ inline int pixel_at(int row, int column) {
          column % block_width;
 }
 
+constexpr int run = 32;               // segments that one mask has bits for
+
+inline int64_t runs_of(int64_t segments) { return (segments + run - 1) / run; }
+
 struct Coverage {                     // of one stroke over one tile
   Nearest near[tile_blocks];
-  Floats turned[tile_blocks];         // only of strokes that may crease
   uint32_t touched[block_rows];       // one bit per block; others are not initialised
+  // Of each run of segments that comes near the tile, and of each block: one bit per segment that may reach it.
+  uint32_t* reaching;                 // (runs, tile_blocks)
+  uint8_t* comes_near;                // (runs,)
 };
 
 // Finds the columns [left, right] in which the segment, widened by its reach, crosses the rows from top to bottom.
@@ -116,45 +119,65 @@ inline Floats block_y(Tile tile, int block) {
   return y + (tile.y + block / blocks_across * block_height + 0.5f);
 }
 
-template <bool Creases>
-void cover_segments(Coverage& cover, const Segment* segments, int64_t count, Tile tile) {
-  std::memset(cover.touched, 0, sizeof cover.touched);
+// Notes in which blocks a segment may leave a mark.
+inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s, uint32_t bit, Tile tile) {
   const float x0 = tile.x, x1 = tile.x + tile.width, y0 = tile.y, y1 = tile.y + tile.height;
-  for (int64_t k = 0; k < count; ++k) {
-    const Segment& s = segments[k];
-    if (!(s.reach > 0)) continue;
-    const float left = smaller(s.ux, s.ux + s.wx) - s.reach, right = larger(s.ux, s.ux + s.wx) + s.reach;
-    const float top = smaller(s.uy, s.uy + s.wy) - s.reach, bottom = larger(s.uy, s.uy + s.wy) + s.reach;
-    if (!(left < x1 && right > x0 && top < y1 && bottom > y0)) continue;
-    const int from = int(larger(top - y0, 0.0f)) / block_height;
-    const int to = int(smaller(bottom - y0, tile.height - 0.5f)) / block_height;
-    const bool narrow = __builtin_fabsf(s.wx) < 4 * block_width;      // its box is as tight as its outline
-    for (int row = from; row <= to; ++row) {
-      float a = left, b = right;
-      const float y = y0 + row * block_height;
-      if (!narrow && !crossing(s, y, y + block_height, &a, &b)) continue;
-      const float low = larger(a - x0, 0.0f), high = smaller(b - x0, tile.width - 0.5f);
-      if (!(low <= high)) continue;
-      for (int column = int(low) / block_width, end = int(high) / block_width; column <= end; ++column) {
-        const int block = row * blocks_across + column;
-        if (!(cover.touched[row] >> column & 1)) {
-          cover.near[block] = nothing_near();
-          if (Creases) cover.turned[block] = all(0.0f);
-          cover.touched[row] |= 1u << column;
-        }
-        take_nearer(cover.near[block], s, int32_t(k), k == 0, k == count - 1, block_x(tile, block),
-                    block_y(tile, block), 1, Creases ? cover.turned + block : nullptr);
-      }
+  const float left = smaller(s.ux, s.ux + s.wx) - s.reach, right = larger(s.ux, s.ux + s.wx) + s.reach;
+  const float top = smaller(s.uy, s.uy + s.wy) - s.reach, bottom = larger(s.uy, s.uy + s.wy) + s.reach;
+  if (!(s.reach > 0 && left < x1 && right > x0 && top < y1 && bottom > y0)) return false;
+  const int from = int(larger(top - y0, 0.0f)) / block_height;
+  const int to = int(smaller(bottom - y0, tile.height - 0.5f)) / block_height;
+  const bool narrow = __builtin_fabsf(s.wx) < 4 * block_width;      // its box is as tight as its outline
+  for (int row = from; row <= to; ++row) {
+    float a = left, b = right;
+    const float y = y0 + row * block_height;
+    if (!narrow && !crossing(s, y, y + block_height, &a, &b)) continue;
+    const float low = larger(a - x0, 0.0f), high = smaller(b - x0, tile.width - 0.5f);
+    if (!(low <= high)) continue;
+    const int first = int(low) / block_width, last = int(high) / block_width;
+    for (int column = first; column <= last; ++column) reaching[row * blocks_across + column] |= bit;
+    touched[row] |= (2u << last) - (1u << first);
+  }
+  return true;
+}
+
+// Takes the segments of all runs that may reach a block where they are nearer to the cells around (x, y).
+template <bool Creases>
+inline Nearest nearest_of(const uint32_t* reaching, const uint8_t* comes_near, const Segment* segments, int64_t count,
+                          int block, Floats x, Floats y, Floats side) {
+  Nearest near = nothing_near();
+  Floats turned{};
+  for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
+    if (!comes_near[r]) continue;
+    for (uint32_t bits = reaching[r * tile_blocks + block]; bits; bits &= bits - 1) {
+      const int64_t k = r * run + __builtin_ctz(bits);
+      take_nearer(near, segments[k], int32_t(k), k == 0, k == count - 1, x, y, side, Creases ? &turned : nullptr);
     }
   }
+  return near;
 }
 
 void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile) {
   const Segment* segments = strokes.segment + id * strokes.segments;
-  if (strokes.may_crease[id])
-    cover_segments<true>(cover, segments, strokes.segments, tile);
-  else
-    cover_segments<false>(cover, segments, strokes.segments, tile);
+  std::memset(cover.touched, 0, sizeof cover.touched);
+  for (int64_t r = 0, runs = runs_of(strokes.segments); r < runs; ++r) {
+    uint32_t* reaching = cover.reaching + r * tile_blocks;
+    const int64_t first = r * run, last = strokes.segments < first + run ? strokes.segments : first + run;
+    std::memset(reaching, 0, sizeof(uint32_t) * tile_blocks);
+    bool near = false;
+    for (int64_t k = first; k < last; ++k)
+      near |= note_reached(reaching, cover.touched, segments[k], 1u << (k - first), tile);
+    cover.comes_near[r] = near;
+  }
+  for (int row = 0; row < block_rows; ++row)
+    for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1) {
+      const int block = row * blocks_across + __builtin_ctz(bits);
+      const Floats x = block_x(tile, block), y = block_y(tile, block);
+      cover.near[block] = strokes.may_crease[id] ? nearest_of<true>(cover.reaching, cover.comes_near, segments,
+                                                                    strokes.segments, block, x, y, all(1.0f))
+                                                 : nearest_of<false>(cover.reaching, cover.comes_near, segments,
+                                                                     strokes.segments, block, x, y, all(1.0f));
+    }
 }
 
 template <class Visit>   // visit(block) for each block that the stroke reaches
@@ -166,21 +189,34 @@ inline void each_block(const Coverage& cover, Visit visit) {
     }
 }
 
-// Pixels of a tile that are cut up, since they do not lie along a straight stroke, and how far each counts as cut.
-struct Cuts {
-  int32_t count;
-  int16_t at[tile_pixels];
-  float share[tile_pixels];           // of each pixel of the tile, 0 but for those counted
+// Pixels that lie on the plateau altogether.
+inline Ints on_plateau(const Nearest& near, const Profile& profile) {
+  const Floats flat = profile.q * near.thickness - half_diagonal;
+  return (flat >= all(0.0f)) & (near.offset_x * near.offset_x + near.offset_y * near.offset_y <= flat * flat) &
+         (near.square < all(no_mark));
+}
+
+// Pixels of a tile that are cut up into cells, since they do not lie along a straight stroke.
+constexpr int cells_at_end = 4, cells_at_crease = 2;      // per side of a pixel
+
+struct Cut {
+  int16_t at;
+  int16_t cells;                      // per side
+  float share;                        // of the pixel's darkness that its cells say
 };
 
-inline void cut(Cuts& cuts, const Coverage& cover, const Profile& profile, int at, float share) {
+struct Cuts {
+  int32_t count;
+  Cut cut[2 * tile_pixels];
+  float share[tile_pixels];           // of each pixel; 0 but while `count` is above 0
+};
+
+inline void add_cut(Cuts& cuts, const Coverage& cover, const Profile& profile, int at, int cells, float share) {
   const Nearest& near = cover.near[at / LANES];
-  const int lane = at % LANES;
-  if (!(near.square[lane] < no_mark)) return;
-  const float x = near.offset_x[lane], y = near.offset_y[lane];
-  if (__builtin_sqrtf(x * x + y * y) + half_diagonal <= profile.q * near.thickness[lane]) return;   // all on the plateau
-  if (cuts.share[at] == 0) cuts.at[cuts.count++] = int16_t(at);
-  cuts.share[at] = larger(cuts.share[at], share);
+  if (!(near.square[at % LANES] < no_mark) || on_plateau(near, profile)[at % LANES]) return;
+  const float before = cuts.share[at];
+  cuts.cut[cuts.count++] = {int16_t(at), int16_t(cells), (1 - before) * share};
+  cuts.share[at] = before + (1 - before) * share;
 }
 
 inline void cut_around(Cuts& cuts, const Coverage& cover, const Profile& profile, Tile tile, float x, float y) {
@@ -192,7 +228,8 @@ inline void cut_around(Cuts& cuts, const Coverage& cover, const Profile& profile
       if (!(cover.touched[row / block_height] >> (column / block_width) & 1)) continue;
       const float dx = tile.x + column + 0.5f - x, dy = tile.y + row + 0.5f - y;
       const float share = (cut_near - __builtin_sqrtf(dx * dx + dy * dy)) / cut_fade;
-      if (share > 0) cut(cuts, cover, profile, pixel_at(row, column), smaller(share, 1.0f));
+      if (share > 0 && cuts.share[pixel_at(row, column)] < 1)
+        add_cut(cuts, cover, profile, pixel_at(row, column), cells_at_end, smaller(share, 1.0f));
     }
 }
 
@@ -211,38 +248,9 @@ void find_cuts(Cuts& cuts, const Coverage& cover, const Strokes& strokes, int64_
     const Ints creased = (cover.near[block].owner & creased_bit) != all(0);
     if (any(creased))
       for (int lane = 0; lane < LANES; ++lane)
-        if (creased[lane]) cut(cuts, cover, profile, block * LANES + lane, 1);
+        if (creased[lane] && cuts.share[block * LANES + lane] < 1)
+          add_cut(cuts, cover, profile, block * LANES + lane, cells_at_crease, 1);
   });
-}
-
-struct Cells { Nearest near[cells_a_pixel / LANES]; };
-
-inline Floats cell_x(int part, float x) {
-  Floats at;
-  for (int i = 0; i < LANES; ++i) at[i] = x + ((part * LANES + i) % cells_a_side + 0.5f) * cell_side - 0.5f;
-  return at;
-}
-
-inline Floats cell_y(int part, float y) {
-  Floats at;
-  for (int i = 0; i < LANES; ++i) at[i] = y + ((part * LANES + i) / cells_a_side + 0.5f) * cell_side - 0.5f;
-  return at;
-}
-
-// Finds what is nearest to each cell of the pixel around (x, y).
-Cells cover_cells(const Segment* segments, int64_t count, float x, float y) {
-  Cells cells;
-  for (Nearest& near : cells.near) near = nothing_near();
-  for (int64_t k = 0; k < count; ++k) {
-    const Segment& s = segments[k];
-    if (!(s.reach > 0) || smaller(s.ux, s.ux + s.wx) - s.reach > x || larger(s.ux, s.ux + s.wx) + s.reach < x ||
-        smaller(s.uy, s.uy + s.wy) - s.reach > y || larger(s.uy, s.uy + s.wy) + s.reach < y)
-      continue;
-    for (int part = 0; part < cells_a_pixel / LANES; ++part)
-      take_nearer(cells.near[part], s, int32_t(k), k == 0, k == count - 1, cell_x(part, x), cell_y(part, y), cell_side,
-                  nullptr);
-  }
-  return cells;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ inline Floats all(float x) { return Floats{} + x; }
 inline Ints all(int32_t x) { return Ints{} + x; }
 inline Floats load(const float* p) { Floats x; std::memcpy(&x, p, sizeof x); return x; }
 inline Ints load(const int32_t* p) { Ints x; std::memcpy(&x, p, sizeof x); return x; }
+inline void store(int32_t* p, Ints x) { std::memcpy(p, &x, sizeof x); }
 inline void store(float* p, Floats x) { std::memcpy(p, &x, sizeof x); }
 inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
 inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }

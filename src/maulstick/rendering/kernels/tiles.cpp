@@ -166,7 +166,8 @@ struct Room {
     int64_t total = 0;
     for (int64_t bytes :
          {int64_t(sizeof(Coverage)), int64_t(sizeof(Cuts)), int64_t(sizeof(Samples)),
-          int64_t(6 * sizeof(Floats)) * segments, int64_t(4 * tile_pixels), 4 * image_floats(channels),
+          4 * tile_blocks * runs_of(segments), runs_of(segments), int64_t(6 * sizeof(Floats)) * segments,
+          int64_t(4 * tile_pixels), 4 * image_floats(channels),
           4 * image_floats(channels), int64_t(sizeof(Slope)) * kept, 4 * kept, 4 * LANES * (1 + channels) * kept,
           8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 4 * (kept_strokes + 1),
           4 * image_floats(channels) * kept_strokes}) {
@@ -181,21 +182,22 @@ struct Room {
   }
 
   Room(char* bytes, int64_t segments, int64_t channels, int64_t strokes, bool backward) {
-    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *parts[14];
+    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *parts[16];
     int n = 0;
     each_part(segments, channels, strokes, backward, [&](int64_t size) { parts[n++] = p; p += aligned(size); });
     n = 0;
     const auto place = [&](auto*& pointer) {
       pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(parts[n++]);
     };
-    place(cover), place(cuts), place(samples), place(sums), place(shade), place(canvas), place(gradient);
+    place(cover), place(cuts), place(samples), place(cover->reaching), place(cover->comes_near), place(sums), place(shade), place(canvas), place(gradient);
     place(slopes), place(blocks), place(kept), place(block_begins), place(slope_begins), place(starts);
     place(checkpoints);
-    std::memset(static_cast<void*>(cuts), 0, sizeof(Cuts));
+    cuts->count = 0;
+    std::memset(cuts->share, 0, sizeof cuts->share);
     std::memset(static_cast<void*>(sums), 0, 6 * sizeof(Floats) * segments);
   }
 
-  static constexpr int64_t most_slopes = tile_pixels * (1 + cells_a_pixel) / LANES;   // of one stroke
+  static constexpr int64_t most_slopes = tile_pixels * (1 + cells_at_end * cells_at_end + cells_at_crease * cells_at_crease) / LANES;
   static constexpr int64_t kept_slopes = (4 << 20) / sizeof(Slope);                   // after which a chunk ends
 
   // Finds the darkness of a stroke before its opacity, into `shade`; keep(samples, first, mean) gets what it is made of.
@@ -204,8 +206,10 @@ struct Room {
     const Profile profile = profile_of(s, id);
     cover_stroke(*cover, s, id, tile);
     find_cuts(*cuts, *cover, s, id, profile, tile);
-    each_block(*cover, [&](int block) { store(shade + block * LANES, all(0.0f)); });
-    each_batch(*samples, *cover, *cuts, s, id, tile, [&](const Samples& batch) {
+    each_block(*cover, [&](int block) {
+      store(shade + block * LANES, on_plateau(cover->near[block], profile) ? all(1.0f) : all(0.0f));
+    });
+    each_batch(*samples, *cover, *cuts, s, id, profile, tile, [&](const Samples& batch) {
       for (int first = 0; first < batch.count; first += LANES) {
         const Mean mean = mean_of<Slopes>(batch, first, profile);
         const Floats part = load(batch.weight + first) * mean.value;
@@ -213,7 +217,7 @@ struct Room {
         keep(batch, first, mean);
       }
     });
-    for (int32_t i = 0; i < cuts->count; ++i) cuts->share[cuts->at[i]] = 0;
+    for (int32_t i = 0; i < cuts->count; ++i) cuts->share[cuts->cut[i].at] = 0;
     cuts->count = 0;
   }
 
