@@ -10,6 +10,7 @@ from torch import Tensor
 from maulstick.brush_fit.descent import Unknowns, stamped
 from maulstick.brush_fit.evidence import Evidence
 from maulstick.brush_fit.flow import Flow, fit_flow
+from maulstick.brush_fit.mosaic import Mosaic
 from maulstick.storage.arrays import Floats
 
 
@@ -29,12 +30,13 @@ class Executed:
         return cls(unknowns, shift, fit_flow(evidence.pressures(), opacity, pales))
 
     @torch.no_grad()
-    def stamped(self, evidence: Evidence) -> Tensor:
+    def stamped(self, evidence: Evidence, mosaic: Mosaic) -> Tensor:
         """Return the predicted photographs (C, H, W) of any strokes, on the mosaic of their windows."""
         place = torch.tensor(self.shift / self.unknowns.unit, dtype=torch.float32).expand(len(evidence), -1)
         ink = torch.tensor(np.log(self.flow.at(evidence.pressures())), dtype=torch.float32)
-        return stamped(evidence.mosaic(), replace(self.unknowns, place=place, ink=ink))
+        return stamped(mosaic, replace(self.unknowns, place=place, ink=ink))
 
     def l1(self, evidence: Evidence) -> Tensor:
         """Return the mean error (N,) per pixel of each window, of any strokes."""
-        return evidence.mosaic().l1(self.stamped(evidence))
+        mosaic = evidence.mosaic()
+        return mosaic.l1(self.stamped(evidence, mosaic))

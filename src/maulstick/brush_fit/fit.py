@@ -127,7 +127,7 @@ def fit_brush(
 
 
 def _views(executed: Executed, shown: Evidence) -> tuple[HeldOutStroke, ...]:
-    mosaic, predicted = shown.mosaic(), executed.stamped(shown)
+    predicted = executed.stamped(shown, mosaic := shown.mosaic())
     return tuple(HeldOutStroke(w.name, w.after, mosaic.window(predicted, i)) for i, w in enumerate(shown.windows))
 
 

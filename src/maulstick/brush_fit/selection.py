@@ -1,6 +1,7 @@
 """Choice of additions to the paper's seven numbers, by how well a machine would draw strokes that were held out."""
 
-from collections.abc import Callable, Collection, Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -10,7 +11,7 @@ import torch
 from torch import Tensor
 
 from maulstick.brush_fit import descent
-from maulstick.brush_fit.descent import descend
+from maulstick.brush_fit.descent import Unknowns, descend
 from maulstick.brush_fit.evidence import ENOUGH, Evidence
 from maulstick.brush_fit.executed import Executed
 from maulstick.brush_fit.initialise import first_guess
@@ -23,23 +24,19 @@ ADDITIONS = (*descent.ADDITIONS, FAINT)
 _DIRECTED = {"lag", "nib"}
 """Additions that depend on where a stroke goes, so that flat strokes say little of what they do to bent ones."""
 
-STEPS = 200
-"""Steps of descent for each candidate."""
-
+_STEPS = 200  # of descent for each candidate
 _OPENED = 5  # of so many strokes that bend about alike, one is opened once
-_BETTER = 0.995  # an addition stays if it lowers the error of two halves to that share,
-_SIGMAS, _SIGMAS_EACH = 2.5, 1.0  # by so many standard errors together, and by so many each
+_BETTER, _SIGMAS = 0.995, 3.0  # an addition stays if it lowers the error to that share, by so many standard errors
 _SHORTEST = 1e-9  # metres: keeps the chord of a closed stroke out of the denominator
 
 
 @dataclass(frozen=True)
 class Split:
-    """Strokes by their part in a choice, as indices, or as a mask of those that choose.
+    """Strokes by their part in a choice, as indices, and masks of halves of those that choose.
 
-    choosing: something is chosen by them: what is fitted to one half of them is judged by the other, and the reverse.
-    mixed, bent: which of these are in one half, of two that bend alike, and of two of which one bends more.
-    opened: nothing is chosen by them, and the error that is told is theirs.
-    Where there are too few strokes to hold some out, all are choosing and opened, and nothing is to be chosen.
+    choosing: additions are chosen by them.  opened: nothing is; the error that is told is theirs.
+    mixed, bent: which of the choosing ones are in one half, of two that bend alike, and of two of which one bends more.
+    Where there are too few strokes to hold some out, all are choosing and opened, and nothing is chosen.
     """
 
     choosing: Ints
@@ -85,46 +82,49 @@ class Choice:
 def choose(evidence: Evidence, split: Split, tried: Sequence[str], progress: Callable[[str, int, int], None]) -> Choice:
     """Fit the paper's numbers, then accept one addition after another that clearly improves strokes as executed."""
     known, opened = evidence.pick(split.choosing), evidence.pick(split.opened)
+    half_of = {"flat": ~split.bent, "bent": split.bent, "one": split.mixed, "other": ~split.mixed}
+    halves = {name: known.pick(np.flatnonzero(half)) for name, half in half_of.items()}
 
     @cache
-    def judged(additions: tuple[str, ...], by_bend: bool) -> tuple[Tensor, Tensor]:
-        """Errors of each half with what the other taught."""
-        first = split.bent if by_bend else split.mixed
-        halves = known.pick(np.flatnonzero(first)), known.pick(np.flatnonzero(~first))
-        tick = ticking(progress, " + ".join(("seven", *additions)), 2 * STEPS)
-        return fitted(halves[1], additions, tick).l1(halves[0]), fitted(halves[0], additions, tick).l1(halves[1])
+    def taught(half: str, shape: tuple[str, ...]) -> Unknowns:
+        return _taught(halves[half], shape, progress)
 
-    kept: tuple[str, ...] = ()
+    def judged(additions: Sequence[str], by_bend: bool) -> Tensor:
+        """Errors of the half that bends more with what the other taught, or of both alike halves, each by the other."""
+        shape, pales = _shape(additions), FAINT in additions
+        pairs = [("flat", "bent")] if by_bend else [("one", "other"), ("other", "one")]
+        return torch.cat([Executed.of(taught(a, shape), halves[a], pales).l1(halves[b]) for a, b in pairs])
+
+    kept: list[str] = []
     refused: dict[str, int] = {}  # number of additions that had been kept then
     for addition in (*tried, *tried) if len(evidence) >= ENOUGH else ():  # twice: one may help only beside another
         if addition in kept or refused.get(addition) == len(kept):
             continue
         by_bend = addition in _DIRECTED
-        if _is_better(judged((*kept, addition), by_bend), judged(kept, by_bend)):
-            kept = (*kept, addition)
+        if _is_better(judged([*kept, addition], by_bend), judged(kept, by_bend)):
+            kept.append(addition)
         else:
             refused[addition] = len(kept)
-    chosen = fitted(known, kept, ticking(progress, "what was chosen", STEPS))
-    paper = fitted(known, (), ticking(progress, "the paper's numbers", STEPS)) if kept else chosen
-    return Choice(kept, chosen, float(chosen.l1(opened).mean()), float(paper.l1(opened).mean()))
+    paper = Executed.of(_taught(known, (), progress), known, pales=False)
+    chosen = Executed.of(_taught(known, _shape(kept), progress), known, FAINT in kept) if kept else paper
+    return Choice(tuple(kept), chosen, float(chosen.l1(opened).mean()), float(paper.l1(opened).mean()))
 
 
-def fitted(evidence: Evidence, additions: Collection[str], progress: Callable[[], None]) -> Executed:
-    """Fit the paper's numbers and some additions. `progress` is called `STEPS` times."""
-    start = first_guess(evidence).adding(name for name in additions if name != FAINT)
-    return Executed.of(descend(evidence.mosaic(), start, STEPS, progress), evidence, FAINT in additions)
+def _shape(additions: Sequence[str]) -> tuple[str, ...]:
+    """Return the additions that a descent finds; `faint` is found from the darkness of whole strokes after it."""
+    return tuple(name for name in additions if name != FAINT)
 
 
-def _is_better(errors: tuple[Tensor, Tensor], before: tuple[Tensor, Tensor]) -> bool:
-    """Return whether the errors of two halves are clearly below those `before`, and those of neither by chance."""
-    gains = [(old / new).log() for old, new in zip(before, errors, strict=True)]  # so that no bad stroke dominates
-    less = torch.cat(errors).mean() < _BETTER * torch.cat(before).mean()
-    return bool(less and _certainty(torch.cat(gains)) > _SIGMAS and min(map(_certainty, gains)) > _SIGMAS_EACH)
+def _taught(evidence: Evidence, shape: tuple[str, ...], progress: Callable[[str, int, int], None]) -> Unknowns:
+    tick = ticking(progress, " + ".join(("the paper's numbers", *shape)), _STEPS)
+    return descend(evidence.mosaic(), first_guess(evidence).adding(shape), _STEPS, tick)
 
 
-def _certainty(gain: Tensor) -> float:
-    """Return the mean of (N,) in its standard errors."""
-    return float(gain.mean() / gain.std().clamp(min=1e-9)) * len(gain) ** 0.5
+def _is_better(errors: Tensor, before: Tensor) -> bool:
+    """Return whether the errors (N,) of judged strokes are clearly below those `before`."""
+    gain = (before / errors).log()  # a logarithm, so that a few very bad strokes do not dominate
+    certain = gain.mean() > _SIGMAS * gain.std() / math.sqrt(len(gain))
+    return bool(certain and errors.mean() < _BETTER * before.mean())
 
 
 def ticking(progress: Callable[[str, int, int], None], stage: str, total: int) -> Callable[[], None]:
