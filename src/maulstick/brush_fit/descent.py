@@ -134,6 +134,8 @@ def descend(mosaic: Mosaic, start: Unknowns, steps: int, progress: Callable[[], 
     for step in range(1, steps + 1):
         optimiser.zero_grad()
         mosaic.loss(stamped(mosaic, unknowns)).backward()
+        for leaf in leaves:  # a pixel on the very edge of a mark whose c is below 1 has an infinite slope
+            leaf.grad = None if leaf.grad is None else leaf.grad.nan_to_num(0, 0, 0)
         optimiser.step()
         with torch.no_grad():
             unknowns.ink.clamp_(max=0)  # beyond full ink the gradient is 0
