@@ -50,10 +50,6 @@ class Unknowns:
         """Return the unknowns of the strokes of these indices (M,) alone."""
         return replace(self, place=self.place[which], ink=self.ink[which])
 
-    def continuing(self, found: "Unknowns") -> "Unknowns":
-        """Return these strokes' own unknowns with the brush and the colour that others found."""
-        return replace(found, place=self.place * self.unit / found.unit, ink=self.ink)
-
     def each(self, change: Callable[[Tensor], Tensor]) -> "Unknowns":
         """Return the unknowns with `change` applied to every tensor."""
         return Unknowns(

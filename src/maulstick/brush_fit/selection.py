@@ -91,7 +91,7 @@ def choose(evidence: Evidence, split: Split, tried: Sequence[str], progress: Cal
 
     def judged(additions: Sequence[str], by_bend: bool) -> Tensor:
         """Errors of the half that bends more with what the other taught, or of both alike halves, each by the other."""
-        shape, pales = _shape(additions), FAINT in additions
+        shape, pales = shape_of(additions), FAINT in additions
         pairs = [("flat", "bent")] if by_bend else [("one", "other"), ("other", "one")]
         return torch.cat([Executed.of(taught(a, shape), halves[a], pales).l1(halves[b]) for a, b in pairs])
 
@@ -106,11 +106,11 @@ def choose(evidence: Evidence, split: Split, tried: Sequence[str], progress: Cal
         else:
             refused[addition] = len(kept)
     paper = Executed.of(_taught(known, (), progress), known, pales=False)
-    chosen = Executed.of(_taught(known, _shape(kept), progress), known, FAINT in kept) if kept else paper
+    chosen = Executed.of(_taught(known, shape_of(kept), progress), known, FAINT in kept) if kept else paper
     return Choice(tuple(kept), chosen, float(chosen.l1(opened).mean()), float(paper.l1(opened).mean()))
 
 
-def _shape(additions: Sequence[str]) -> tuple[str, ...]:
+def shape_of(additions: Sequence[str]) -> tuple[str, ...]:
     """Return the additions that a descent finds; `faint` is found from the darkness of whole strokes after it."""
     return tuple(name for name in additions if name != FAINT)
 
