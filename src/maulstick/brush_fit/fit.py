@@ -13,14 +13,13 @@ from maulstick.brush_fit.doubts import doubts
 from maulstick.brush_fit.evidence import Evidence, read_evidence
 from maulstick.brush_fit.executed import Executed
 from maulstick.brush_fit.initialise import first_guess, has_pressures
-from maulstick.brush_fit.selection import ADDITIONS, FAINT, Split, choose, shape_of, ticking
+from maulstick.brush_fit.selection import ADDITIONS, FAINT, STEPS, Split, choose, shape_of, ticking
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.brush_fit.window import crosses
 from maulstick.painting.brush import Brush
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Floats, Pixels
 
-_STEPS = 350  # of descent of the last fit, to all strokes
 _LEAST_RISE = 0.01  # alpha / beta: below it pressure changes the width too little to matter, and alpha becomes 0
 _VIEWS = 12  # held-out strokes that are kept for a plot
 _MEDIAN = 1.25  # standard error of a median, relative to that of a mean
@@ -96,7 +95,7 @@ def fit_brush(
         tried = [name for name in ADDITIONS if name in additions and (name != "curve" or has_pressures(paths))]
         choice = choose(evidence, split, tried, progress)
         start = first_guess(evidence).adding(shape_of(choice.additions))
-        found = descend(evidence.mosaic(), start, _STEPS, ticking(progress, "all strokes", _STEPS))
+        found = descend(evidence.mosaic(), start, STEPS, ticking(progress, "all strokes", STEPS))
         tick = ticking(progress, "standard errors", certainty.GROUPS * certainty.STEPS)
         errors = certainty.standard_errors(evidence, found, tick)
     executed = Executed.of(found, evidence, FAINT in choice.additions)

@@ -24,7 +24,9 @@ ADDITIONS = (*descent.ADDITIONS, FAINT)
 _DIRECTED = {"lag", "nib"}
 """Additions that depend on where a stroke goes, so that flat strokes say little of what they do to bent ones."""
 
-_STEPS = 200  # of descent for each candidate
+STEPS = 350
+"""Steps of descent of a candidate, and of the last fit: after fewer, what is judged is not what will be executed."""
+
 _OPENED = 5  # of so many strokes that bend about alike, one is opened once
 _BETTER, _SIGMAS = 0.995, 3.0  # an addition stays if it lowers the error to that share, by so many standard errors
 _SHORTEST = 1e-9  # metres: keeps the chord of a closed stroke out of the denominator
@@ -116,8 +118,8 @@ def shape_of(additions: Sequence[str]) -> tuple[str, ...]:
 
 
 def _taught(evidence: Evidence, shape: tuple[str, ...], progress: Callable[[str, int, int], None]) -> Unknowns:
-    tick = ticking(progress, " + ".join(("the paper's numbers", *shape)), _STEPS)
-    return descend(evidence.mosaic(), first_guess(evidence).adding(shape), _STEPS, tick)
+    tick = ticking(progress, " + ".join(("the paper's numbers", *shape)), STEPS)
+    return descend(evidence.mosaic(), first_guess(evidence).adding(shape), STEPS, tick)
 
 
 def _is_better(errors: Tensor, before: Tensor) -> bool:
