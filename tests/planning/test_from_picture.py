@@ -5,11 +5,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from skimage.data import astronaut
 
 from maulstick.colour.palette import lightness
+from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
-from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour, read_painting, write_painting
+from maulstick.painting.painting import (
+    OFF_SHEET,
+    Painting,
+    Provenance,
+    Sheet,
+    hex_colour,
+    read_painting,
+    write_painting,
+)
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
@@ -224,6 +234,39 @@ def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: P
     xy = found.trajectories()[..., :2]
     assert xy.min() >= -FILE_METRES
     assert (xy - size).max() <= FILE_METRES
+
+
+def test_strokes_longer_than_the_sheet_are_left_out_and_a_sheet_for_none_is_refused(portrait: Picture) -> None:
+    pen, wanted = nominal("fineliner"), options(strokes=20, steps=5, exact=True)
+
+    def drawn_on(width: float, height: float) -> tuple[Painting, np.ndarray]:
+        layout = lay_out_for(portrait, Sheet(width=width, height=height), pen, height_px=32)
+        style = load_style("contour", layout.canvas)
+        planned = plan(problem_of(layout, pen, style, wanted, NO_NETWORK), wanted)
+        xy = planned.strokes.trajectories(style)[..., :2].numpy()
+        return as_painting(planned, layout, pen, style, provenance_of(wanted)), xy
+
+    found, paths = drawn_on(0.06, 0.05)
+    fits = (np.maximum(-paths, paths - (0.06, 0.05)).max(axis=(1, 2)) <= OFF_SHEET).tolist()
+    assert 0 < sum(fits) < 20
+    assert found.trajectories()[..., :2] == pytest.approx(paths[fits], abs=FILE_METRES)
+    assert [stroke.id for stroke in found.strokes] == list(range(sum(fits)))
+    assert {stroke.paint for stroke in found.strokes} == set(range(len(found.paints)))
+    text = "no stroke of the style contour fits on the sheet of 4 x 3 mm; choose a larger size, or another style"
+    with pytest.raises(InputError, match=text):
+        drawn_on(0.004, 0.003)
+
+
+def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: Brush) -> None:
+    face = lay_out_for(astronaut()[:400] / np.float32(255), Sheet(width=0.1, height=0.08), round_brush, height_px=100)
+    middle, flag = (slice(15, 40), slice(47, 65)), (slice(50, 100), slice(0, 15))
+    usual, even, twice = (
+        problem_of(face, round_brush, load_style("free", face.canvas), QUICK, LossOptions(weights=weights)).weights
+        for weights in ({}, {"faces": 0.0}, {"faces": 2.0})
+    )
+    assert (even == 1).all()
+    assert usual[middle].mean() > 2 * usual[flag].mean()
+    assert twice[middle].mean() / twice[flag].mean() > 1.4 * usual[middle].mean() / usual[flag].mean()
 
 
 def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:

@@ -1,16 +1,17 @@
 """Planning problems out of pictures and texts, and paintings out of plans."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import isfinite
 
 import numpy as np
 import torch
 
+from maulstick.errors import InputError, option
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics, compare
-from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
@@ -18,6 +19,7 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.stroke_canvas import as_array
 from maulstick.rendering.preview import preview
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Image
@@ -38,11 +40,11 @@ def problem_of(
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
-    importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
+    importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
     Rendered on a GPU where there is one. Raises InputError for losses that cannot be had.
     """
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    importance = importance_of(layout) if importance is None else importance
+    importance = importance_of(layout, loss_options.faces) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
@@ -51,11 +53,11 @@ def problem_of(
     )
 
 
-def importance_of(layout: Layout) -> Image:
-    """Return how much each pixel of the canvas counts, (H, W): faces more than the rest of the picture."""
+def importance_of(layout: Layout, faces: float = 1.0) -> Image:
+    """Return how much each pixel of the canvas counts, (H, W): within the picture as `attention` says, else 1."""
     importance = np.ones(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
-        layout.crop(importance)[:] = attention(layout.crop(layout.target))
+        layout.crop(importance)[:] = attention(layout.crop(layout.target), faces)
     return importance
 
 
@@ -113,8 +115,20 @@ def as_painting(
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
+    Strokes that are longer than the sheet, and so reach beyond it, are left out.
     names: names of paints, by their colours as ``#rrggbb``.
+    Raises InputError where no stroke fits on the sheet.
     """
+    paths = planned.strokes.trajectories(style)[..., :2]
+    fits = torch.from_numpy(layout.sheet.overhang(as_array(paths)) <= OFF_SHEET)
+    if len(fits) and not fits.any():
+        size = option("size")
+        raise InputError(
+            f"no stroke of the style {style.name} fits on the sheet of {layout.sheet.millimetres}; choose a larger "
+            f"{size}, or another style"
+        )
+    if not fits.all():
+        planned = replace(planned, strokes=planned.strokes[fits], paint_of=planned.paint_of[fits])
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
     trajectories = planned.strokes.trajectories(style)

@@ -71,7 +71,8 @@ def plan(
         list[str] | None,
         _objectives(
             metavar="TERM=WEIGHT",
-            help="Weight of one term of the loss, 1 for the usual: tone, edges, likeness, sketch, text, look.",
+            help="Weight of one term of the loss, 1 for the usual: tone, edges, likeness, sketch, text, look. "
+            "faces=0 lets faces count no more than the rest of the picture.",
         ),
     ] = None,
     clip: Annotated[

@@ -36,7 +36,8 @@ class PlanOptions:
     fit: ``contain`` shows all of the picture, ``cover`` fills all of the sheet.
     background: a photograph of the sheet, with what is painted on it so far.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
-    weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look.
+    weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
+    `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.

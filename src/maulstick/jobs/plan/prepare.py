@@ -74,7 +74,7 @@ class Prepared:
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""
         loss_options = replace(self.loss_options, weights=weights)
-        used = loss_options.weights_of_terms(has_picture=self.layout.target is not None)
+        used = loss_options.weights_to_keep(has_picture=self.layout.target is not None)
         provenance = self.provenance.model_copy(update={"options": {**self.provenance.options, "weights": used}})
         problem = problem_of(self.layout, self.brush, self.style, self.settings, loss_options, self.network)
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
@@ -114,8 +114,8 @@ def prepare(
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
-    weights = loss_options.weights_of_terms(has_picture=picture is not None)
-    used = {"brush": brush.name, "style": style.name, "weights": dict(weights)}
+    weights = loss_options.weights_to_keep(has_picture=picture is not None)
+    used = {"brush": brush.name, "style": style.name, "weights": weights}
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})

@@ -90,7 +90,7 @@ class _Planning:
         self._mural, self._brush, self._style, self._options = mural, brush, style, options
         self._loss_options, self._network = loss_options, network
         self._whole = mural.overview(window_px)
-        self._importance = importance_of(self._whole)
+        self._importance = importance_of(self._whole, loss_options.faces)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
         self._all: PlanResult | None = None
         self._finished, self._windows_done = torch.zeros(0, dtype=torch.bool), 0
