@@ -1,6 +1,6 @@
 """What it changes that faces count more: one JSON object per line, then the differences.
 
-    .venv/bin/python benchmarks/faces.py [--seeds N]
+    .venv/bin/python benchmarks/faces.py [IMAGE ...] [--seeds N]
 
 image: a photograph with a frontal face that comes along with scikit-image or Matplotlib, 256 pixels high, planned with
     400 strokes of the nominal round brush, 12 paints and 1,500 steps, by tones alone.
@@ -85,11 +85,12 @@ def gain(name: str, rows: list[Row]) -> dict[str, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("images", nargs="*", default=IMAGES, metavar="IMAGE", help=" or ".join(IMAGES))
     parser.add_argument("--seeds", type=int, default=5)
-    seeds = parser.parse_args().seeds
-    for image in IMAGES:
+    asked = parser.parse_args()
+    for image in asked.images:
         rows = []
-        for seed in range(seeds):
+        for seed in range(asked.seeds):
             for faces in (1.0, 0.0):
                 rows.append(measure(image, faces, seed))
                 print(json.dumps(vars(rows[-1])), flush=True)

@@ -105,6 +105,12 @@ def plan(
     seed: Annotated[
         int, _planning(metavar="N", help="Number that the plan starts from. The same one repeats the plan.")
     ] = PlanOptions.seed,
+    device: Annotated[
+        str,
+        _planning(
+            metavar="DEVICE", help="What computes: cpu, cuda (a GPU), or auto: a GPU that draws as the CPU does."
+        ),
+    ] = PlanOptions.device,
     tries: Annotated[
         int, _planning(metavar="N", help="Plan from this many seeds, in parallel, and keep the best plan.")
     ] = 1,
@@ -152,6 +158,7 @@ def plan(
         ask_every=ask_every,
         px=px,
         seed=seed,
+        device=device,
     )
     request = PlanRequest(_picture_path(picture, demo, text), options, tries, video)
     if state_files(out) and not overwrite:

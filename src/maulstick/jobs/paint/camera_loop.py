@@ -12,6 +12,7 @@ import torch
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
+from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from maulstick.painting.picture import encode_png
@@ -105,7 +106,8 @@ def replanned(
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
     settings = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.provenance.seed)
-    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights))
+    device = choose_device("auto").device
+    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights), device=device)
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.provenance)
     return _joined(painting, painted, again)
