@@ -8,11 +8,9 @@ import torch
 from skimage.data import astronaut
 
 from maulstick.colour.palette import lightness
-from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.painting import (
-    OFF_SHEET,
     Painting,
     Provenance,
     Sheet,
@@ -236,25 +234,19 @@ def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: P
     assert (xy - size).max() <= FILE_METRES
 
 
-def test_strokes_longer_than_the_sheet_are_left_out_and_a_sheet_for_none_is_refused(portrait: Picture) -> None:
-    pen, wanted = nominal("fineliner"), options(strokes=20, steps=5, exact=True)
-
-    def drawn_on(width: float, height: float) -> tuple[Painting, np.ndarray]:
-        layout = lay_out_for(portrait, Sheet(width=width, height=height), pen, height_px=32)
-        style = load_style("contour", layout.canvas)
-        planned = plan(problem_of(layout, pen, style, wanted, NO_NETWORK), wanted)
-        xy = planned.strokes.trajectories(style)[..., :2].numpy()
-        return as_painting(planned, layout, pen, style, provenance_of(wanted)), xy
-
-    found, paths = drawn_on(0.06, 0.05)
-    fits = (np.maximum(-paths, paths - (0.06, 0.05)).max(axis=(1, 2)) <= OFF_SHEET).tolist()
-    assert 0 < sum(fits) < 20
-    assert found.trajectories()[..., :2] == pytest.approx(paths[fits], abs=FILE_METRES)
-    assert [stroke.id for stroke in found.strokes] == list(range(sum(fits)))
-    assert {stroke.paint for stroke in found.strokes} == set(range(len(found.paints)))
-    text = "no stroke of the style contour fits on the sheet of 4 x 3 mm; choose a larger size, or another style"
-    with pytest.raises(InputError, match=text):
-        drawn_on(0.004, 0.003)
+def test_strokes_longer_than_the_sheet_are_cut_where_they_leave_it(portrait: Picture) -> None:
+    pen, wanted, size = nominal("fineliner"), options(strokes=20, steps=5, exact=True), (0.06, 0.05)
+    layout = lay_out_for(portrait, Sheet(width=size[0], height=size[1]), pen, height_px=32)
+    style = load_style("contour", layout.canvas)
+    planned = plan(problem_of(layout, pen, style, wanted, NO_NETWORK), wanted)
+    paths = planned.strokes.trajectories(style)[..., :2].numpy()
+    fits = np.maximum(-paths, paths - size).max(axis=(1, 2)) < FILE_METRES
+    assert 0 < fits.sum() < 20
+    found = as_painting(planned, layout, pen, style, provenance_of(wanted)).trajectories()[..., :2]
+    assert found.shape == paths.shape
+    assert found[fits] == pytest.approx(paths[fits], abs=FILE_METRES)
+    assert found.min() >= -FILE_METRES
+    assert (found - size).max() <= FILE_METRES
 
 
 def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: Brush) -> None:

@@ -1,18 +1,18 @@
 """Planning problems out of pictures and texts, and paintings out of plans."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from importlib.metadata import version
 from math import isfinite
 
 import numpy as np
 import torch
 
-from maulstick.errors import InputError, option
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics, compare
-from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
+from maulstick.planning.cutting import cut_at_edges
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
@@ -26,6 +26,7 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
+_CPU = torch.device("cpu")
 _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
 
@@ -37,13 +38,14 @@ def problem_of(
     loss_options: LossOptions = _DEFAULT_LOSSES,
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
+    device: torch.device = _CPU,
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
-    Rendered on a GPU where there is one. Raises InputError for losses that cannot be had.
+    device: renders, and compares with the picture.
+    Raises InputError for losses that cannot be had.
     """
-    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     importance = importance_of(layout, loss_options.faces) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
@@ -115,26 +117,16 @@ def as_painting(
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
-    Strokes that are longer than the sheet, and so reach beyond it, are left out.
+    Strokes that are longer than the sheet, and so reach beyond it, are cut where they leave it.
     names: names of paints, by their colours as ``#rrggbb``.
-    Raises InputError where no stroke fits on the sheet.
     """
-    paths = planned.strokes.trajectories(style)[..., :2]
-    fits = torch.from_numpy(layout.sheet.overhang(as_array(paths)) <= OFF_SHEET)
-    if len(fits) and not fits.any():
-        size = option("size")
-        raise InputError(
-            f"no stroke of the style {style.name} fits on the sheet of {layout.sheet.millimetres}; choose a larger "
-            f"{size}, or another style"
-        )
-    if not fits.all():
-        planned = replace(planned, strokes=planned.strokes[fits], paint_of=planned.paint_of[fits])
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
-    trajectories = planned.strokes.trajectories(style)
-    trajectories[..., 2].clamp_(0, 1)
-    speeds = style.speeds(codes)
-    speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
+    trajectories, speeds = as_array(planned.strokes.trajectories(style)), style.speeds(codes)
+    trajectories[..., 2] = trajectories[..., 2].clip(0, 1)
+    columns = trajectories if speeds is None else np.concatenate([trajectories, as_array(speeds)[..., None]], axis=2)
+    columns = cut_at_edges(columns, layout.sheet)
+    speed_of = [None] * len(codes) if speeds is None else columns[..., 3].tolist()
     used = torch.unique(planned.paint_of)
     paint_of = torch.searchsorted(used, planned.paint_of)
     strokes = [
@@ -148,7 +140,7 @@ def as_painting(
             }
         )
         for number, (paint, trajectory, speed, code, pose) in enumerate(
-            zip(paint_of.tolist(), trajectories.tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
+            zip(paint_of.tolist(), columns[..., :3].tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
     colours = [tuple(colour) for colour in planned.paints[used].tolist()]
