@@ -101,7 +101,7 @@ def test_paints_of_other_brushes_are_not_used_by_this_one() -> None:
 def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
     canvases: list[Canvas] = []
 
-    def stop(layout: Layout, *_: object) -> NoReturn:
+    def stop(layout: Layout, *_: object, **__: object) -> NoReturn:
         canvases.append(layout.canvas)
         raise InterruptedError
 

@@ -10,9 +10,8 @@ import torch
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics, compare
-from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
-from maulstick.planning.cutting import cut_at_edges
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
@@ -117,16 +116,15 @@ def as_painting(
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
-    Strokes that are longer than the sheet, and so reach beyond it, are cut where they leave it.
+    A stroke that is longer than the sheet goes along its edge where it would leave it by more than `OFF_SHEET`.
     names: names of paints, by their colours as ``#rrggbb``.
     """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
-    trajectories, speeds = as_array(planned.strokes.trajectories(style)), style.speeds(codes)
-    trajectories[..., 2] = trajectories[..., 2].clip(0, 1)
-    columns = trajectories if speeds is None else np.concatenate([trajectories, as_array(speeds)[..., None]], axis=2)
-    columns = cut_at_edges(columns, layout.sheet)
-    speed_of = [None] * len(codes) if speeds is None else columns[..., 3].tolist()
+    farthest = (layout.sheet.width + OFF_SHEET, layout.sheet.height + OFF_SHEET, 1)
+    trajectories = as_array(planned.strokes.trajectories(style)).clip((-OFF_SHEET, -OFF_SHEET, 0), farthest)
+    speeds = style.speeds(codes)
+    speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
     used = torch.unique(planned.paint_of)
     paint_of = torch.searchsorted(used, planned.paint_of)
     strokes = [
@@ -140,7 +138,7 @@ def as_painting(
             }
         )
         for number, (paint, trajectory, speed, code, pose) in enumerate(
-            zip(paint_of.tolist(), columns[..., :3].tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
+            zip(paint_of.tolist(), trajectories.tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
     colours = [tuple(colour) for colour in planned.paints[used].tolist()]
