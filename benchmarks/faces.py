@@ -86,7 +86,7 @@ def gain(name: str, rows: list[Row]) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("images", nargs="*", default=IMAGES, metavar="IMAGE", help=" or ".join(IMAGES))
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, default=3)
     asked = parser.parse_args()
     for image in asked.images:
         rows = []
