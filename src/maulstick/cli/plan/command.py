@@ -107,9 +107,7 @@ def plan(
     ] = PlanOptions.seed,
     device: Annotated[
         str,
-        _planning(
-            metavar="DEVICE", help="What computes: cpu, cuda (a GPU), or auto: a GPU that draws as the CPU does."
-        ),
+        _planning(metavar="DEVICE", help="Device that computes: cpu, cuda, or auto: a GPU that draws as the CPU does."),
     ] = PlanOptions.device,
     tries: Annotated[
         int, _planning(metavar="N", help="Plan from this many seeds, in parallel, and keep the best plan.")
