@@ -13,6 +13,8 @@ Distances are the root mean square of CIEDE2000 over the picture's area, in unit
 both images were blurred (in sRGB) by a Gaussian of 1 mm. Each row is appended to FOLDER/rows.jsonl, and not made twice:
 
     planned                  from the plan's preview to the picture: a machine without faults
+    planned_again            the same after as many steps more as the replanned painting gets, on previews of what is
+                             painted instead of photographs: what the steps alone do
     calibrated, replanned    from the photograph of the painting to the picture
     floor                    between two paintings of the one plan
     calibrated_plan          from the painting to its plan
@@ -135,6 +137,7 @@ class Study:
             "picture": self.name,
             "seed": self.seed,
             "planned": distance(shown, picture),
+            "planned_again": distance(preview(self.planned_again(planned), self.scored), picture),
             "calibrated": distance(once, picture),
             "replanned": distance(by_eye.photograph, picture),
             "floor": distance(once, twice),
@@ -157,6 +160,13 @@ class Study:
         planned = plan(problem_of(layout, brush, self.style, options), options)
         made = provenance_of(options, self.name, None, {"style": "loops", "fit": "contain", "px": PIXELS})
         return sequenced(as_painting(planned, layout, brush, self.style, made), (0.0, 0.0))
+
+    def planned_again(self, painting: Painting) -> Painting:
+        """Plan it again as often as on the way, as if the sheet always looked as planned."""
+        for done in range(EVERY, STROKES, EVERY):
+            painted = {stroke.id for stroke in painting.strokes[:done]}
+            painting = replanned(painting, painted, preview(painting, self.scored, done), self.picture)
+        return painting
 
     def painted_by_eye(self, painting: Painting, seed: int) -> Painted:
         """Paint it, and plan again on the way."""
