@@ -6,7 +6,7 @@ from math import log
 
 import numpy as np
 import torch
-from torch import Generator, Tensor
+from torch import Tensor
 
 from maulstick.storage.arrays import Floats
 
@@ -21,12 +21,6 @@ class Density:
     centres: Tensor
     scales: Tensor
     covariance: Tensor
-
-    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw k points (k, d), and return the index of the centre of each, (k,)."""
-        around = torch.randint(len(self.centres), (k,), generator=generator)
-        noise = torch.randn(k, self.centres.shape[1], generator=generator).to(self.centres)
-        return self.centres[around] + self.scales[around] * (noise @ torch.linalg.cholesky(self.covariance).T), around
 
     def cost(self, points: Tensor) -> Tensor:
         """Soft minimum (N,), nats, over the centres of half the squared distance of points (N, d) in spreads.
