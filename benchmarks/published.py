@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from few_shot import DRAWN, Session, sessions_of
 from numpy.typing import NDArray
-from recordings import mocap_hands
+from recordings import MOCAP, mocap_hands
 from torch import Generator, Tensor, nn
 
 Floats = NDArray[np.float64]
@@ -43,6 +43,9 @@ class Recipe:
     rate: float
     weight: float
     steps_fine: int
+
+
+CHOSEN = {name: Recipe(256, 1e-3, 1e-6, 3000) for name in MOCAP}
 
 
 @dataclass(frozen=True)

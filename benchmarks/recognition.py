@@ -124,7 +124,7 @@ def _planned(wanted: tuple[str, int, str, float | None]) -> tuple[Case, float]:
     torch.set_num_threads(1)
     name, seed, image, bound = wanted
     halves = Halves.of(mocap_hands(), seed)
-    style: Style = Exemplar("half", Hand.of(halves.other[name]), load_hands())
+    style: Style = Exemplar.fit("half", Hand.of(halves.other[name]), load_hands())
     if bound is not None:
         style = replace(style, max_mean_cost=bound)
     layout, options = laid_out(image, PX), PlannerSettings(seed=seed)

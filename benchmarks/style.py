@@ -203,7 +203,7 @@ def _by_paper(session: Session, strokes: Strokes, seed: int) -> Floats:
 
 def _drawn_by(model: str, strokes: Strokes, seed: int, hands: PooledHands) -> Floats:
     hand = Hand.of(strokes)
-    style = Exemplar("hand", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
+    style = Exemplar.fit("hand", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
     with torch.no_grad():
         codes, _ = style.sample(DRAWN, torch.Generator().manual_seed(seed))
         return style.decode(codes).double().numpy()

@@ -63,9 +63,9 @@ def main() -> None:
         chosen = [_chosen(drawings[source], rule) for source in sources]
         strokes = _joined(chosen)
         rows = np.random.default_rng(0).permutation(len(strokes))[:MOST]
-        style = Exemplar(name, Hand.of(strokes[np.sort(rows)]), hands)
+        style = Exemplar.fit(name, Hand.of(strokes[np.sort(rows)]), hands)
         write_style(style, f"Wacom universal-ink-library 2.1.2, Apache-2.0: {', '.join(sources)}", BUILT_IN)
-        print(f"{name}: {len(style.hand)} of {len(strokes)} strokes")
+        print(f"{name}: {len(style.hand)} of {len(strokes)} strokes, freedom {style.freedom}")
 
 
 def _chosen(strokes: Strokes, rule: Rule) -> Strokes:

@@ -199,7 +199,7 @@ def test_a_hand_starts_with_its_own_lengths_whatever_the_room_and_the_longest_wh
 
 def test_pressure_rises_and_falls_as_the_style_has_it_about_the_width_that_the_room_asks(round_brush: Brush) -> None:
     falling = strokes_of(drawn(circle, 20), np.linspace(0.9, 0.6, 32))
-    style = Exemplar("falling", Hand.of(falling), all_hands())
+    style = Exemplar.fit("falling", Hand.of(falling), all_hands())
     found = crowd((round_brush.beta + 0.5 * round_brush.alpha) / 0.4 * PPM)
     pressure = start_strokes(found, style, round_brush, PPM, torch.Generator().manual_seed(0)).pressure_knots
     assert pressure.numpy() == pytest.approx(np.tile([0.65, 0.55, 0.45, 0.35], (200, 1)), abs=FLOAT32_VALUE)

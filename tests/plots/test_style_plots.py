@@ -68,6 +68,12 @@ def test_a_style_draws_as_much_as_is_shown_of_its_hand(circles: Exemplar) -> Non
     assert by_style == pytest.approx(by_hand, rel=0.3)
 
 
+def test_only_the_lower_part_depends_on_what_the_style_draws(circles: Exemplar) -> None:
+    # A bound style and a free one sample other strokes; the scale may differ, the number of strokes does not.
+    bound, free = (pixels(style_plot(replace(circles, freedom=freedom), "", PX)) for freedom in (0.0, 1.0))
+    assert (dark(bound) != dark(free))[PX // 2 :].any()
+
+
 def test_strokes_are_as_wide_as_they_were_pressed(circles: Exemplar) -> None:
     even, light, deep = (
         [dark(part).sum() for part in parts(pixels(style_plot(style, "", PX)))]

@@ -232,7 +232,7 @@ def test_the_order_of_strokes_is_nothing_to_their_cost() -> None:
 
 def test_a_recorded_pressure_is_sampled_and_priced() -> None:
     falling = np.broadcast_to(np.linspace(0.8, 0.2, 32), (20, 32))
-    style = Exemplar("pressed", Hand.of(strokes_of(drawn(circle, 20), falling)), HANDS)
+    style = Exemplar.fit("pressed", Hand.of(strokes_of(drawn(circle, 20), falling)), HANDS)
     codes, pressure = style.sample(10, torch_rng())
     assert pressure.numpy() == pytest.approx(np.tile(np.linspace(0.8, 0.2, 4), (10, 1)), abs=FLOAT32_ROUND_TRIP)
     assert (style.cost(codes, pressure.flip(1)) > style.cost(codes, pressure) + 5).all()
@@ -243,7 +243,7 @@ def test_speeds_are_those_of_the_strokes_most_like_them() -> None:
     paths = np.concatenate([slow, fast])
     times = np.linspace(0, 1, 32) * np.repeat([4.0, 0.5], 10)[:, None]
     strokes = strokes_of(paths)
-    style = Exemplar("two", Hand.of(replace(strokes, times=times)), HANDS)
+    style = Exemplar.fit("two", Hand.of(replace(strokes, times=times)), HANDS)
     speeds, strange = style.speeds(own(style)), style.speeds(style.encode(torch.from_numpy(drawn(circle, 5, seed=3))))
     assert speeds is not None
     assert strange is not None
@@ -255,7 +255,7 @@ def test_speeds_are_those_of_the_strokes_most_like_them() -> None:
 def test_the_hash_changes_with_what_a_code_decodes_to_and_only_with_that() -> None:
     assert STYLE.hash == exemplar_of(circle).hash
     assert STYLE.hash == STYLES[zigzag].hash, "whose hand it is does not matter to decoding"
-    assert STYLE.hash == replace(STYLE, max_mean_cost=3.0, name="other").hash
+    assert STYLE.hash == replace(STYLE, freedom=1.0, max_mean_cost=3.0, name="other").hash
     codes = own(STYLE)
     assert torch.equal(STYLES[zigzag].decode(codes), STYLE.decode(codes))
     for hands in (
@@ -269,7 +269,7 @@ def test_the_hash_changes_with_what_a_code_decodes_to_and_only_with_that() -> No
 
 @pytest.mark.parametrize("seed", range(3))
 def test_straight_strokes_stay_straight_among_arcs(seed: int) -> None:
-    style = Exemplar("smooth", hand_of(drawn(line_or_arc, 20, seed, tremor=0.0)), HANDS)
+    style = Exemplar.fit("smooth", hand_of(drawn(line_or_arc, 20, seed, tremor=0.0)), HANDS)
     codes, _ = style.sample(300, torch_rng(seed))
     own, samples = (describe(paths)[:, 2] for paths in (style.hand.paths, style.decode(codes).double().numpy()))
     assert own[own < 0.5].max() < 0.1 < 1 < own[own > 0.5].min(), "half of them are straight"
@@ -280,12 +280,24 @@ def test_straight_strokes_stay_straight_among_arcs(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_seven_curls_among_other_strokes_have_neither_cusps_nor_loops_that_they_never_had(seed: int) -> None:
     paths = np.concatenate([drawn(circle, 7, seed), drawn(zigzag, 7, seed), drawn(line, 6, seed)])
-    style = Exemplar("several", hand_of(paths), HANDS)
+    style = Exemplar.fit("several", hand_of(paths), HANDS)
     codes, _ = style.sample(400, torch_rng(seed))
     samples = style.decode(codes).double().numpy()
     curls = cdist(standard(samples), standard(style.hand.paths)).argmin(axis=1) < 7
     assert curls.mean() == pytest.approx(7 / 20, abs=0.08)
     assert (sharpest(samples[curls]) > 1.3 * sharpest(style.hand.paths[:7]).max()).mean() < 0.02
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hand_that_trembles_has_freedom(seed: int) -> None:
+    noisy = Exemplar.fit("noisy", hand_of(drawn(line_or_arc, 20, seed, tremor=0.05)), HANDS)
+    assert noisy.freedom > 0
+
+
+def test_freedom_takes_samples_further_from_the_hand() -> None:
+    bound, free = (replace(STYLE, freedom=freedom) for freedom in (0.0, 1.0))
+    near, far = (costs(STYLE, style.sample(200, torch_rng())[0]).mean() for style in (bound, free))
+    assert far > 1.1 * near
 
 
 @pytest.mark.parametrize(
@@ -300,7 +312,7 @@ def test_seven_curls_among_other_strokes_have_neither_cusps_nor_loops_that_they_
     ids=["all the same", "five of the same", "all straight", "five", "six"],
 )
 def test_a_hand_of_few_or_like_strokes_has_a_style(paths: np.ndarray) -> None:
-    style = Exemplar("few", hand_of(paths), HANDS)
+    style = Exemplar.fit("few", hand_of(paths), HANDS)
     codes, pressure = style.sample(100, torch_rng())
     assert style.decode(codes).isfinite().all()
     lengths = style.decode(codes).diff(dim=1).norm(dim=-1).sum(1)

@@ -19,7 +19,8 @@ def crowd(count: int, at: float = 0.0, seed: int = 0) -> Tensor:
 
 
 def around(centres: Tensor, bandwidth: float = 0.5) -> Neighbours:
-    return Neighbours(centres, torch.full((centres.shape[1],), bandwidth, dtype=torch.float64))
+    bandwidths = torch.full((centres.shape[1],), bandwidth, dtype=torch.float64)
+    return Neighbours(centres, bandwidths, (1 - bandwidths.square()).sqrt())
 
 
 def test_few_codes_of_one_kind_are_not_mixed_with_many_of_another() -> None:
@@ -58,7 +59,8 @@ def test_without_a_bandwidth_codes_are_copies_and_with_one_they_are_not() -> Non
 
 def test_a_number_of_its_own_bandwidth_varies_by_that() -> None:
     centres = crowd(20)
-    codes, of = Neighbours(centres, torch.tensor([0.0, 0.5, 0.5, 0.5, 0.5]).double()).sample(50, torch_rng())
+    bandwidths = torch.tensor([0.0, 0.5, 0.5, 0.5, 0.5]).double()
+    codes, of = Neighbours(centres, bandwidths, torch.ones(DIMENSIONS).double()).sample(50, torch_rng())
     differs = (codes - centres[of]).abs().amax(dim=0)
     assert differs[0] < FLOAT64_ROUND_TRIP
     assert (differs[1:] > 0.1).all()
@@ -76,3 +78,10 @@ def test_few_and_equal_codes_have_samples(count: int) -> None:
     centres = torch.ones(count, DIMENSIONS).double()
     codes, _ = around(centres).sample(10, torch_rng())
     assert (codes - 1).abs().max() < FLOAT64_ROUND_TRIP
+
+
+def test_the_extent_of_a_kind_is_that_of_the_differences_to_the_codes_near_one() -> None:
+    neighbours = around(crowd(12))
+    differences = neighbours.centres - neighbours.centres[:, None]
+    expected = (neighbours.weights[..., None] * differences.square()).sum(dim=1).sqrt()
+    assert neighbours.extents.numpy() == pytest.approx(expected.numpy(), rel=FLOAT64_ROUND_TRIP)

@@ -54,7 +54,7 @@ def a_hand(strokes: int = 7) -> Hand:
 
 
 def an_exemplar(name: str = "arcs") -> Exemplar:
-    return Exemplar(name, a_hand(), HANDS)
+    return Exemplar(name, a_hand(), HANDS, 0.33)
 
 
 def a_trajvae() -> TrajVAE:
@@ -122,7 +122,7 @@ def test_a_style_is_read_as_it_was_written(made: store.Fitted, tmp_path: Path) -
 def test_a_card_says_what_a_style_is(style: Path) -> None:
     card = cards.read_card(style)
     assert (card.name, card.source, card.strokes) == ("arcs", "a drawing of arcs", 7)
-    assert card.settings == cards.ExemplarSettings()
+    assert card.settings == cards.ExemplarSettings(freedom=0.33)
 
 
 def test_what_many_hands_have_in_common_is_read_as_it_was_written(
@@ -222,7 +222,7 @@ def test_a_folder_that_cannot_be_made_is_one_line(tmp_path: Path) -> None:
 
 def test_arrays_without_their_card_and_those_of_another_style_are_refused(style: Path, tmp_path: Path) -> None:
     beside = style.with_suffix(".safetensors")
-    other = store.write_style(replace(an_exemplar(), hand=a_hand(8)), "", tmp_path / "other")
+    other = store.write_style(replace(an_exemplar(), freedom=0.0, hand=a_hand(8)), "", tmp_path / "other")
     style.write_bytes(other.read_bytes())
     assert refusal(style) == f"{beside} does not belong to {style}, or it is damaged; copy both files again"
     beside.unlink()
@@ -237,7 +237,8 @@ def test_arrays_without_their_card_and_those_of_another_style_are_refused(style:
         ({"strokes": -1}, "strokes: Input should be greater than or equal to 5"),
         ({"source": "\x1b[31m"}, "source: Value error, a name must be made of printable characters"),
         ({"settings": {"kind": "magic"}}, "settings: Input tag 'magic' found using 'kind' does not match"),
-        ({"settings": {"kind": "exemplar", "freedom": 1}}, "settings.exemplar.freedom: Extra inputs are not permitted"),
+        ({"settings": {"kind": "exemplar", "freedom": 2}}, "settings.exemplar.freedom: Input should be less than"),
+        ({"settings": {"kind": "exemplar", "freedom": float("nan")}}, "settings.exemplar.freedom: Input should be a f"),
         ({"run": "me"}, "run: Extra inputs are not permitted"),
     ],
 )

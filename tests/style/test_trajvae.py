@@ -124,7 +124,7 @@ def test_the_longest_stroke_goes_where_there_is_most_room() -> None:
 def test_a_stroke_costs_what_it_costs_in_an_exemplar_of_the_same_hand() -> None:
     code, pressure_knots = STYLE.sample(12, torch.Generator().manual_seed(0))
     hands = PooledHands(*(NETWORK[f"hands.{name}"].double().numpy() for name in ("covariance", "residual")))
-    exemplar = Exemplar("", ROUND, hands)
+    exemplar = Exemplar("", ROUND, hands, 0)
     expected = exemplar.cost(exemplar.encode(STYLE.decode(code)), pressure_knots)
     assert torch.allclose(STYLE.cost(code, pressure_knots), expected)
     assert STYLE.max_mean_cost == exemplar.max_mean_cost

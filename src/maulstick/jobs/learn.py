@@ -50,7 +50,7 @@ def learn_style(name: str, strokes: Strokes, kind: str) -> "Fitted":
         from maulstick.style.exemplar import Exemplar
         from maulstick.style.store import load_hands
 
-        return Exemplar(name, hand, load_hands())
+        return Exemplar.fit(name, hand, load_hands())
     from maulstick.style.train import fine_tune, pretrained
 
     return fine_tune(pretrained(), hand, seed=0, name=name)

@@ -36,9 +36,10 @@ class _Model(BaseModel):
 
 
 class ExemplarSettings(_Model):
-    """Settings of an `Exemplar` (`maulstick.style.exemplar`): none, since its arrays hold everything."""
+    """Settings of an `Exemplar` (`maulstick.style.exemplar`)."""
 
     kind: Literal["exemplar"] = "exemplar"
+    freedom: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 
 class TrajVAESettings(_Model):

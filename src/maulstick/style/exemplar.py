@@ -1,8 +1,9 @@
 """Exemplar style: a hand's own strokes and a kernel density around them."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import torch
@@ -12,6 +13,7 @@ from torch.nn.functional import normalize
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
+from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.neighbours import Neighbours
@@ -24,6 +26,11 @@ _ROUGHNESS = GIST  # its last column
 _BANDWIDTH = 0.4  # of samples (`Neighbours`): less copies strokes, more blurs kinds
 _BANDWIDTH_LENGTH = 0.9  # of samples: lengths mix freely
 _BANDWIDTH_ROUGHNESS = 0.2  # of samples: roughness is to stay the hand's
+_TREMBLES = 0.3  # of the extent of a stroke's kind: how far any number of the shape may vary, at freedom 1
+_OTHERS = 0.6  # share of a sample's residual that is mixed from all of the hand's strokes, at freedom 1
+_FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
+_TRIALS = 300  # samples that `fit` compares with the hand
+_SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
 _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost` is based on, in the hand's spreads
 _TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # narrow for length, which pays most
 _LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
@@ -54,12 +61,29 @@ class Exemplar(Style):
 
     name: as in the painting file.  hand: the strokes.  hands: statistics of many hands.
     max_mean_cost: as in `Style`.
+    freedom: in [0, 1], how much of a sample is the hand's tremor. At 0 a sample keeps the residual of the stroke that
+    it was drawn around; at 1 most of the residual comes from the hand's other strokes, and its shape trembles too.
     """
 
     name: str
     hand: Hand
     hands: PooledHands
+    freedom: float
     max_mean_cost: float = 1.5
+
+    @classmethod
+    def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
+        """Return the style with the most freedom whose samples are on average as bent, rough and wavy as the hand's."""
+        seen = describe(hand.paths)[:, CURVINESS]
+        allowed = _SURE * seen.std(axis=0, ddof=1) / np.sqrt(len(seen)) + 1e-9
+        style = cls(name, hand, hands, _FREEDOMS[-1])
+        for freedom in _FREEDOMS[:-1]:
+            freer = replace(style, freedom=freedom)
+            codes, _ = freer.sample(_TRIALS, torch.Generator().manual_seed(0))
+            drawn = describe(freer.decode(codes).double().numpy())[:, CURVINESS]
+            if (np.abs(drawn.mean(axis=0) - seen.mean(axis=0)) <= allowed).all():
+                return freer
+        return style
 
     @cached_property
     def hash(self) -> str:
@@ -90,7 +114,9 @@ class Exemplar(Style):
     def _neighbours(self) -> Neighbours:
         bandwidths = torch.full_like(self._usual, _BANDWIDTH)
         bandwidths[_LENGTH], bandwidths[_ROUGHNESS] = _BANDWIDTH_LENGTH, _BANDWIDTH_ROUGHNESS
-        return Neighbours(self._centres / self._usual, bandwidths)
+        kept = torch.ones_like(bandwidths)
+        kept[_LENGTH] = (1 - _BANDWIDTH_LENGTH**2) ** 0.5
+        return Neighbours(self._centres / self._usual, bandwidths, kept)
 
     @cached_property
     def _priced(self) -> Density:
@@ -116,15 +142,24 @@ class Exemplar(Style):
         return torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1) * self._units.to(codes)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4).
-
-        Each has the residual of the stroke that it was drawn around, made larger or smaller.
-        """
+        """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
         drawn, around = self._neighbours.sample(k, generator)
         drawn = drawn * self._usual
-        residuals = normalize(self._numbers[around, GIST:], dim=1) * drawn[:, GIST:].exp()
+        drawn[:, _SHAPE] += self._tremor(around, generator)
+        directions = normalize(self._numbers[:, GIST:], dim=1)
+        shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
+        others = self.freedom * _OTHERS
+        mixed = others * shares @ directions + (1 - others) * directions[around]
+        residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
         return codes.float(), self.hand.sample_pressure(around, generator)
+
+    def _tremor(self, around: Tensor, generator: Generator) -> Tensor:
+        """Changes (k, 15) of the shapes of strokes (k,): as hands in general vary, and as far as their kind does."""
+        extents = self._neighbours.extents[around][:, _SHAPE].square().mean(dim=1, keepdim=True).sqrt()
+        noise = torch.randn(len(around), len(self._usual), generator=generator).to(extents)
+        usual: Tensor = noise @ torch.linalg.cholesky(torch.from_numpy(self.hands.covariance)).T
+        return usual[:, _SHAPE] * extents * (self.freedom * _TREMBLES)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""

@@ -7,7 +7,7 @@ import torch
 from torch import Generator, Tensor
 
 # Chosen by benchmarks/style_choices.py.
-_NEIGHBOURS = 3  # the distance to so many is how far a stroke's neighbourhood reaches
+_NEIGHBOURS = 5  # the distance to so many is how far a stroke's neighbourhood reaches
 _FARTHEST = 2.0  # times the usual reach: a stroke that is alone of its kind is not mixed with other kinds
 _UNIT = 3**0.5  # bound of a uniform number of standard deviation 1, which unlike a normal one has no tails
 _SAME = 1e-9  # keeps the reach among equal strokes out of the denominators
@@ -17,24 +17,34 @@ _SAME = 1e-9  # keeps the reach among equal strokes out of the denominators
 class Neighbours:
     """Codes (M, d) of a hand's strokes, in units in which distances between strokes are measured.
 
-    A sample takes a share of a stroke and the rest of the mean and the covariance of the strokes near it (Vincent and
-    Bengio: Manifold Parzen Windows), so that a hand that draws several kinds of strokes has samples of these kinds and
-    of no others, which vary as much as its own strokes do.
+    A sample is a stroke moved by random parts of the differences to the strokes near it, so that it varies as those do
+    (Vincent and Bengio: Manifold Parzen Windows): a hand that draws several kinds of strokes has samples of these kinds
+    and of no others.
 
-    centres: (M, d).  bandwidths: (d,), in [0, 1]: with 0 a sample is the stroke, with 1 any of those near it.
+    centres: (M, d).  bandwidths: (d,), standard deviations of samples, in those of the strokes near one.  kept: (d,),
+    share of a stroke's own difference from the mean of those near it; (1 - bandwidth²)^½ where samples may not vary
+    more than the hand's strokes.
     """
 
     centres: Tensor
     bandwidths: Tensor
+    kept: Tensor
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw k codes (k, d), and return the index of the stroke that each was drawn around, (k,)."""
         around = torch.randint(len(self.centres), (k,), generator=generator)
         uniform = torch.rand(k, len(self.centres), generator=generator).to(self.centres)
         shares = (2 * uniform - 1) * _UNIT * self.weights[around].sqrt()
-        own, mean = self.centres[around], self._means[around]
-        differs = shares @ self.centres - shares.sum(1, keepdim=True) * mean
-        return mean + (1 - self.bandwidths.square()).sqrt() * (own - mean) + self.bandwidths * differs, around
+        mean = self._means[around]
+        middle = mean + self.kept * (self.centres[around] - mean)
+        differences = shares @ self.centres - shares.sum(1, keepdim=True) * middle
+        return middle + self.bandwidths * differences, around
+
+    @cached_property
+    def extents(self) -> Tensor:
+        """Root mean square (M, d) of the differences of each stroke to those near it."""
+        squares = self.weights @ self.centres.square() - 2 * self.centres * (self.weights @ self.centres)
+        return (squares + self.weights.sum(1, keepdim=True) * self.centres.square()).clamp(min=0).sqrt()
 
     @cached_property
     def _means(self) -> Tensor:

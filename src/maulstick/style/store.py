@@ -42,7 +42,7 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
     if isinstance(style, Exemplar):
-        settings: ExemplarSettings | TrajVAESettings = ExemplarSettings()
+        settings: ExemplarSettings | TrajVAESettings = ExemplarSettings(freedom=style.freedom)
         arrays |= {field: getattr(style.hands, field) for field in _HANDS}
     else:
         settings = TrajVAESettings()
@@ -80,7 +80,7 @@ def read_style(path: Path) -> Fitted:
         arrays = _arrays(content)
         hand = _hand(arrays, card.strokes)
         if isinstance(card.settings, ExemplarSettings):
-            return Exemplar(card.name, hand, _hands(arrays))
+            return Exemplar(card.name, hand, _hands(arrays), card.settings.freedom)
         return TrajVAE.from_arrays(card.name, hand, arrays)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         raise InputError(f"{beside} does not hold a style: {_printable(str(error))}") from error

@@ -103,14 +103,14 @@ class TrajVAE(Style):
     @cached_property
     def _exemplar(self) -> Exemplar:
         hands = PooledHands(*(self.weights[f"hands.{field}"].double().numpy() for field in ("covariance", "residual")))
-        return Exemplar(self.name, self.hand, hands, self.max_mean_cost)
+        return Exemplar(self.name, self.hand, hands, 0, self.max_mean_cost)
 
     @cached_property
     def _neighbours(self) -> Neighbours:
         latents = self.encode(torch.from_numpy(self.hand.paths))
         bandwidths = torch.full((LATENT,), _BANDWIDTH_FINE).to(latents)
         bandwidths[:_COARSE] = _BANDWIDTH_COARSE
-        return Neighbours(latents, bandwidths)
+        return Neighbours(latents, bandwidths, torch.ones_like(bandwidths))
 
     def _like(self, like: Tensor) -> Weights:
         return {name: tensor.to(like) for name, tensor in self.weights.items()}

@@ -79,4 +79,4 @@ def all_hands() -> PooledHands:
 
 def exemplar_of(one: Drawing, count: int = 20, seed: int = 10) -> Exemplar:
     """The style of a synthetic hand."""
-    return Exemplar(one.__name__, hand_of(drawn(one, count, seed)), all_hands())
+    return Exemplar.fit(one.__name__, hand_of(drawn(one, count, seed)), all_hands())

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from maulstick.style.store import Fitted
 
 _FEW_LATENTS = 16  # fewer active ones than this draw strokes that are much alike
+_FREEDOM = ("kept close to the hand's", "varied a little", "varied freely", "varied as freely as can be")
 
 
 def fit(
@@ -75,10 +76,11 @@ def fit(
 
 
 def _told(style: "Fitted") -> dict[str, str]:
-    from maulstick.style.trajvae import TrajVAE, activity
+    from maulstick.style.exemplar import Exemplar
+    from maulstick.style.trajvae import activity
 
-    if not isinstance(style, TrajVAE):
-        return {}
+    if isinstance(style, Exemplar):
+        return {"new strokes": _FREEDOM[round(style.freedom * (len(_FREEDOM) - 1))]}
     latents = activity(style.weights, style.hand.paths)
     told = f"{latents.active} active, of an effective rank of {latents.effective_rank:.1f}"
     if latents.active < _FEW_LATENTS:

@@ -79,7 +79,7 @@ def learn(hand: Path, style: str) -> None:
         there = "there is 1" if len(ink) == 1 else f"there are {len(ink) or 'none'}"
         raise InputError(f"draw at least {FEWEST} strokes; {there}")
     seen = Hand.of(Strokes.of(ink))
-    write_style(Exemplar(STYLES.check_name(style), seen, load_hands()), f"the hand {hand.name}", STYLES.own())
+    write_style(Exemplar.fit(STYLES.check_name(style), seen, load_hands()), f"the hand {hand.name}", STYLES.own())
 
 
 def _read(file: Path, suffix: str, pen_millimetres: float | None) -> Ink:
