@@ -43,8 +43,6 @@ EXEMPLAR: tuple[Constant, ...] = (
     (exemplar, "_BANDWIDTH", (0.3, 0.4, 0.5)),
     (exemplar, "_BANDWIDTH_LENGTH", (0.4, 0.7, 0.9)),
     (exemplar, "_BANDWIDTH_ROUGHNESS", (0.1, 0.2, 0.4)),
-    (exemplar, "_OTHERS", (0.3, 0.6, 0.9)),
-    (exemplar, "_TREMBLES", (0.0, 0.3, 0.6)),
 )
 TRAJVAE: tuple[Constant, ...] = (
     (trajvae, "_BANDWIDTH_COARSE", (0.2, 0.4, 0.6, 0.8)),

@@ -78,10 +78,3 @@ def test_few_and_equal_codes_have_samples(count: int) -> None:
     centres = torch.ones(count, DIMENSIONS).double()
     codes, _ = around(centres).sample(10, torch_rng())
     assert (codes - 1).abs().max() < FLOAT64_ROUND_TRIP
-
-
-def test_the_extent_of_a_kind_is_that_of_the_differences_to_the_codes_near_one() -> None:
-    neighbours = around(crowd(12))
-    differences = neighbours.centres - neighbours.centres[:, None]
-    expected = (neighbours.weights[..., None] * differences.square()).sum(dim=1).sqrt()
-    assert neighbours.extents.numpy() == pytest.approx(expected.numpy(), rel=FLOAT64_ROUND_TRIP)

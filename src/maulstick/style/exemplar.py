@@ -23,11 +23,9 @@ from maulstick.style.style import Style
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
 # Chosen by benchmarks/style_choices.py on Wacom documents and human drawings alone.
-_BANDWIDTH = 0.4  # of samples (`Neighbours`): less copies strokes, more blurs kinds
+_BANDWIDTH = 0.3  # of samples (`Neighbours`): less copies strokes, more blurs kinds
 _BANDWIDTH_LENGTH = 0.9  # of samples: lengths mix freely
-_BANDWIDTH_ROUGHNESS = 0.2  # of samples: roughness is to stay the hand's
-_TREMBLES = 0.3  # of the extent of a stroke's kind: how far any number of the shape may vary, at freedom 1
-_OTHERS = 0.6  # share of a sample's residual that is mixed from all of the hand's strokes, at freedom 1
+_BANDWIDTH_ROUGHNESS = 0.1  # of samples: roughness is to stay the hand's
 _FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
 _TRIALS = 300  # samples that `fit` compares with the hand
 _SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
@@ -61,8 +59,8 @@ class Exemplar(Style):
 
     name: as in the painting file.  hand: the strokes.  hands: statistics of many hands.
     max_mean_cost: as in `Style`.
-    freedom: in [0, 1], how much of a sample is the hand's tremor. At 0 a sample keeps the residual of the stroke that
-    it was drawn around; at 1 most of the residual comes from the hand's other strokes, and its shape trembles too.
+    freedom: in [0, 1], how far the residual is tremor of the hand: at 0 a sample keeps the residual of the stroke that
+    it was drawn around, at 1 it is mixed from those of all.
     """
 
     name: str
@@ -145,21 +143,12 @@ class Exemplar(Style):
         """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
         drawn, around = self._neighbours.sample(k, generator)
         drawn = drawn * self._usual
-        drawn[:, _SHAPE] += self._tremor(around, generator)
         directions = normalize(self._numbers[:, GIST:], dim=1)
         shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
-        others = self.freedom * _OTHERS
-        mixed = others * shares @ directions + (1 - others) * directions[around]
+        mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[around]
         residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
         return codes.float(), self.hand.sample_pressure(around, generator)
-
-    def _tremor(self, around: Tensor, generator: Generator) -> Tensor:
-        """Changes (k, 15) of the shapes of strokes (k,): as hands in general vary, and as far as their kind does."""
-        extents = self._neighbours.extents[around][:, _SHAPE].square().mean(dim=1, keepdim=True).sqrt()
-        noise = torch.randn(len(around), len(self._usual), generator=generator).to(extents)
-        usual: Tensor = noise @ torch.linalg.cholesky(torch.from_numpy(self.hands.covariance)).T
-        return usual[:, _SHAPE] * extents * (self.freedom * _TREMBLES)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""

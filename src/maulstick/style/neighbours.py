@@ -7,7 +7,7 @@ import torch
 from torch import Generator, Tensor
 
 # Chosen by benchmarks/style_choices.py.
-_NEIGHBOURS = 5  # the distance to so many is how far a stroke's neighbourhood reaches
+_NEIGHBOURS = 3  # the distance to so many is how far a stroke's neighbourhood reaches
 _FARTHEST = 2.0  # times the usual reach: a stroke that is alone of its kind is not mixed with other kinds
 _UNIT = 3**0.5  # bound of a uniform number of standard deviation 1, which unlike a normal one has no tails
 _SAME = 1e-9  # keeps the reach among equal strokes out of the denominators
@@ -39,12 +39,6 @@ class Neighbours:
         middle = mean + self.kept * (self.centres[around] - mean)
         differences = shares @ self.centres - shares.sum(1, keepdim=True) * middle
         return middle + self.bandwidths * differences, around
-
-    @cached_property
-    def extents(self) -> Tensor:
-        """Root mean square (M, d) of the differences of each stroke to those near it."""
-        squares = self.weights @ self.centres.square() - 2 * self.centres * (self.weights @ self.centres)
-        return (squares + self.weights.sum(1, keepdim=True) * self.centres.square()).clamp(min=0).sqrt()
 
     @cached_property
     def _means(self) -> Tensor:
