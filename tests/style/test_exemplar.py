@@ -24,7 +24,7 @@ from tests.support.style.synthetic_hands import (
     strokes_of,
     zigzag,
 )
-from tests.support.tolerances import FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP
+from tests.support.tolerances import CODE_LOGARITHM, FLOAT32_ROUND_TRIP, FLOAT64_ROUND_TRIP
 
 NUMBERS = GIST + RESIDUAL
 KINDS = (circle, zigzag, arc, line_or_arc)
@@ -97,6 +97,16 @@ def test_samples_are_not_copies(one: Drawing) -> None:
     among = torch.cdist(own(style)[:, :GIST], own(style)[:, :GIST]).fill_diagonal_(torch.inf).amin(dim=1)
     assert apart.median() > 0.2 * among.median()
     assert apart.min() > 0
+
+
+@pytest.mark.parametrize("one", KINDS)
+def test_no_sample_is_longer_or_rougher_than_every_stroke_of_the_hand(one: Drawing) -> None:
+    codes, _ = STYLES[one].sample(300, torch_rng())
+    units = torch.from_numpy(HANDS.units)
+    sampled, drawn = (gist_and_roughness(each.double() * units) for each in (codes, own(STYLES[one])))
+    for number in (0, GIST):
+        assert sampled[:, number].max() < drawn[:, number].max() + CODE_LOGARITHM
+        assert sampled[:, number].min() > drawn[:, number].min() - CODE_LOGARITHM
 
 
 def test_a_generator_repeats_samples_to_the_bit_and_no_other_chance_is_taken() -> None:

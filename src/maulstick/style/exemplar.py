@@ -143,6 +143,8 @@ class Exemplar(Style):
         """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
         drawn, around = self._neighbours.sample(k, generator)
         drawn = drawn * self._usual
+        for logarithm in (_LENGTH, _ROUGHNESS):  # else a few strokes would be many times as long or as rough
+            drawn[:, logarithm].clamp_(*self._centres[:, logarithm].aminmax())
         directions = normalize(self._numbers[:, GIST:], dim=1)
         shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
         mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[around]
