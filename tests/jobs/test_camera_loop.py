@@ -55,6 +55,14 @@ def test_what_is_planned_again_is_of_the_same_style_paints_and_brush_and_no_long
     assert {stroke.trajectory for stroke in after}.isdisjoint(stroke.trajectory for stroke in before.strokes)
 
 
+def test_a_plan_of_an_exact_number_of_strokes_keeps_that_number(again: Painting) -> None:
+    assert len(again.strokes) == STROKES
+    options = {**planned().provenance.options, "exact": False}
+    at_most = planned().model_copy(update={"provenance": planned().provenance.model_copy(update={"options": options})})
+    nothing_to_do = replanned(at_most, PAINTED, WHITE, WHITE, steps=QUICK)
+    assert len(nothing_to_do.strokes) < STROKES
+
+
 def test_planning_again_is_the_same_each_time(again: Painting) -> None:
     assert replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK) == again
 
@@ -101,7 +109,7 @@ def test_paints_of_other_brushes_are_not_used_by_this_one() -> None:
 def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
     canvases: list[Canvas] = []
 
-    def stop(layout: Layout, *_: object) -> NoReturn:
+    def stop(layout: Layout, *_: object, **__: object) -> NoReturn:
         canvases.append(layout.canvas)
         raise InterruptedError
 
