@@ -55,7 +55,8 @@ def test_the_extras_are_those_of_the_package() -> None:
     assert {name: extra.package for name, extra in EXTRAS.items()} == packages
 
 
-def test_what_is_installed_has_a_version(devices: Path) -> None:
+def test_what_is_installed_has_a_version(devices: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))  # other tests keep brushes of their own
     there = found()
     assert there["Maulstick"] == Finding("Maulstick", State.WORKS, version("maulstick"))
     assert there["native renderer"].note.startswith("instructions: ")
