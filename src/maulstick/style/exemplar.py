@@ -30,7 +30,8 @@ _FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
 _TRIALS = 300  # samples that `fit` compares with the hand
 _SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
 _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost` is based on, in the hand's spreads
-_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # narrow for length, which pays most
+# Narrow for length, which pays most; unlike the others chosen on the mocap sessions.
+_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)
 _LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale in `cost`, which grows with the bend of its stroke
 
