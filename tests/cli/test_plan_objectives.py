@@ -128,15 +128,24 @@ def test_weights_are_as_they_were_asked_for(tmp_path: Path) -> None:
     assert [part.split()[0] for part in told_of_the_loss(ran).split(", ")] == ["tone", "edges"]
 
 
+def test_faces_that_are_not_to_count_more_are_noted_in_the_painting_and_are_no_term(tmp_path: Path) -> None:
+    painting, ran = planned(tmp_path, PORTRAIT, "--weight", "faces=0")
+    assert painting.provenance.options["weights"] == {"tone": 1.0, "faces": 0.0}
+    assert told_of_the_loss(ran) == f"tone {painting.provenance.metrics['tone']:.5f} (100%)"
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["beauty=1"], "there is no term to weigh 'beauty'; there are: edges, likeness, look, sketch, text, tone"),
+        (
+            ["beauty=1"],
+            "there is no term to weigh 'beauty'; there are: edges, faces, likeness, look, sketch, text, tone",
+        ),
         (["tone=-1"], "the weight of tone is -1.0; it must be from 0 to 1000"),
         (["tone=nan"], "the weight of tone is nan; it must be a number"),
         (["tone=much"], "--weight is 'tone=much'; it must be a term and a number, as in edges=0.5"),
         (["tone"], "--weight is 'tone'; it must be a term and a number, as in edges=0.5"),
-        (["=1"], "there is no term to weigh ''; there are: edges, likeness, look, sketch, text, tone"),
+        (["=1"], "there is no term to weigh ''; there are: edges, faces, likeness, look, sketch, text, tone"),
         (
             ["tone=0", "likeness=0"],
             "nothing is weighed, so any painting would do; give one of the terms a weight above",

@@ -55,6 +55,12 @@ def test_what_is_planned_again_is_of_the_same_style_paints_and_brush_and_no_long
     assert {stroke.trajectory for stroke in after}.isdisjoint(stroke.trajectory for stroke in before.strokes)
 
 
+def test_a_plan_of_an_exact_number_of_strokes_keeps_that_number(again: Painting) -> None:
+    assert len(again.strokes) == STROKES
+    nothing_to_do = replanned(at_most(planned()), PAINTED, WHITE, WHITE, steps=QUICK)
+    assert len(nothing_to_do.strokes) < STROKES
+
+
 def test_planning_again_is_the_same_each_time(again: Painting) -> None:
     assert replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK) == again
 
@@ -65,17 +71,26 @@ def test_what_was_planned_again_can_be_written_read_and_planned_again(again: Pai
     check_replannable(read_painting(tmp_path / "again.json"))
 
 
+def at_most(painting: Painting) -> Painting:
+    """Return a painting that was planned with at most as many strokes, not exactly as many."""
+    options = {**painting.provenance.options, "exact": False}
+    return painting.model_copy(update={"provenance": painting.provenance.model_copy(update={"options": options})})
+
+
 def in_the_disc(strokes: list[Stroke]) -> int:
     """Return how many strokes have their middle on the picture's dark disc."""
-    middles = np.array([np.mean(stroke.trajectory, axis=0)[:2] for stroke in strokes]) / SIDE
+    middles = np.array([np.mean(stroke.trajectory, axis=0)[:2] for stroke in strokes]).reshape(-1, 2) / SIDE
     return int((np.hypot(middles[:, 0] - 0.35, middles[:, 1] - 0.4) < 0.28).sum())
 
 
-def test_where_a_person_has_painted_meanwhile_fewer_strokes_are_left_to_paint(again: Painting) -> None:
+def test_where_a_person_has_painted_meanwhile_fewer_strokes_are_left_to_paint() -> None:
     down, across = np.mgrid[:PIXELS, :PIXELS] / PIXELS
     blackened = np.where((np.hypot(down - 0.4, across - 0.35) < 0.28)[..., None], np.float32(0.05), WHITE)
-    beside = replanned(planned(), PAINTED, blackened, picture(), steps=QUICK)
-    assert in_the_disc(left_of(beside)) < in_the_disc(left_of(again))
+    bare, beside = (
+        in_the_disc(left_of(replanned(at_most(planned()), PAINTED, sheet, picture(), steps=QUICK)))
+        for sheet in (WHITE, blackened)
+    )
+    assert beside < bare
 
 
 def test_with_nothing_left_nothing_is_planned() -> None:
@@ -101,7 +116,7 @@ def test_paints_of_other_brushes_are_not_used_by_this_one() -> None:
 def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
     canvases: list[Canvas] = []
 
-    def stop(layout: Layout, *_: object) -> NoReturn:
+    def stop(layout: Layout, *_: object, **__: object) -> NoReturn:
         canvases.append(layout.canvas)
         raise InterruptedError
 

@@ -16,6 +16,7 @@ from serial.tools import list_ports
 
 from maulstick.jobs import doctor
 from maulstick.jobs.doctor import EXTRAS, Finding, State, findings
+from maulstick.jobs.plan import device
 from maulstick.painting.brush import BRUSHES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -54,7 +55,8 @@ def test_the_extras_are_those_of_the_package() -> None:
     assert {name: extra.package for name, extra in EXTRAS.items()} == packages
 
 
-def test_what_is_installed_has_a_version(devices: Path) -> None:
+def test_what_is_installed_has_a_version(devices: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))  # other tests keep brushes of their own
     there = found()
     assert there["Maulstick"] == Finding("Maulstick", State.WORKS, version("maulstick"))
     assert there["native renderer"].note.startswith("instructions: ")
@@ -90,15 +92,25 @@ def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(
 
 
 @pytest.mark.parametrize(
-    ("triton", "state", "note"),
-    [(True, State.WORKS, "H200, Triton"), (False, State.MISSING, "H200 needs Triton: pip install triton")],
+    ("triton", "disagreement", "state", "note"),
+    [
+        (True, None, State.WORKS, "H200, Triton"),
+        (
+            True,
+            "its canvas is off",
+            State.MISSING,
+            "the processor plans, for the H200 draws otherwise than it should: its",
+        ),
+        (False, None, State.MISSING, "the processor plans, for the H200 needs Triton: pip install triton"),
+    ],
 )
-def test_a_gpu_is_used_by_triton(
-    devices: Path, monkeypatch: pytest.MonkeyPatch, triton: bool, state: State, note: str
+def test_a_gpu_works_where_triton_draws_on_it_as_the_processor_does(
+    devices: Path, monkeypatch: pytest.MonkeyPatch, triton: bool, disagreement: str | None, state: State, note: str
 ) -> None:
     monkeypatch.setattr("torch.cuda.is_available", lambda: True)
     monkeypatch.setattr("torch.cuda.get_device_name", lambda: "H200")
-    monkeypatch.setattr(doctor, "find_spec", lambda name: object() if triton else None)
+    monkeypatch.setattr(device, "find_spec", lambda name: object() if triton else None)
+    monkeypatch.setattr(device, "kept_disagreement", lambda gpu: disagreement)
     gpu = found()["GPU"]
     assert gpu.state == state
     assert gpu.note.startswith(note)

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.ordering.sequence import sequenced
+from maulstick.painting import painting as paintings
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.raster import Canvas
@@ -55,6 +56,7 @@ def _random(count: int, rng: np.random.Generator, brush: Brush, length: float = 
 
     def stroke() -> tuple[Point, ...]:
         places = 0.02 + 0.06 * rng.random(2) + length * np.cumsum(rng.random((points, 2)) - 0.5, axis=0)
+        places = places.clip(0, SIDE)
         pressure = np.full(points, rng.random()) if rng.random() < 0.5 else rng.random(points)
         return tuple((x, y, p) for (x, y), p in zip(places.tolist(), pressure.tolist(), strict=True))
 
@@ -96,6 +98,16 @@ def test_strokes_apart_are_painted_a_paint_at_a_time() -> None:
     painting = _painting([(i % 2, _line(0.01 * i, 0.01, 0.01 * i, 0.02)) for i in range(1, 9)])
     assert painting.paint_changes() == 7
     assert sequenced(painting, HOME).paint_changes() == 1
+
+
+def test_a_painting_of_several_parts_is_ordered_as_if_it_were_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    for brush in (SOFT, PEN):
+        painting = _random(40, np.random.default_rng(3), brush)
+        whole = sequenced(painting, HOME)
+        with monkeypatch.context() as patch:
+            patch.setattr(paintings, "_MOST_POINTS", 8)
+            assert len(list(painting.parts())) > 10
+            assert sequenced(painting, HOME) == whole
 
 
 def test_what_lies_over_another_paint_stays_over_it() -> None:

@@ -17,6 +17,7 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.painting import (
+    OFF_SHEET,
     Paint,
     Painting,
     Provenance,
@@ -75,8 +76,9 @@ json_values = st.recursive(
 
 
 @st.composite
-def strokes_of(draw: st.DrawFn, number: int, paints: int) -> Stroke:
-    trajectory = draw(st.lists(st.tuples(metres, metres, shares), min_size=1, max_size=4))
+def strokes_of(draw: st.DrawFn, number: int, paints: int, width: float, height: float) -> Stroke:
+    across, down = st.floats(-OFF_SHEET, width + OFF_SHEET), st.floats(-OFF_SHEET, height + OFF_SHEET)
+    trajectory = draw(st.lists(st.tuples(across, down, shares), min_size=1, max_size=4))
     speeds = st.lists(st.floats(1e-4, 10), min_size=len(trajectory), max_size=len(trajectory)).map(tuple)
     uses = st.builds(
         StyleUse,
@@ -124,7 +126,7 @@ def paintings(draw: st.DrawFn) -> Painting:
         ),
         brushes=brushes,
         paints=tuple(paints),
-        strokes=tuple(draw(strokes_of(number, len(paints))) for number in ids),
+        strokes=tuple(draw(strokes_of(number, len(paints), width, height)) for number in ids),
     )
 
 
@@ -169,7 +171,7 @@ def test_a_stroke_is_a_line_of_the_file(tmp_path: Path) -> None:
 
 
 def test_four_thousand_strokes_are_written_and_read_in_under_two_seconds(tmp_path: Path) -> None:
-    points = np.random.default_rng(0).random((4000, 32, 3))
+    points = np.random.default_rng(0).random((4000, 32, 3)) * (0.2, 0.16, 1)
     painting = a_painting([Stroke(id=i, paint=i % 2, trajectory=path) for i, path in enumerate(points.tolist())])
     start = time.process_time()
     write_painting(painting, tmp_path / "painting.json")
@@ -187,6 +189,26 @@ def test_trajectories_repeat_the_last_point_of_shorter_strokes() -> None:
     assert trajectories[1].tolist() == [[0.01, 0.02, 0.0], [0.03, 0.04, 0.5], [0.03, 0.04, 0.5]]
     assert trajectories[2].tolist() == [[0.01, 0.02, 0.0]] * 3
     assert a_painting([]).trajectories().shape == (0, 1, 3)
+
+
+def test_a_stroke_of_half_a_million_points_pads_no_other() -> None:
+    coil = np.linspace(0.01, 0.1, 500_000)
+    long = tuple((x, x, 0.5) for x in coil.tolist())
+    painting = a_painting([*(Stroke(id=i, paint=0, trajectory=CURVE) for i in range(900))])
+    strokes = (*painting.strokes, Stroke.model_construct(id=900, paint=1, trajectory=long), *painting.strokes[:50])
+    painting = painting.model_copy(update={"strokes": strokes})
+    parts = list(painting.parts())
+    assert [stroke for part in parts for stroke in part.strokes] == list(strokes)
+    assert max(part.trajectories().size for part in parts) <= 3 * 2**20
+    assert len(parts) <= 4
+    assert painting.lengths()[900] == pytest.approx(0.09 * np.sqrt(2))
+    assert painting.lengths()[[0, -1]] == pytest.approx(a_painting().lengths()[0])
+
+
+def test_a_painting_of_usual_strokes_is_one_part_and_an_empty_one_too() -> None:
+    for painting in (a_painting(), a_painting([])):
+        (part,) = painting.parts()
+        assert part == painting
 
 
 def test_paint_changes_are_counted_in_painting_order() -> None:
@@ -390,6 +412,29 @@ def test_a_painting_with_a_fault_is_refused_by_file_and_field(tmp_path: Path, da
         read_painting(path)
     assert str(caught.value).startswith(f"{path} is not a painting: {text}")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"), [(-1.0, 80.0), (201.0, 80.0), (100.0, -1.0), (100.0, 161.0)], ids=["left", "right", "above", "below"]
+)
+def test_a_stroke_off_the_sheet_is_read_within_the_margin_and_refused_by_its_id_beyond(
+    tmp_path: Path, x: float, y: float
+) -> None:
+    path = tmp_path / "painting.json"
+    write_painting(a_painting(), path)
+    content = json.loads(path.read_text())
+    content["strokes"][1]["trajectory"][1][:2] = [x / 1e3, y / 1e3]
+    path.write_text(json.dumps(content))
+    assert read_painting(path).strokes[1].trajectory[1][:2] == (x / 1e3, y / 1e3)
+    further = [number + 0.01 * np.sign(number - middle) for number, middle in ((x, 100), (y, 80))]
+    content["strokes"][1]["trajectory"][1][:2] = [number / 1e3 for number in further]
+    path.write_text(json.dumps(content))
+    with pytest.raises(InputError) as caught:
+        read_painting(path)
+    assert str(caught.value) == (
+        f"{path} is not a painting: stroke 2 reaches 1.01 mm beyond the sheet of 200 x 160 mm, onto a machine's bed; "
+        "at most 1 mm is allowed: move the stroke, or give a larger sheet"
+    )
 
 
 @pytest.mark.parametrize(

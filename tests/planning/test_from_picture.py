@@ -5,11 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from skimage.data import astronaut
 
 from maulstick.colour.palette import lightness
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
-from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour, read_painting, write_painting
+from maulstick.painting.painting import (
+    OFF_SHEET,
+    Painting,
+    Provenance,
+    Sheet,
+    hex_colour,
+    read_painting,
+    write_painting,
+)
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
@@ -224,6 +233,33 @@ def test_a_sheet_like_a_ribbon_is_painted(size: tuple[float, float], portrait: P
     xy = found.trajectories()[..., :2]
     assert xy.min() >= -FILE_METRES
     assert (xy - size).max() <= FILE_METRES
+
+
+def test_strokes_longer_than_the_sheet_go_along_its_edge_within_the_margin(portrait: Picture) -> None:
+    pen, wanted, size = nominal("fineliner"), options(strokes=20, steps=5, exact=True), (0.06, 0.05)
+    layout = lay_out_for(portrait, Sheet(width=size[0], height=size[1]), pen, height_px=32)
+    style = load_style("contour", layout.canvas)
+    planned = plan(problem_of(layout, pen, style, wanted, NO_NETWORK), wanted)
+    paths = planned.strokes.trajectories(style)[..., :2].numpy()
+    fits = np.maximum(-paths, paths - size).max(axis=(1, 2)) < FILE_METRES
+    assert 0 < fits.sum() < 20
+    found = as_painting(planned, layout, pen, style, provenance_of(wanted)).trajectories()[..., :2]
+    assert found.shape == paths.shape
+    assert found[fits] == pytest.approx(paths[fits], abs=FILE_METRES)
+    clamped = paths.clip(-OFF_SHEET, np.array(size) + OFF_SHEET)
+    assert found == pytest.approx(clamped, abs=FILE_METRES)
+
+
+def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: Brush) -> None:
+    face = lay_out_for(astronaut()[:400] / np.float32(255), Sheet(width=0.1, height=0.08), round_brush, height_px=100)
+    middle, flag = (slice(15, 40), slice(47, 65)), (slice(50, 100), slice(0, 15))
+    usual, even, twice = (
+        problem_of(face, round_brush, load_style("free", face.canvas), QUICK, LossOptions(weights=weights)).weights
+        for weights in ({}, {"faces": 0.0}, {"faces": 2.0})
+    )
+    assert (even == 1).all()
+    assert usual[middle].mean() > 2 * usual[flag].mean()
+    assert twice[middle].mean() / twice[flag].mean() > 1.4 * usual[middle].mean() / usual[flag].mean()
 
 
 def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:

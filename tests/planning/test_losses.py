@@ -63,6 +63,22 @@ def test_what_weighs_nothing_is_left_out_and_what_weighs_more_counts_more() -> N
     }
 
 
+def test_faces_are_a_modifier_and_no_term() -> None:
+    assert LossOptions().faces == 1
+    without = LossOptions(weights={"faces": 0, "edges": 2})
+    assert without.faces == 0
+    assert without.weights_of_terms(has_picture=True) == {"tone": 1, "edges": 2}
+    assert names(without) == (["tone", "edges"], [])
+    assert without.weights_to_keep(has_picture=True) == {"tone": 1, "edges": 2, "faces": 0}
+    assert LossOptions().weights_to_keep(has_picture=True) == {"tone": 1}
+    with refused("nothing is weighed, so any painting would do; give one of the terms a weight above 0"):
+        LossOptions(weights={"faces": 2, "tone": 0}).weights_of_terms(has_picture=True)
+    with refused("faces compares with a picture; name one, or leave that weight out"):
+        LossOptions("a boat", weights={"faces": 2}).weights_of_terms(has_picture=False)
+    with refused("the weight of faces is -1; it must be from 0 to 1000"):
+        LossOptions(weights={"faces": -1})
+
+
 def test_every_term_can_be_asked_for_by_its_name() -> None:
     loss_options = LossOptions("a boat", PICTURE, dict.fromkeys(STRENGTHS, 1.0))
     objectives, network_losses = names(loss_options)
@@ -96,8 +112,11 @@ def test_with_one_ink_colours_are_not_compared() -> None:
 @pytest.mark.parametrize(
     ("weights", "text"),
     [
-        ({"beauty": 1.0}, "there is no term to weigh 'beauty'; there are: edges, likeness, look, sketch, text, tone"),
-        ({"": 1.0}, "there is no term to weigh ''; there are: edges, likeness, look, sketch, text, tone"),
+        (
+            {"beauty": 1.0},
+            "there is no term to weigh 'beauty'; there are: edges, faces, likeness, look, sketch, text, tone",
+        ),
+        ({"": 1.0}, "there is no term to weigh ''; there are: edges, faces, likeness, look, sketch, text, tone"),
         ({"tone": -1.0}, "the weight of tone is -1.0; it must be from 0 to 1000"),
         ({"tone": float("nan")}, "the weight of tone is nan; it must be from 0 to 1000"),
         ({"tone": float("inf")}, "the weight of tone is inf; it must be from 0 to 1000"),

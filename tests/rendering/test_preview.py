@@ -2,11 +2,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from torch import Tensor
 
+from maulstick.painting import painting as paintings
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
+from maulstick.rendering import preview as rendering
 from maulstick.rendering.preview import coverage, preview
 from tests.support.nominal import nominal
 
@@ -65,6 +68,29 @@ def test_only_the_first_strokes_are_shown_on_request() -> None:
         assert np.array_equal(preview(painting, CANVAS, count), preview(shorter, CANVAS))
     assert np.array_equal(preview(painting, CANVAS, 9), preview(painting, CANVAS))
     assert not np.array_equal(preview(painting, CANVAS, 2), preview(painting, CANVAS))
+
+
+def test_a_painting_of_several_parts_looks_as_if_it_were_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    paths = [across(0.005 * (1 + i % 9), 0.3 + 0.02 * i) for i in range(30)]
+    painting = a_painting([(i % 2, path) for i, path in enumerate(paths)])
+    whole, covered = preview(painting, CANVAS), coverage(painting, CANVAS)
+    monkeypatch.setattr(paintings, "_MOST_POINTS", 7)
+    assert len(list(painting.parts())) == 15
+    assert np.array_equal(preview(painting, CANVAS), whole)
+    assert np.array_equal(coverage(painting, CANVAS), covered)
+
+
+def test_one_long_stroke_is_rendered_apart_from_many_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+
+    def sized(image: Tensor, trajectories: Tensor, *others: object) -> Tensor:
+        sizes.append(trajectories.numel())
+        return image
+
+    long = tuple((0.01 + 1e-7 * i, 0.03, 0.5) for i in range(500_000))
+    monkeypatch.setattr(rendering, "paint", sized)
+    preview(a_painting([(0, across(0.01))] * 400 + [(1, long)] + [(0, across(0.02))] * 400), CANVAS)
+    assert max(sizes) <= 3 * 2**20
 
 
 def test_a_later_stroke_lies_on_top() -> None:

@@ -57,6 +57,20 @@ def test_a_fresh_sheet_is_white() -> None:
     assert (picture == 1).all()
 
 
+def test_strokes_on_a_laid_picture_are_those_on_the_sheet_that_it_shows() -> None:
+    first, second = sheet(), sheet()
+    for paper in (first, second):
+        paper.draw(wave(), "acrylic", radius=1e-3, colour=(0.8, 0.1, 0.2))
+    shown = first.photograph()
+    first.draw(line(0.7), "brush", radius=0.3e-3)
+    assert np.abs(first.photograph() - shown).max() > 0.1
+    first.lay(shown)
+    assert np.array_equal(first.photograph(), shown)
+    for paper in (first, second):
+        paper.draw(line(0.7, y=0.008), "marker", radius=1e-3, colour=(0.1, 0.2, 0.7))
+    assert np.array_equal(first.photograph(), second.photograph())
+
+
 @media
 def test_a_stroke_leaves_ink_along_its_path_and_none_far_away(medium: str) -> None:
     trajectory = line(0.7)

@@ -83,34 +83,13 @@ def test_the_nearest_centre_is_that_of_the_smallest_distance_in_standard_deviati
     assert density.nearest(density.centres).tolist() == list(range(25))
 
 
-def test_samples_have_the_mean_and_the_covariance_of_the_mixture() -> None:
-    density = mixture(3)
-    points, around = density.sample(40_000, torch.Generator().manual_seed(0))
-    assert np.bincount(around.numpy()) / 40_000 == pytest.approx([1 / 3] * 3, abs=0.01)
-    for i in range(3):
-        own = points[around == i].numpy()
-        truth = covariance_of(density, i)
-        spread = np.sqrt(np.diag(truth))
-        assert (own.mean(axis=0) - density.centres[i].numpy()) / spread == pytest.approx(0, abs=0.04)
-        assert (np.cov(own, rowvar=False) - truth) / np.outer(spread, spread) == pytest.approx(0, abs=0.05)
-
-
-def test_a_generator_repeats_samples_to_the_bit() -> None:
-    (one, of_one), (two, of_two), (other, _) = (
-        mixture(4).sample(9, torch.Generator().manual_seed(seed)) for seed in (1, 1, 2)
-    )
-    assert torch.equal(one, two)
-    assert torch.equal(of_one, of_two)
-    assert not torch.equal(one, other)
-
-
 def test_a_kernel_of_many_samples_is_shaped_by_them_and_by_what_is_pooled() -> None:
     own = covariance(4)
     stretch = np.sqrt(np.diag(own)) * [1.0, 2.0, 0.5, 3.0, 1.0]
     pooled = correlation(covariance(5)) * np.outer(stretch, stretch)
     drawn = np.random.default_rng(0).multivariate_normal(np.zeros(DIMENSIONS), own, 50_000)
     found = kernel(drawn, pooled)
-    mixed = 0.6 * correlation(own) + 0.4 * correlation(pooled)
+    mixed = 0.2 * correlation(own) + 0.8 * correlation(pooled)
     assert correlation(found) == pytest.approx(mixed, abs=0.01)
     spread, usual = np.sqrt(np.diag(own)), np.sqrt(np.diag(pooled))
     between = np.sqrt(spread * usual * np.exp(np.mean(np.log(spread / usual))))
@@ -136,7 +115,7 @@ def test_a_kernel_is_positive_definite_however_few_and_alike_the_samples(seed: i
     found = kernel(centres, covariance(seed))
     assert np.array_equal(found, found.T)
     least = np.linalg.eigvalsh(correlation(found)).min()
-    assert least >= 0.39 * np.linalg.eigvalsh(correlation(covariance(seed))).min()
+    assert least >= 0.79 * np.linalg.eigvalsh(correlation(covariance(seed))).min()
     assert np.isfinite(np.linalg.cholesky(found)).all()
 
 

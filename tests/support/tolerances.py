@@ -22,6 +22,7 @@ INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any plac
 FLOAT64_ROUND_TRIP = 1e-11
 FLOAT32_ROUND_TRIP = 5e-6
 LEAST_SPLINE = 1e-6  # metres: a shape whose spline is shorter than this is known to no better
+CODE_LOGARITHM = 1e-3  # of a sample's length or roughness: its residual of micrometres is kept in float32
 DESCRIPTION = 1e-8  # of turning, of a path that was placed elsewhere: rounding over its shortest step
 
 NATS = 1e-10  # of a cost at a centre, in float64: the square of no distance, from terms of 1e5 that cancel

@@ -1,5 +1,6 @@
 """Planning, rendering and comparing paintings from Python."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
@@ -66,6 +67,8 @@ def plan(
         brush=brush if isinstance(brush, Brush) else None,
         style=style if isinstance(style, Style) else None,
     )
+    if prepared.device.note is not None:
+        warnings.warn(prepared.device.note, stacklevel=2)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False

@@ -46,6 +46,10 @@ class Unknowns:
         """Return the unknowns with some of `ADDITIONS`, near their neutral values."""
         return replace(self, brush={**self.brush, **{k: v for name in additions for k, v in _FIRST[name].items()}})
 
+    def pick(self, which: Tensor) -> "Unknowns":
+        """Return the unknowns of the strokes of these indices (M,) alone."""
+        return replace(self, place=self.place[which], ink=self.ink[which])
+
     def each(self, change: Callable[[Tensor], Tensor]) -> "Unknowns":
         """Return the unknowns with `change` applied to every tensor."""
         return Unknowns(
@@ -108,23 +112,15 @@ def each_stroke(numbers: Mapping[str, Tensor], place: Tensor, opacity: Tensor) -
     return Traj2Stroke(**alone, **several, shift=place, opacity=opacity, faint=solid, solid=solid)
 
 
-def stamped(mosaic: Mosaic, unknowns: Unknowns, taught: Tensor) -> Tensor:
-    """Return the photographs (C, H, W) that the unknowns predict; only strokes `taught` (N,) give the brush gradients.
-
-    The other strokes still find their own place and ink, so that their remaining error is the brush's.
-    """
-    count = len(mosaic)
-
-    def shared(number: Tensor) -> Tensor:
-        return torch.where(taught[:, None], number.expand(count, -1), number.detach().expand(count, -1))
-
-    numbers = {name: shared(number) for name, number in unknowns.numbers().items()}
+def stamped(mosaic: Mosaic, unknowns: Unknowns) -> Tensor:
+    """Return the photographs (C, H, W) that the unknowns predict."""
+    numbers = {name: number.expand(len(mosaic), -1) for name, number in unknowns.numbers().items()}
     return mosaic.stamped(
         each_stroke(numbers, unknowns.unit * unknowns.place, unknowns.ink.exp()), unknowns.ink_colour()
     )
 
 
-def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progress: Callable[[], None]) -> Unknowns:
+def descend(mosaic: Mosaic, start: Unknowns, steps: int, progress: Callable[[], None]) -> Unknowns:
     """Return the unknowns after `steps` steps of Adam on the weighted L1 of the paper."""
     unknowns = start.each(lambda tensor: tensor.detach().clone().requires_grad_())
     leaves = [*unknowns.brush.values(), unknowns.place, unknowns.ink]
@@ -133,18 +129,20 @@ def descend(mosaic: Mosaic, start: Unknowns, taught: Tensor, steps: int, progres
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, _RATE, total_steps=steps + 1, pct_start=_WARM_UP)
     for step in range(1, steps + 1):
         optimiser.zero_grad()
-        mosaic.loss(stamped(mosaic, unknowns, taught)).backward()
+        mosaic.loss(stamped(mosaic, unknowns)).backward()
+        for leaf in leaves:  # a pixel on the very edge of a mark whose c is below 1 has an infinite slope
+            leaf.grad = None if leaf.grad is None else leaf.grad.nan_to_num(0, 0, 0)
         optimiser.step()
         with torch.no_grad():
             unknowns.ink.clamp_(max=0)  # beyond full ink the gradient is 0
             if unknowns.colour is not None and step % _OFTEN == 0:
-                _see_through(mosaic, unknowns, unknowns.colour, taught)
+                _see_through(mosaic, unknowns, unknowns.colour)
         schedule.step()
         progress()
     return unknowns.each(Tensor.detach)
 
 
-def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor, taught: Tensor) -> None:
+def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor) -> None:
     """Make all strokes paler and their ink darker, or the reverse, by a line search on what shows where they cross.
 
     On bare paper the two changes cancel, so that the gradient, which sees each number alone, does not find this.
@@ -155,7 +153,7 @@ def _see_through(mosaic: Mosaic, unknowns: Unknowns, colour: Tensor, taught: Ten
     def turned(opacity: float) -> float:
         unknowns.ink.copy_((ink + opacity).clamp(max=0))
         colour.copy_((bare + (seen - bare) / np.exp(opacity)).logit(_PUREST))
-        return float(mosaic.loss(stamped(mosaic, unknowns, taught)))
+        return float(mosaic.loss(stamped(mosaic, unknowns)))
 
     as_it_was = turned(0)
     best = minimize_scalar(turned, bounds=(-_TURN, _TURN), method="bounded", options={"xatol": 0.01})

@@ -1,12 +1,17 @@
-"""Windows of trials: their size and resolution, and the trials that cannot be used."""
+"""Evidence of a fit: the windows of its trials, their size and resolution, and the trials that cannot be used."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
+from maulstick.brush_fit.mosaic import Mosaic
 from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.brush_fit.window import Window, extent, look
 from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import POINTS, resample
 
 FEWEST = 5
 """Least number of strokes that a brush can be fitted to."""
@@ -20,10 +25,35 @@ _LARGER, _MORE = 1.25, 1.5e-3  # factor and metres by which windows are larger t
 _MOST, _MOST_PER_STROKE = 9e6, 1e4  # pixel values in all windows, and in one; finer photographs are reduced
 
 
-def read_windows(
+@dataclass(frozen=True)
+class Evidence:
+    """Windows of strokes and their pixels per metre.  paths: commanded, n points each, (n, 3)."""
+
+    windows: tuple[Window, ...]
+    paths: tuple[Floats, ...]
+    pixels_per_metre: float
+
+    def __len__(self) -> int:
+        return len(self.windows)
+
+    def pick(self, which: Iterable[int]) -> Self:
+        """Return the strokes of these indices."""
+        rows = [int(i) for i in which]
+        return replace(self, windows=tuple(self.windows[i] for i in rows), paths=tuple(self.paths[i] for i in rows))
+
+    def mosaic(self) -> Mosaic:
+        """Return all windows on one canvas."""
+        return Mosaic.of_windows(self.windows, self.paths, self.pixels_per_metre)
+
+    def pressures(self) -> Floats:
+        """Return the mean pressure (N,) of each stroke."""
+        return np.array([path[:, 2].mean() for path in self.paths])
+
+
+def read_evidence(
     trials: Sequence[Trial] | Trials, pixels_per_metre: float, progress: Callable[[str, int, int], None]
-) -> tuple[list[Window], list[str], float]:
-    """Return windows just large enough for their strokes, a sentence per unusable trial, and the pixels per metre.
+) -> tuple[Evidence, list[str]]:
+    """Return windows just large enough for their strokes, and a sentence per unusable trial.
 
     Raises InputError where fewer than five trials can be used.
     """
@@ -45,7 +75,8 @@ def read_windows(
     if len(seen) < FEWEST:
         reasons = "; ".join(left_out[:3]) or "draw more"
         raise InputError(f"{len(seen)} of {len(trials)} trials can be used, and {FEWEST} are needed: {reasons}")
-    return seen, left_out, pixels_per_metre / reduced
+    paths = tuple(resample(window.path, POINTS) for window in seen)
+    return Evidence(tuple(seen), paths, pixels_per_metre / reduced), left_out
 
 
 def _look_at(

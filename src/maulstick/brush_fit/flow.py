@@ -1,16 +1,13 @@
 """Opacity of whole strokes, and its dependence on their mean pressure."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from maulstick.brush_fit.evidence import ENOUGH
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Floats
 
 _PRESSURES = np.linspace(0.1, 1.0, 19)  # candidates for `solid`
-_BETTER = 0.9  # share of the error on the other half that must not be exceeded for the dependence to be accepted
 _LEAST = 1e-3  # opacity: a brush must leave a mark
 _NORMAL = 1.4826  # standard deviation / median absolute deviation, of a normal distribution
 
@@ -29,17 +26,9 @@ class Flow:
         return self.opacity * (self.faint + (1 - self.faint) * np.minimum(pressure / self.solid, 1))
 
 
-def fit_flow(pressure: Floats, opacity: Floats, may_pale: bool) -> Flow:
-    """Fit the flow of strokes with mean pressures (N,) and opacities (N,).
-
-    may_pale: allow opacity to depend on pressure; even then it does only where one half of the strokes predicts the
-    other better with it.
-    """
-    flow = _even(pressure, opacity)
-    if may_pale and len(pressure) >= ENOUGH:
-        halves = np.arange(len(pressure)) % 2 == 0
-        if _crossed(pressure, opacity, halves, _paling) < _BETTER * _crossed(pressure, opacity, halves, _even):
-            flow = _paling(pressure, opacity)
+def fit_flow(pressure: Floats, opacity: Floats, pales: bool) -> Flow:
+    """Fit the flow of strokes with mean pressures (N,) and opacities (N,).  pales: whether light ones are paler."""
+    flow = (_paling if pales else _even)(pressure, opacity)
     scatter = _NORMAL * np.median(np.abs(opacity - flow.at(pressure))) / flow.opacity
     return Flow(flow.opacity, flow.faint, flow.solid, float(scatter))
 
@@ -67,10 +56,3 @@ def _line(x: Floats, y: Floats) -> tuple[float, float]:
 
     fit = least_squares(off, (0.5, 0.5), loss="soft_l1", f_scale=0.02)
     return float(fit.x[0]), float(fit.x[1])
-
-
-def _crossed(pressure: Floats, opacity: Floats, half: Bools, fit: Callable[[Floats, Floats], Flow]) -> float:
-    """Mean error on each half of the flow that was fitted to the other."""
-    return float(
-        np.mean([np.abs(opacity[~k] - fit(pressure[k], opacity[k]).at(pressure[~k])).mean() for k in (half, ~half)])
-    )

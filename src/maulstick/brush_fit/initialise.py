@@ -7,6 +7,7 @@ import torch
 from scipy.optimize import nnls
 
 from maulstick.brush_fit.descent import PAPER, Unknowns
+from maulstick.brush_fit.evidence import Evidence
 from maulstick.brush_fit.window import Window
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths
@@ -15,9 +16,10 @@ _WIDER = 1.3  # true half-width / that of the covered area, since a cone's edge 
 _FURTHEST = 2e-3  # metres: largest first guess of a stroke's offset
 
 
-def first_guess(windows: Sequence[Window], paths: Sequence[Floats], pixels_per_metre: float) -> Unknowns:
-    """Return unknowns from which the descent can start; `paths` are those of the windows, each with n points (n, 3)."""
-    pressure = np.array([path[:, 2].mean() for path in paths])
+def first_guess(evidence: Evidence) -> Unknowns:
+    """Return unknowns from which the descent can start."""
+    windows, paths, pixels_per_metre = evidence.windows, evidence.paths, evidence.pixels_per_metre
+    pressure = evidence.pressures()
     half_widths = np.array([_half_width(w, p, pixels_per_metre) for w, p in zip(windows, paths, strict=True)])
     unit = float(np.median(half_widths))
     (beta, alpha), _ = nnls(np.stack([np.ones_like(pressure), pressure], axis=1), _WIDER * half_widths / unit)

@@ -101,8 +101,11 @@ def _torch() -> Iterator[Finding]:
     yield Finding("PyTorch", State.WORKS, torch.__version__)
     if not torch.cuda.is_available():
         yield Finding("GPU", State.NOT_FOUND, "the processor plans and renders")
-    elif find_spec("triton") is None:
-        yield Finding("GPU", State.MISSING, f"{torch.cuda.get_device_name()} needs Triton: pip install triton")
+        return
+    from maulstick.jobs.plan.device import choose_device  # loads torch
+
+    if (note := choose_device("auto").note) is not None:
+        yield Finding("GPU", State.MISSING, note)
     else:
         yield Finding("GPU", State.WORKS, f"{torch.cuda.get_device_name()}, Triton {_version('triton')}")
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from maulstick.ordering.layers import runs
 from maulstick.ordering.tour import tour
@@ -22,11 +23,11 @@ def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
     in any order, as a colour over itself is the same colour. The paint never changes more often than before. A stroke
     may be reversed where its pressure is even, it has no speeds of its own, and its mark stays the same.
     """
-    trajectories = painting.trajectories()
     paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
-    ends, reversible = trajectories[:, [0, -1], :2], _reversible(painting, trajectories)
+    ends = np.array([[s.trajectory[0][:2], s.trajectory[-1][:2]] for s in painting.strokes]).reshape(-1, 2, 2)
+    reversible = np.concatenate([_reversible(part) for part in painting.parts()])
     strokes: list[Stroke] = []
-    for run in runs(paint_of, _overlaps(painting, trajectories, paint_of)):
+    for run in runs(paint_of, _overlaps(painting, paint_of)):
         way = tour(ends[run], reversible[run], start)
         strokes += [
             _turned(painting.strokes[run[i]]) if turned else painting.strokes[run[i]]
@@ -40,8 +41,9 @@ def _turned(stroke: Stroke) -> Stroke:
     return stroke.model_copy(update={"trajectory": stroke.trajectory[::-1]})
 
 
-def _reversible(painting: Painting, trajectories: Floats) -> Bools:
-    """Return whether each (N,) of the commanded trajectories (N, n, 3) leaves the same mark when drawn backwards."""
+def _reversible(painting: Painting) -> Bools:
+    """Return whether each stroke, (N,), leaves the same mark when drawn backwards."""
+    trajectories = painting.trajectories()
     even = np.ptp(trajectories[..., 2], axis=1) == 0
     hasty = np.array([stroke.speed is not None for stroke in painting.strokes], dtype=np.bool_)
     paths = trajectories[..., :2]
@@ -73,16 +75,22 @@ def _brushes(painting: Painting) -> Iterator[tuple[Brush, Ints]]:
         yield brush, np.flatnonzero(names == name)
 
 
-def _overlaps(painting: Painting, trajectories: Floats, paint_of: Ints) -> Ints:
-    """Return pairs (E, 2) of strokes of different paints whose marks may overlap, the earlier one first."""
-    pairs = np.zeros((0, 2), dtype=np.int64)
-    if len(paints := np.unique(paint_of)) < 2:
-        return pairs
+def _lines(painting: Painting) -> tuple[NDArray[np.object_], Floats]:
+    """Return the marks' centre lines (N,), simplified, and how far from them the marks reach, (N,), metres."""
+    trajectories = painting.trajectories()
     widest = _widest(painting, trajectories[..., 2])
     marks = _marks(painting, trajectories[..., :2])
     closed = np.concatenate([marks, marks[:, -1:]], axis=1)  # a line has two points at least
     lines = shapely.simplify(shapely.linestrings(closed), _SMOOTHED * widest, preserve_topology=False)
-    reach = (1 + _SMOOTHED) * widest
+    return lines, (1 + _SMOOTHED) * widest
+
+
+def _overlaps(painting: Painting, paint_of: Ints) -> Ints:
+    """Return pairs (E, 2) of strokes of different paints whose marks may overlap, the earlier one first."""
+    pairs = np.zeros((0, 2), dtype=np.int64)
+    if len(paints := np.unique(paint_of)) < 2:
+        return pairs
+    lines, reach = (np.concatenate(each) for each in zip(*map(_lines, painting.parts()), strict=True))
     west, north, east, south = shapely.bounds(lines).T
     boxes = shapely.box(west - reach, north - reach, east + reach, south + reach)
     for paint in paints[:-1]:

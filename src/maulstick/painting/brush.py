@@ -159,6 +159,8 @@ class Brush(BaseModel):
 
     def _dragged(self, path: Floats) -> Floats:
         """Positions of the tip at the commanded points (..., n, 2): the exact solution along straight segments."""
+        if not (self.lag or any(self.touch)):
+            return path
         tips = [path[..., 0, :] + self.touch]
         for start, end in zip(np.moveaxis(path, -2, 0)[:-1], np.moveaxis(path, -2, 0)[1:], strict=True):
             length = np.linalg.norm(end - start, axis=-1, keepdims=True)

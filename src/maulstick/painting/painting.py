@@ -5,6 +5,7 @@ Numbers are rounded when a painting is made (lengths to a micrometre), so that i
 
 import base64
 import json
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
@@ -32,6 +33,10 @@ from maulstick.storage.files import atomic_write, file_to_read
 SCHEMA_VERSION: Final = 1
 """Version of the format of the files that are written, and the only one that is read."""
 
+OFF_SHEET: Final = 1e-3
+"""Metres that a commanded stroke may lie off its sheet: about as well as a sheet is cut, and laid before a machine."""
+
+_MOST_POINTS = 2**20  # of the trajectories of one part of a painting: 24 MiB of numbers, 32,768 strokes as planned
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
 _SLACK = 2e-6  # metres: how much rounding can change a sum of two lengths
 
@@ -150,6 +155,16 @@ class Sheet(_Part):
     paper: Colour = (1.0, 1.0, 1.0)
     picture: Png | None = None
 
+    @property
+    def millimetres(self) -> str:
+        """The size for people, as in ``200 x 160 mm``."""
+        return f"{1e3 * self.width:g} x {1e3 * self.height:g} mm"
+
+    def overhang(self, points: Floats) -> Floats:
+        """Return how far strokes of points (N, n, 2), metres, reach beyond the sheet's edges, (N,); below 0 within."""
+        beyond = np.maximum(-points, points - (self.width, self.height))
+        return np.asarray(beyond.max(axis=(1, 2), initial=-np.inf))
+
     def image(self, canvas: Canvas) -> Image:
         """Return the sheet before the first stroke on the canvas's pixels, (height_px, width_px, 3) sRGB in [0, 1]."""
         if self.picture is not None:
@@ -179,7 +194,8 @@ def _whole_sheet(fields: dict[str, Any]) -> Area:
 class Painting(_Part):
     """Strokes in painting order, with all that is needed to paint, preview or plan them again.
 
-    sheet: what is painted on.  area: the picture's place on it, (x, y, width, height), metres.
+    sheet: what is painted on; no commanded point lies more than `OFF_SHEET` beyond its edges, or a machine would draw
+    on its bed.  area: the picture's place on it, (x, y, width, height), metres.
     brushes: all brushes by name.  paints: the list that a stroke's `paint` is an index into.
     Raises ValidationError where a field is wrong or two of them do not agree.
     """
@@ -210,18 +226,42 @@ class Painting(_Part):
             if stroke.id in seen:
                 raise ValueError(f"strokes[{index}].id: {stroke.id} is an earlier stroke's; give every stroke its own")
             seen.add(stroke.id)
+        overhang = np.concatenate([self.sheet.overhang(part.trajectories()[..., :2]) for part in self.parts()])
+        for index in np.flatnonzero(overhang > OFF_SHEET + _SLACK)[:1]:
+            raise ValueError(
+                f"stroke {self.strokes[index].id} reaches {1e3 * overhang[index]:.4g} mm beyond the sheet of "
+                f"{self.sheet.millimetres}, onto a machine's bed; at most {1e3 * OFF_SHEET:g} mm is allowed: "
+                "move the stroke, or give a larger sheet"
+            )
         return self
 
+    def parts(self) -> Iterator[Self]:
+        """Yield the painting as parts of successive strokes, so few that the `trajectories` of a part stay small.
+
+        A part has at most 2**20 points, padded ones counted, or a single stroke; so one stroke of many points does
+        not pad all others.
+        """
+        begin, longest = 0, 1
+        for index, stroke in enumerate(self.strokes):
+            longest = max(longest, len(stroke.trajectory))
+            if index > begin and longest * (index + 1 - begin) > _MOST_POINTS:
+                yield self.model_copy(update={"strokes": self.strokes[begin:index]})
+                begin, longest = index, len(stroke.trajectory)
+        yield self.model_copy(update={"strokes": self.strokes[begin:]})
+
     def trajectories(self) -> Floats:
-        """Return commanded points (N, n, 3) of (x, y, pressure), metres; shorter strokes repeat their last point."""
+        """Return commanded points (N, n, 3) of (x, y, pressure), metres; shorter strokes repeat their last point.
+
+        One very long stroke makes this very large; `parts` are of bounded size.
+        """
         longest = max((len(stroke.trajectory) for stroke in self.strokes), default=1)
         padded = [s.trajectory + s.trajectory[-1:] * (longest - len(s.trajectory)) for s in self.strokes]
         return np.array(padded, dtype=np.float64).reshape(-1, longest, 3)
 
     def lengths(self) -> Floats:
         """Return the length of each stroke, (N,), metres."""
-        steps = np.diff(self.trajectories()[..., :2], axis=1)
-        return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
+        steps = (np.diff(part.trajectories()[..., :2], axis=1) for part in self.parts())
+        return np.concatenate([np.hypot(each[..., 0], each[..., 1]).sum(axis=1) for each in steps])
 
     def metres_of_paints(self) -> Floats:
         """Return the length that is drawn with each paint, (k,), metres."""

@@ -10,7 +10,7 @@ import torch
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics, compare
-from maulstick.painting.painting import Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
@@ -18,12 +18,14 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.stroke_canvas import as_array
 from maulstick.rendering.preview import preview
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
+_CPU = torch.device("cpu")
 _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
 
@@ -35,14 +37,15 @@ def problem_of(
     loss_options: LossOptions = _DEFAULT_LOSSES,
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
+    device: torch.device = _CPU,
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
-    importance: (H, W), how much each pixel counts; when left out, as `attention` says of the picture.
-    Rendered on a GPU where there is one. Raises InputError for losses that cannot be had.
+    importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
+    device: renders, and compares with the picture.
+    Raises InputError for losses that cannot be had.
     """
-    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    importance = importance_of(layout) if importance is None else importance
+    importance = importance_of(layout, loss_options.faces) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
@@ -51,11 +54,11 @@ def problem_of(
     )
 
 
-def importance_of(layout: Layout) -> Image:
-    """Return how much each pixel of the canvas counts, (H, W): faces more than the rest of the picture."""
+def importance_of(layout: Layout, faces: float = 1.0) -> Image:
+    """Return how much each pixel of the canvas counts, (H, W): within the picture as `attention` says, else 1."""
     importance = np.ones(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
-        layout.crop(importance)[:] = attention(layout.crop(layout.target))
+        layout.crop(importance)[:] = attention(layout.crop(layout.target), faces)
     return importance
 
 
@@ -113,12 +116,13 @@ def as_painting(
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
+    A stroke that is longer than the sheet goes along its edge where it would leave it by more than `OFF_SHEET`.
     names: names of paints, by their colours as ``#rrggbb``.
     """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
-    trajectories = planned.strokes.trajectories(style)
-    trajectories[..., 2].clamp_(0, 1)
+    farthest = (layout.sheet.width + OFF_SHEET, layout.sheet.height + OFF_SHEET, 1)
+    trajectories = as_array(planned.strokes.trajectories(style)).clip((-OFF_SHEET, -OFF_SHEET, 0), farthest)
     speeds = style.speeds(codes)
     speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
     used = torch.unique(planned.paint_of)

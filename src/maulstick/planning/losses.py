@@ -19,6 +19,9 @@ from maulstick.storage.arrays import Image
 STRENGTHS: Final = {"tone": 1.0, "edges": 0.01, "likeness": 0.02, "sketch": 0.02, "text": 0.1, "look": 0.01}
 """Strength of each term at weight 1, by name: chosen so that a weight of 1 suits most pictures."""
 
+FACES: Final = "faces"
+"""Modifier among the weights, which is no term: how much more a face counts in all terms than its surroundings."""
+
 _NEEDS = {"text": "a text", "look": "the look of a picture"}
 _VIEWS = 32  # views per network loss: so many that no painting suits them by accident; each costs memory
 _HEAVIEST = 1000  # largest weight: beyond, no other term counts, and float32 may overflow
@@ -30,6 +33,7 @@ class LossOptions:
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
     weights: of the terms by name, 1 for the usual strength; `weights_of_terms` says what holds for those left out.
+    Among them may be `faces`, how much more a face counts in the picture than its surroundings: 1 when left out.
 
     Raises InputError for a term that does not exist, a weight out of range, and contradictions.
     """
@@ -41,8 +45,8 @@ class LossOptions:
     def __post_init__(self) -> None:
         given = {"text": self.text, "look": self.look}
         for name, weight in self.weights.items():
-            if name not in STRENGTHS:
-                raise InputError.of_choice("term to weigh", name, STRENGTHS)
+            if name not in STRENGTHS and name != FACES:
+                raise InputError.of_choice("term to weigh", name, [*STRENGTHS, FACES])
             if not 0 <= weight <= _HEAVIEST:
                 raise InputError.of_range(f"the weight of {name}", weight, f"from 0 to {_HEAVIEST}")
             if name in given and weight and given[name] is None:
@@ -50,16 +54,27 @@ class LossOptions:
             if name in given and not weight and given[name] is not None:
                 raise InputError(f"{name}=0 leaves {_NEEDS[name]} out, and there is one; leave one of the two out")
 
+    @property
+    def faces(self) -> float:
+        """How much more a face counts than its surroundings, as `attention` takes it."""
+        return float(self.weights.get(FACES, 1.0))
+
+    def weights_to_keep(self, *, has_picture: bool) -> dict[str, float]:
+        """Return the weights for a painting's file: of the terms, and of faces where it is given."""
+        given = {FACES: self.faces} if FACES in self.weights else {}
+        return {**self.weights_of_terms(has_picture=has_picture), **given}
+
     def weights_of_terms(self, *, has_picture: bool) -> dict[str, float]:
         """Return the weights above 0 by term. Raises InputError where none is, or a term lacks its picture."""
         given = {"text": self.text is not None, "look": self.look is not None}
         weights = {"tone": has_picture, **given, **self.weights}
         counting = {name: float(weight) for name, weight in weights.items() if weight}
-        if not counting:
-            raise InputError("nothing is weighed, so any painting would do; give one of the terms a weight above 0")
         for name in counting:
             if not has_picture and name not in _NEEDS:
                 raise InputError(f"{name} compares with a picture; name one, or leave that weight out")
+        counting.pop(FACES, None)
+        if not counting:
+            raise InputError("nothing is weighed, so any painting would do; give one of the terms a weight above 0")
         return counting
 
 

@@ -242,7 +242,7 @@ class _Planning:
         self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:
-        """Return the cost of removing each stroke, (N,), by row."""
+        """Return an estimate of the cost of removing each stroke, (N,), by row."""
         marks, colours = self._stroke_canvas.drawn()
         return self._stroke_canvas.by_row(
             removal_costs(self._view(), self._problem.paper, marks, colours, self._torch_rng)

@@ -21,8 +21,11 @@ class Schedule:
     grouped: bool = True
 
 
-REPLAN = Schedule(begins=0.6, sorts=(), relocations=(0.6, 0.64), quantise=0.68, repaints=(0.75, 0.85))
-"""Schedule for strokes that were planned before, when the sheet looks other than planned: they are nearly in place."""
+REPLAN = Schedule(begins=0.3, sorts=(), relocations=(), quantise=0.3, repaints=(0.5, 0.6, 0.7, 0.8))
+"""Schedule for strokes that were planned before, when the sheet looks other than planned: they are nearly in place.
+
+None is moved elsewhere: so late, that spoils more than it mends.
+"""
 
 GIVEN_PAINTS = Schedule(quantise=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
 """Schedule for a palette: its paints may be far from the colours that strokes would choose, so shapes need longer."""

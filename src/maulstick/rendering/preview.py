@@ -18,9 +18,9 @@ def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> I
     strokes: number of strokes that are rendered, from the first; all by default.
     """
     sheet = torch.from_numpy(painting.sheet.image(canvas)).permute(2, 0, 1)
-    shown = painting.strokes[:strokes]
-    colours = [painting.paints[stroke.paint].colour for stroke in shown]
-    return _painted(sheet, painting, torch.tensor(colours, dtype=torch.float32).reshape(-1, 3), canvas)
+    shown = painting.model_copy(update={"strokes": painting.strokes[:strokes]})
+    colours = [painting.paints[stroke.paint].colour for stroke in shown.strokes]
+    return _painted(sheet, shown, torch.tensor(colours, dtype=torch.float32).reshape(-1, 3), canvas)
 
 
 def preview_of_height(painting: Painting, px: int) -> Image:
@@ -41,10 +41,12 @@ def coverage(painting: Painting, canvas: Canvas) -> Image:
 
 
 def _painted(onto: Tensor, painting: Painting, colours: Tensor, canvas: Canvas) -> Image:
-    """Return an image (C, H, W) after as many strokes as there are colours (N, C), as (H, W, C) in [0, 1]."""
-    shown = painting.strokes[: len(colours)]
-    brushes = Traj2Stroke.of([painting.brushes[painting.paints[stroke.paint].brush] for stroke in shown])
-    trajectories = torch.tensor(painting.trajectories()[: len(shown)], dtype=torch.float32)
-    with torch.no_grad():
-        image = paint(onto.contiguous(), trajectories, colours, brushes, canvas.pixels_per_metre)
+    """Return an image (C, H, W) after all strokes in the colours (N, C), as (H, W, C) in [0, 1]."""
+    image = onto.contiguous()
+    for part in painting.parts():
+        brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
+        trajectories = torch.tensor(part.trajectories(), dtype=torch.float32)
+        own, colours = colours.tensor_split([len(part.strokes)])
+        with torch.no_grad():
+            image = paint(image, trajectories, own, brushes, canvas.pixels_per_metre)
     return image.clamp(0, 1).permute(1, 2, 0).numpy()

@@ -6,11 +6,11 @@ from math import log
 
 import numpy as np
 import torch
-from torch import Generator, Tensor
+from torch import Tensor
 
 from maulstick.storage.arrays import Floats
 
-_POOLED = 0.4  # weight of the pooled correlation beside that of the few samples themselves
+_POOLED = 0.8  # weight of the pooled correlation beside that of the few samples; chosen by benchmarks/style_choices.py
 _LEAST_SPREAD = 0.02  # of the pooled spread: keeps a number that never varies from a covariance without inverse
 
 
@@ -21,12 +21,6 @@ class Density:
     centres: Tensor
     scales: Tensor
     covariance: Tensor
-
-    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw k points (k, d), and return the index of the centre of each, (k,)."""
-        around = torch.randint(len(self.centres), (k,), generator=generator)
-        noise = torch.randn(k, self.centres.shape[1], generator=generator).to(self.centres)
-        return self.centres[around] + self.scales[around] * (noise @ torch.linalg.cholesky(self.covariance).T), around
 
     def cost(self, points: Tensor) -> Tensor:
         """Soft minimum (N,), nats, over the centres of half the squared distance of points (N, d) in spreads.

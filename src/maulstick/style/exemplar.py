@@ -1,4 +1,4 @@
-"""Exemplar style: a hand's own strokes and a kernel density around them. It is fitted in a fraction of a second."""
+"""Exemplar style: a hand's own strokes and a kernel density around them."""
 
 import hashlib
 from dataclasses import dataclass, replace
@@ -16,24 +16,24 @@ from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
+from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
-# Bandwidths are in standard deviations of the hand's strokes, chosen on the mocap sessions of docs/styles.md: smaller
-# ones copy the strokes, larger ones lose the hand's look.
-_BANDWIDTH_FREE, _BANDWIDTH_BOUND = 0.95, 0.8  # of samples, at freedom 1 and at freedom 0
-_BANDWIDTH_OF_COST = 0.4  # of the density that `cost` is based on
-_BANDWIDTHS_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)  # narrow for length, which pays most
-_BANDWIDTH_OF_LENGTH = 0.4  # of samples, at most: lengths are to stay the hand's
-_BANDWIDTH_OF_ROUGHNESS = 0.2  # of samples: roughness is to stay the hand's
-_LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
-_OTHERS = 0.6  # share of a sample's residual that is mixed from all of the hand's strokes, at freedom 1
-_LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale, which grows with the bend of its stroke
+# Chosen by benchmarks/style_choices.py on Wacom documents and human drawings alone.
+_BANDWIDTH = 0.3  # of samples (`Neighbours`): less copies strokes, more blurs kinds
+_BANDWIDTH_LENGTH = 0.9  # of samples: lengths mix freely
+_BANDWIDTH_ROUGHNESS = 0.1  # of samples: roughness is to stay the hand's
 _FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
 _TRIALS = 300  # samples that `fit` compares with the hand
 _SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
+_OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost` is based on, in the hand's spreads
+# Narrow for length, which pays most; unlike the others chosen on the mocap sessions.
+_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)
+_LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
+_LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale in `cost`, which grows with the bend of its stroke
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class Exemplar(Style):
 
     name: as in the painting file.  hand: the strokes.  hands: statistics of many hands.
     max_mean_cost: as in `Style`.
-    freedom: in [0, 1], how far samples may differ from the hand's strokes. At 0 a straight stroke stays straight and
-    keeps its residual; at 1 all strokes bend alike, and most of the residual comes from the hand's other strokes.
+    freedom: in [0, 1], how far the residual is tremor of the hand: at 0 a sample keeps the residual of the stroke that
+    it was drawn around, at 1 it is mixed from those of all.
     """
 
     name: str
@@ -106,23 +106,25 @@ class Exemplar(Style):
         return torch.from_numpy(kernel(self._centres.numpy(), self.hands.covariance))
 
     @cached_property
-    def _sampled(self) -> Density:
-        bandwidth = self.freedom * _BANDWIDTH_FREE + (1 - self.freedom) * _BANDWIDTH_BOUND
-        return self._around(bandwidth, 1 - self.freedom)
+    def _usual(self) -> Tensor:
+        return torch.from_numpy(np.sqrt(np.diag(self.hands.covariance)))
+
+    @cached_property
+    def _neighbours(self) -> Neighbours:
+        bandwidths = torch.full_like(self._usual, _BANDWIDTH)
+        bandwidths[_LENGTH], bandwidths[_ROUGHNESS] = _BANDWIDTH_LENGTH, _BANDWIDTH_ROUGHNESS
+        kept = torch.ones_like(bandwidths)
+        kept[_LENGTH] = (1 - _BANDWIDTH_LENGTH**2) ** 0.5
+        return Neighbours(self._centres / self._usual, bandwidths, kept)
 
     @cached_property
     def _priced(self) -> Density:
-        return self._around(_BANDWIDTH_OF_COST, 1)
-
-    def _around(self, bandwidth: float, power: float) -> Density:
-        usual = np.sqrt(np.diag(self.hands.covariance))
-        bends = np.linalg.norm((self._centres.numpy() - _straight())[:, _SHAPE] / usual[_SHAPE], axis=1)
-        bends = np.clip((bends / np.sqrt(np.square(bends).mean())) ** power, _LEAST_BEND, _MOST_BEND)
-        scales = np.full(self._centres.shape, bandwidth)
+        bends = ((self._centres - _straight()) / self._usual)[:, _SHAPE].norm(dim=1)
+        bends = (bends / bends.square().mean().sqrt()).clamp(_LEAST_BEND, _MOST_BEND)
+        scales = torch.full_like(self._centres, _OF_COST)
         scales[:, _SHAPE] *= bends[:, None]
-        scales[:, _LENGTH] = min(bandwidth, _BANDWIDTH_OF_LENGTH)
-        scales[:, _ROUGHNESS] = _BANDWIDTH_OF_ROUGHNESS
-        return Density(self._centres, torch.from_numpy(scales), self._covariance)
+        scales[:, _ROUGHNESS] = _OF_COST_ROUGHNESS
+        return Density(self._centres, scales, self._covariance)
 
     def encode(self, paths: Tensor) -> Tensor:
         """Return codes (N, 63) of standardised paths (N, 32, 2), metres, which decode to the same paths again."""
@@ -139,12 +141,14 @@ class Exemplar(Style):
         return torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1) * self._units.to(codes)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw codes (k, 63) of strokes near the hand's own, with their pressure knots (k, 4) and similar residuals."""
-        drawn, around = self._sampled.sample(k, generator)
+        """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
+        drawn, around = self._neighbours.sample(k, generator)
+        drawn = drawn * self._usual
+        for logarithm in (_LENGTH, _ROUGHNESS):  # else a few strokes would be many times as long or as rough
+            drawn[:, logarithm].clamp_(*self._centres[:, logarithm].aminmax())
         directions = normalize(self._numbers[:, GIST:], dim=1)
         shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
-        others = self.freedom * _OTHERS
-        mixed = others * shares @ directions + (1 - others) * directions[around]
+        mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[around]
         residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
         return codes.float(), self.hand.sample_pressure(around, generator)
@@ -171,9 +175,7 @@ class Exemplar(Style):
         points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
         alone = self._priced.cost(points)
-        together = (points - self._as_spread(points.detach())) / (
-            _BANDWIDTHS_TOGETHER * self._covariance.diagonal().sqrt()
-        )
+        together = (points - self._as_spread(points.detach())) / (_TOGETHER * self._covariance.diagonal().sqrt())
         return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def _as_spread(self, points: Tensor) -> Tensor:
@@ -203,8 +205,6 @@ def pool(hands: list[Hand]) -> PooledHands:
     return PooledHands(covariance, np.sqrt(np.average(residuals, axis=0, weights=weights)))
 
 
-def _straight() -> Floats:
+def _straight() -> Tensor:
     along = torch.linspace(0, 1, POINTS, dtype=torch.float64)
-    line = torch.stack([along, torch.zeros_like(along)], dim=-1)[None]
-    straight: Floats = gist_and_roughness(shape.encode(line)).numpy()
-    return straight
+    return gist_and_roughness(shape.encode(torch.stack([along, torch.zeros_like(along)], dim=-1)[None]))

@@ -19,11 +19,10 @@ from torch.nn.functional import linear, silu
 
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
-from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style import shape
-from maulstick.style.density import Density, kernel
 from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand, by_length
+from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.style import Style
 
@@ -38,9 +37,7 @@ HIDDEN = 256
 
 _NUMBERS = GIST + RESIDUAL  # of a stroke: the network's input and output
 _COARSE = 16  # latents of the coarse shape: training starts at the principal components, largest first, and keeps order
-_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2  # of samples, in standard deviations of the hand's latents
-_LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale, which grows with the bend of its stroke
-_LEAST_USUAL = 1e-6  # keeps the mean bend of a hand that only draws straight lines out of the denominator
+_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2  # of samples (`Neighbours`); chosen on the mocap sessions
 _ACTIVE = 0.01  # variance of an active latent's mean (Burda et al.)
 _PREFIX = "net."  # of the names of a network's arrays in a style's file
 
@@ -79,7 +76,7 @@ def _layers(weights: Weights, part: str, x: Tensor) -> Tensor:
 class TrajVAE(Style):
     """Style of a hand by a network: a code is the posterior mean of a stroke's latents; their prior is standard normal.
 
-    Beyond the paper, samples are drawn around the latents of the hand's own strokes, because the prior is that of all
+    Beyond the paper, samples are drawn between the latents of the hand's own strokes, because the prior is that of all
     hands, and the cost is that of the stroke's shape, as in an `Exemplar`.
     """
 
@@ -109,21 +106,11 @@ class TrajVAE(Style):
         return Exemplar(self.name, self.hand, hands, 0, self.max_mean_cost)
 
     @cached_property
-    def _latents(self) -> Density:
-        centres = self.encode(torch.from_numpy(self.hand.paths))
-        scales = torch.empty_like(centres)
-        for latents, bandwidth in ((slice(_COARSE), _BANDWIDTH_COARSE), (slice(_COARSE, LATENT), _BANDWIDTH_FINE)):
-            bends = (centres - self._straight)[:, latents].norm(dim=1, keepdim=True)
-            usual = bends.square().mean().sqrt().clamp(min=_LEAST_USUAL)
-            scales[:, latents] = bandwidth * (bends / usual).clamp(_LEAST_BEND, _MOST_BEND)
-        return Density(centres, scales, torch.from_numpy(kernel(centres.numpy(), np.eye(LATENT))))
-
-    @property
-    def _straight(self) -> Tensor:
-        """Latents (64,) of a straight stroke of the hand's mean length."""
-        lengths = path_lengths(self.hand.paths)
-        along = np.linspace(0, np.exp(np.log(lengths).mean()), POINTS)
-        return self.encode(torch.from_numpy(np.stack([along, np.zeros(POINTS)], axis=1)[None]))[0]
+    def _neighbours(self) -> Neighbours:
+        latents = self.encode(torch.from_numpy(self.hand.paths))
+        bandwidths = torch.full((LATENT,), _BANDWIDTH_FINE).to(latents)
+        bandwidths[:_COARSE] = _BANDWIDTH_COARSE
+        return Neighbours(latents, bandwidths, torch.ones_like(bandwidths))
 
     def _like(self, like: Tensor) -> Weights:
         return {name: tensor.to(like) for name, tensor in self.weights.items()}
@@ -141,13 +128,8 @@ class TrajVAE(Style):
         return shape.decode(numbers_of(self._like(codes), kept))
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw codes (k, 64) of strokes near the hand's own, with their pressure knots (k, 4).
-
-        Each varies around the latents of one of the hand's strokes: by 0.6 of the hand's standard deviation in the
-        first 16 latents, which hold most of the shape, and by 0.2 in the rest; by less around a nearly straight stroke,
-        by more around a strongly bent one.
-        """
-        codes, around = self._latents.sample(k, generator)
+        """Draw codes (k, 64) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
+        codes, around = self._neighbours.sample(k, generator)
         return codes.float(), self.hand.sample_pressure(around, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:

@@ -71,7 +71,8 @@ def plan(
         list[str] | None,
         _objectives(
             metavar="TERM=WEIGHT",
-            help="Weight of one term of the loss, 1 for the usual: tone, edges, likeness, sketch, text, look.",
+            help="Weight of one term of the loss, 1 for the usual: tone, edges, likeness, sketch, text, look. "
+            "faces=0 lets faces count no more than the rest of the picture.",
         ),
     ] = None,
     clip: Annotated[
@@ -104,6 +105,10 @@ def plan(
     seed: Annotated[
         int, _planning(metavar="N", help="Number that the plan starts from. The same one repeats the plan.")
     ] = PlanOptions.seed,
+    device: Annotated[
+        str,
+        _planning(metavar="DEVICE", help="Device that computes: cpu, cuda, or auto: a GPU that draws as the CPU does."),
+    ] = PlanOptions.device,
     tries: Annotated[
         int, _planning(metavar="N", help="Plan from this many seeds, in parallel, and keep the best plan.")
     ] = 1,
@@ -151,6 +156,7 @@ def plan(
         ask_every=ask_every,
         px=px,
         seed=seed,
+        device=device,
     )
     request = PlanRequest(_picture_path(picture, demo, text), options, tries, video)
     if state_files(out) and not overwrite:

@@ -27,6 +27,7 @@ def begin(request: PlanRequest, out: Path) -> None:
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; leave it out or lower --px")
+    _note_device(prepared, console)
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
@@ -45,7 +46,9 @@ def go_on(out: Path) -> None:
     request = PlanRequest.from_json(read_state(files[0])[1], files[0])
     prepared = prepare(request)
     request.check_unchanged(prepared.request.sums)
-    _run(prepared, out, _console())
+    console = _console()
+    _note_device(prepared, console)
+    _run(prepared, out, console)
 
 
 def _run(prepared: Prepared, out: Path, console: Console) -> None:
@@ -82,6 +85,11 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
 
 def _console() -> Console:
     return Console(stderr=True, markup=False, highlight=False)
+
+
+def _note_device(prepared: Prepared, console: Console) -> None:
+    if prepared.device.note is not None:
+        console.print(f"note: {prepared.device.note}", soft_wrap=True)
 
 
 def _note_pale_lines(prepared: Prepared, console: Console) -> None:

@@ -12,6 +12,7 @@ import torch
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
+from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from maulstick.painting.picture import encode_png
@@ -31,7 +32,7 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 from maulstick.style.pressure import fit_knots, pressure_along
 
-_STEPS = 200  # steps of planning again: few, since the machine waits and the strokes are nearly in place
+_STEPS = 400  # steps of planning again: few, since the machine waits and the strokes are nearly in place
 _LIGHTEST = 0.1  # least pressure of practice strokes: lighter ones may leave no mark
 _ROOM_IN_WIDTHS, _ROOM = 1.5, 2.5e-3  # room around practice strokes: half-widths of the brush, and metres to spare
 
@@ -88,7 +89,7 @@ def replanned(
 
     painted: ids of the strokes that stay as they are.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
     picture: (H, W, 3), the one that was planned.  steps: of the optimiser.
-    Strokes that are planned again get new ids; some may be left out. Paints stay.
+    Strokes that are planned again get new ids; some may be left out, unless the plan had an exact number. Paints stay.
     Raises InputError as `check_replannable` does.
     """
     left = [stroke for stroke in painting.strokes if stroke.id not in painted]
@@ -104,8 +105,11 @@ def replanned(
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
-    settings = PlannerSettings(len(left), paints=None, palette=palette, steps=steps, seed=painting.provenance.seed)
-    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights))
+    exact = options.get("exact") is True
+    seed = painting.provenance.seed
+    settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
+    device = choose_device("auto").device
+    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights), device=device)
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.provenance)
     return _joined(painting, painted, again)

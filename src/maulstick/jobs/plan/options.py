@@ -15,6 +15,9 @@ from maulstick.painting.raster import parse_size
 MOST_SEED: Final = 2**32 - 1
 """Largest seed that all generators of random numbers take."""
 
+DEVICES: Final = ("auto", "cpu", "cuda")
+"""What may plan: the processor, a GPU, or a GPU where one is trusted."""
+
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
@@ -36,11 +39,13 @@ class PlanOptions:
     fit: ``contain`` shows all of the picture, ``cover`` fills all of the sheet.
     background: a photograph of the sheet, with what is painted on it so far.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
-    weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look.
+    weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
+    `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.
     seed: repeats a plan to the bit on one machine.
+    device: ``cpu``, ``cuda``, or ``auto``: a GPU by CUDA where one is and draws as the processor does, else that.
 
     Raises InputError for a value that is out of its range, and for options that contradict each other.
 
@@ -72,6 +77,7 @@ class PlanOptions:
     ask_every: int = 10
     px: int | None = None
     seed: int = 0
+    device: str = "auto"
 
     def __post_init__(self) -> None:
         for name in ("background", "look", "paints_from", "clip_weights"):  # so that a plan can go on from any folder
@@ -91,6 +97,8 @@ class PlanOptions:
         parse_size(self.size)
         if self.fit not in FITS:
             raise InputError.of_choice("fit", self.fit, FITS)
+        if self.device not in DEVICES:
+            raise InputError.of_choice("device", self.device, DEVICES)
         paper = parse_colour(self.paper)
         if self.background is not None and paper != (1.0, 1.0, 1.0):
             raise InputError(

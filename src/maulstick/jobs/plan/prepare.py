@@ -10,6 +10,7 @@ import numpy as np
 from maulstick.colour.palette import parse_colour
 from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError, option
+from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, load_brush
@@ -37,6 +38,7 @@ class Prepared:
     """All that planning and its file need.
 
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
+    device: what plans, and a note on it for people.
     """
 
     request: PlanRequest
@@ -50,6 +52,7 @@ class Prepared:
     mural: Mural | None
     loss_options: LossOptions
     network: Callable[[], Network]
+    device: Choice
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
         """Return the plan; a mural is planned in windows. Arguments are those of `plan`."""
@@ -64,6 +67,7 @@ class Prepared:
             loss_options=self.loss_options,
             network=self.network,
             resume=resume,
+            device=self.device.device,
         )
 
     def painting(self, planned: PlanResult) -> Painting:
@@ -74,9 +78,17 @@ class Prepared:
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""
         loss_options = replace(self.loss_options, weights=weights)
-        used = loss_options.weights_of_terms(has_picture=self.layout.target is not None)
+        used = loss_options.weights_to_keep(has_picture=self.layout.target is not None)
         provenance = self.provenance.model_copy(update={"options": {**self.provenance.options, "weights": used}})
-        problem = problem_of(self.layout, self.brush, self.style, self.settings, loss_options, self.network)
+        problem = problem_of(
+            self.layout,
+            self.brush,
+            self.style,
+            self.settings,
+            loss_options,
+            self.network,
+            device=self.device.device,
+        )
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
 
@@ -89,7 +101,7 @@ def prepare(
     brush, style: replace those that the options name.
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
-    options = request.options
+    options, device = request.options, choose_device(request.options.device)
     brush, sheet = brush or load_brush(options.brush), _sheet(options)
     if options.pressure is not None:
         brush = brush.held_at(options.pressure)
@@ -110,17 +122,19 @@ def prepare(
     sums = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))
-    problem = problem_of(layout, brush, style, settings, loss_options, network)
+    problem = problem_of(layout, brush, style, settings, loss_options, network, device=device.device)
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
-    weights = loss_options.weights_of_terms(has_picture=picture is not None)
-    used = {"brush": brush.name, "style": style.name, "weights": dict(weights)}
+    weights = loss_options.weights_to_keep(has_picture=picture is not None)
+    used = {"brush": brush.name, "style": style.name, "weights": weights, "device": device.device.type}
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
-    return Prepared(request, layout, brush, style, settings, problem, provenance, names, mural, loss_options, network)
+    return Prepared(
+        request, layout, brush, style, settings, problem, provenance, names, mural, loss_options, network, device
+    )
 
 
 def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush) -> Mural | None:

@@ -35,6 +35,7 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
+_CPU = torch.device("cpu")
 _REACH_SAMPLES = 256  # strokes of the style whose reach sets the margin of windows: enough for its quantile
 _REACH_QUANTILE = 0.95  # of these strokes, the margin holds so many: the few longest would widen every window
 _SLACK = 1e-6  # metres: rounding by which a stroke that was kept inside a sheet may end beyond its edge
@@ -54,6 +55,7 @@ def plan_mural(
     network: Callable[[], Network] = EfficientNetLite0,
     window_px: int = 1024,
     resume: State | None = None,
+    device: torch.device = _CPU,
 ) -> PlanResult:
     """Plan a mural in windows whose cores have at most `window_px` per side, as has the small image of the whole.
 
@@ -61,13 +63,14 @@ def plan_mural(
     watch: called after every step with the progress of the present window; once it returns False, this window ends
     after a few more steps, and later windows stay as they were planned in the whole.
     resume: what `PlanProgress.state` returned in an earlier run of the same mural; planning goes on from there.
+    device: renders, and compares with the picture.
     Raises InputError for a text, since every window would be made to show it, and for a side below one pixel.
     """
     if "text" in loss_options.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
-    planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px)
+    planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px, device)
     current = None if resume is None else planning.restore(resume)
     while not planning.done and planning.advance(watch, current):
         current = None
@@ -86,11 +89,12 @@ class _Planning:
         loss_options: LossOptions,
         network: Callable[[], Network],
         window_px: int,
+        device: torch.device,
     ) -> None:
         self._mural, self._brush, self._style, self._options = mural, brush, style, options
-        self._loss_options, self._network = loss_options, network
+        self._loss_options, self._network, self._device = loss_options, network, device
         self._whole = mural.overview(window_px)
-        self._importance = importance_of(self._whole)
+        self._importance = importance_of(self._whole, loss_options.faces)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
         self._all: PlanResult | None = None
         self._finished, self._windows_done = torch.zeros(0, dtype=torch.bool), 0
@@ -193,7 +197,9 @@ class _Planning:
 
     def _problem(self, layout: Layout, importance: Image, options: PlannerSettings) -> PlanningProblem:
         """Return the planning problem of a layout of all or a part of the sheet."""
-        return problem_of(layout, self._brush, self._style, options, self._loss_options, self._network, importance)
+        return problem_of(
+            layout, self._brush, self._style, options, self._loss_options, self._network, importance, self._device
+        )
 
 
 def _margin(mural: Mural, brush: Brush, style: Style, options: PlannerSettings) -> int:

@@ -121,6 +121,12 @@ class MyPaintPaper:
         finally:
             library.mypaint_brush_unref(brush)
 
+    def lay(self, picture: Image) -> None:
+        """Put a picture that `photograph` returned of a sheet of this size on it, in place of what is there."""
+        for (top, left), tile in self._tiles():
+            part = picture[top : top + _TILE, left : left + _TILE]
+            tile[: part.shape[0], : part.shape[1], :3] = (part * _ONE).round()
+
     def photograph(self) -> Image:
         """Return the sheet as it is now, (height_px, width_px, 3) sRGB in [0, 1]."""
         width, height = self.canvas.width_px, self.canvas.height_px

@@ -67,6 +67,10 @@ class MyPaintSheet(InkedSheet):
         """As in `InkedSheet`."""
         self._paper.draw(trajectory, self._medium, radius=self._radius, colour=colour, speed=self._speed)
 
+    def lay(self, picture: Image) -> None:
+        """Put a picture that `image` returned on the sheet, in place of what is there."""
+        self._paper.lay(picture)
+
     def image(self) -> Image:
         """As in `InkedSheet`."""
         return self._paper.photograph()
