@@ -1,4 +1,5 @@
 import os
+import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -39,6 +40,25 @@ def test_tries_that_were_killed_go_on_to_the_better_of_both_plans_and_no_process
     assert but_for_how_it_was_made(kept) == but_for_how_it_was_made(better)
     assert (kept.provenance.seed, kept.provenance.metrics) == (better.provenance.seed, better.provenance.metrics)
     assert kept.provenance.options == {**better.provenance.options, "tries": 2}
+
+
+KILLED_WHILE_A_PROCESS_IS_IDLE = """
+import os, signal
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from maulstick.cli.plan import tries
+
+context = get_context("spawn")
+pool = ProcessPoolExecutor(1, context, tries._listen, (context.Queue(), context.Event()))
+print(pool.submit(os.getpid).result(), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_process_that_planned_all_it_had_to_leaves_when_its_parent_is_killed() -> None:
+    ran = subprocess.run([sys.executable, "-c", KILLED_WHILE_A_PROCESS_IS_IDLE], capture_output=True, timeout=100)
+    assert ran.returncode == -9, ran.stderr  # and run() came back: nobody holds its output any more
+    assert int(ran.stdout) > 0
 
 
 def test_tries_that_are_stopped_while_they_begin_keep_the_better_one_and_what_to_go_on_from(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from multiprocessing.queues import Queue
 from multiprocessing.synchronize import Event
 from pathlib import Path
 from queue import Empty
+from threading import Lock, Thread
 
 from maulstick.errors import OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
@@ -70,15 +71,31 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 _reports: "Queue[tuple[int, float, float]]"
 _stop: Event
+_busy = Lock()
 
 
 def _listen(reports: "Queue[tuple[int, float, float]]", stop: Event) -> None:
     """Prepare a process that plans."""
     global _reports, _stop
     _reports, _stop = reports, stop
+    Thread(target=_leave_with_parent, daemon=True).start()
+
+
+def _leave_with_parent() -> None:
+    """Leave once the parent was killed; a pool's process that has nothing to do would wait for it for ever."""
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    with _busy:  # while it plans it leaves between two steps, with its files whole
+        os._exit(1)
 
 
 def _try(request: PlanRequest, out: Path, seed: int) -> Painting:
+    with _busy:
+        return _plan_from(request, out, seed)
+
+
+def _plan_from(request: PlanRequest, out: Path, seed: int) -> Painting:
     told, parent = 0.0, parent_process()
     assert parent is not None
 
