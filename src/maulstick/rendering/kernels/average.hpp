@@ -11,20 +11,26 @@ struct Profile {
 
 struct Mean {
   Floats value;                       // before the opacity
-  Floats by_distance, by_thickness, by_c, by_q;
+  Floats by_distance, by_thickness, by_c, by_q, by_width;
 };
 
-// offset: from the nearest point of the stroke to the middle of each cell, whose sides are `side`; h: thickness there.
-// by_distance and by_thickness are found if `Slopes` is at least 1, by_c and by_q if it is 2.
-template <int Slopes>
-inline Mean mean_across(Floats offset_x, Floats offset_y, Floats h, Floats side, const Profile& p) {
+// The width of pixels across a stroke that is so far from their centres: a box of width a blurred by a box of width b.
+struct Across { Floats distance, a, b; };
+
+inline Across across_pixels(Floats offset_x, Floats offset_y) {
   const Floats squared = offset_x * offset_x + offset_y * offset_y;
   const Ints apart = squared > all(0.0f);
-  const Floats distance = root(squared);
-  const Floats across = side / (apart ? distance : all(1.0f));
-  const Floats x_share = absolute(offset_x) * across, y_share = absolute(offset_y) * across;
-  const Floats a = apart ? larger(x_share, y_share) : side, b = smaller(x_share, y_share);
-  const Ints exact = (b > 0.125f * side) & (h - distance < all(3.0f));
+  const Floats distance = root(squared), share = 1.0f / (apart ? distance : all(1.0f));
+  const Floats x_share = absolute(offset_x) * share, y_share = absolute(offset_y) * share;
+  return {distance, apart ? larger(x_share, y_share) : all(1.0f), smaller(x_share, y_share)};
+}
+
+// by_distance and by_thickness are found if `Slopes` is at least 1, by_c and by_q if it is 2; by_width, the slope by the
+// logarithm of a and b, only if `Widths`.
+template <int Slopes, bool Widths>
+inline Mean mean_across(const Across& across, Floats h, const Profile& p) {
+  const Floats distance = across.distance, a = across.a, b = across.b;
+  const Ints exact = (b > all(0.125f)) & (h - distance < all(3.0f));
   const Floats step = b * (exact ? all(0.5f) : all(0.28867513f));   // else Gauss's two places
   const float c1 = 1 / (p.c + 1), c2 = 1 / (p.c + 2), steepness = 1 / (1 - p.q);
   const Floats ramp = h * (1 - p.q), edge = h * p.q, inverse = 1.0f / h;
@@ -66,7 +72,7 @@ inline Mean mean_across(Floats offset_x, Floats offset_y, Floats h, Floats side,
     }
   }
   const Floats per_exact = 1.0f / (exact ? a * b : all(1.0f)), per_gauss = 0.5f / a;
-  Mean mean;
+  Mean mean{};
   const Ints full = distance + 0.5f * (a + b) <= edge;
   mean.value = full ? all(1.0f) : exact ? seconds * per_exact : firsts * per_gauss;
   if (Slopes) {
@@ -75,9 +81,31 @@ inline Mean mean_across(Floats offset_x, Floats offset_y, Floats h, Floats side,
                              : inverse * (exact ? 2.0f * mean.value + moments * per_exact
                                                 : mean.value + profile_moments * per_gauss);
   }
+  if (Slopes && Widths)
+    mean.by_width = full ? all(0.0f)
+                         : exact ? -2.0f * mean.value - (moments - distance * firsts) * per_exact
+                                 : -mean.value - (profile_moments - distance * profiles) * per_gauss;
   if (Slopes > 1) {
     mean.by_c = full ? all(0.0f) : exact ? seconds_c * per_exact : firsts_c * per_gauss;
     mean.by_q = full ? all(0.0f) : exact ? seconds_q * per_exact : firsts_q * per_gauss;
+  }
+  return mean;
+}
+
+// Mean darkness over parts of pixels (reference.py, mean_darkness). shift, scale: of the part, from its pixel's centre and
+// of its width. point: where the part lies around a point and not along a line.
+template <int Slopes>
+inline Mean mean_of_parts(Across across, Floats h, Floats shift, Floats scale, Ints point, const Profile& p) {
+  const Floats distance = across.distance + shift, square = distance * distance;
+  const Floats fall = 1.0f / (1.0f + 5.12f * square + 23.6f * square * square);
+  const Floats bulge = 1.0f / 12 + 0.06305f * fall;
+  const Floats around = root(square + bulge), squared_spread = 2.0f - 12.0f * bulge;
+  scale = point ? scale * root(squared_spread) : scale;
+  Mean mean = mean_across<Slopes, true>({point ? around : distance, across.a * scale, across.b * scale}, h, p);
+  if (Slopes) {
+    const Floats bends = -0.06305f * (5.12f + 47.2f * square) * fall * fall;   // slope of `bulge` by `square`
+    const Floats moves = distance * (1.0f + bends) / around, widens = -12.0f * bends * distance / squared_spread;
+    mean.by_distance = point ? mean.by_distance * moves + mean.by_width * widens : mean.by_distance;
   }
   return mean;
 }

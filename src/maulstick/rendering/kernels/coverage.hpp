@@ -1,4 +1,4 @@
-// Which part of a stroke is nearest to each cell: to the pixels of a tile, or to the cells of one pixel that is cut up.
+// Which parts of a stroke are nearest to each pixel of a tile (reference.py, _two_nearest).
 //
 // The maximum of darkness over segments (docs/equations.md) is the minimum of distance / thickness.
 #pragma once
@@ -10,20 +10,28 @@ namespace {
 
 constexpr int tile_pixels = tile_height * tile_width;
 constexpr int tile_blocks = tile_pixels / LANES;
-constexpr float cut_near = 1.25f, cut_fade = 0.25f;       // as in reference.py: _NEAR, _FADE ...
-constexpr float sharp_turn = 0.4f, crease_near = 0.6f;
-constexpr float no_mark = 1e30f;                          // square of a cell that no segment reaches
-constexpr int32_t creased_bit = 1 << 30;                  // of an owner
+constexpr float no_mark = 1e30f;      // square of the distance of a pixel that no segment reaches
 
-// The nearest segment to each of LANES cells.
+// The nearest segment to each of LANES pixels.
 struct Nearest {
-  Floats square;                      // (distance / thickness)^2
-  Floats offset_x, offset_y;          // from its nearest point to the cell's middle
+  Floats squared;                     // of the distance
+  Floats offset_x, offset_y;          // from its nearest point to the pixel's centre
   Floats thickness;
-  Ints owner;                         // index of the segment, and the creased bit
+  Ints owner;                         // index of the segment
 };
 
 inline Nearest nothing_near() { return {all(no_mark), all(0.0f), all(0.0f), all(1.0f), all(0)}; }
+
+inline Ints marks(const Nearest& near) { return near.squared < all(no_mark); }
+
+inline Nearest chosen(Ints mask, const Nearest& a, const Nearest& b) {
+  return {mask ? a.squared : b.squared, mask ? a.offset_x : b.offset_x, mask ? a.offset_y : b.offset_y,
+          mask ? a.thickness : b.thickness, mask ? a.owner : b.owner};
+}
+
+inline Ints nearer(const Nearest& a, const Nearest& b) {   // by distance / thickness
+  return a.squared * (b.thickness * b.thickness) < b.squared * (a.thickness * a.thickness);
+}
 
 struct Foot { Floats free, t, offset_x, offset_y; };   // t: `free` clamped to [0, 1]
 
@@ -34,38 +42,34 @@ inline Foot foot_on(const Segment& s, Floats x, Floats y) {
   return {free, t, dx - t * s.wx, dy - t * s.wy};
 }
 
-// Takes segment k where it is nearer to the cells around (x, y). first, last: whether it is the stroke's. turned: that
-// of the nearest segments; unless it is null, cells are marked in which two parts of the stroke may meet in a crease.
-inline void take_nearer(Nearest& near, const Segment& s, int32_t k, bool first, bool last, Floats x, Floats y,
-                        Floats side, Floats* turned) {
-  const Foot foot = foot_on(s, x, y);
-  Floats offset_x = foot.offset_x, offset_y = foot.offset_y;
-  const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal * side;
-  const Floats squared = offset_x * offset_x + offset_y * offset_y, width = thickness * thickness;
-  const Floats square = (thickness > all(0.0f)) & (squared < reach * reach) ? squared / width : all(no_mark);
-  if (first || last) {                                     // around an end the mark's edge is an arc
-    Ints beyond = all(0);
-    if (first) beyond |= foot.free <= all(0.0f);
-    if (last) beyond |= foot.free >= all(1.0f);
-    const Floats far = root(larger(squared, all(1e-12f)));
-    const Floats bent = 1.0f + side * side / 24 / (far * larger(far, 0.25f * side));
-    offset_x = beyond ? offset_x * bent : offset_x;
-    offset_y = beyond ? offset_y * bent : offset_y;
-  }
-  const Ints nearer = square < near.square;
-  if (turned) {
-    const Floats gap = (square - near.square) * width, ex = offset_x - near.offset_x, ey = offset_y - near.offset_y;
-    const Ints creased = (larger(square, near.square) < all(no_mark)) &
-                         (gap * gap < 4 * crease_near * crease_near * (ex * ex + ey * ey)) &
-                         (absolute(s.turned - *turned) > all(crease_turn));
-    near.owner |= creased & creased_bit;
-    *turned = nearer ? all(s.turned) : *turned;
-  }
-  near.square = nearer ? square : near.square;
-  near.offset_x = nearer ? offset_x : near.offset_x;
-  near.offset_y = nearer ? offset_y : near.offset_y;
-  near.thickness = nearer ? thickness : near.thickness;
-  near.owner = nearer ? (near.owner & creased_bit) | k : near.owner;
+inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
+  const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal;
+  const Floats squared = foot.offset_x * foot.offset_x + foot.offset_y * foot.offset_y;
+  const Ints touches = (thickness > all(0.0f)) & (squared < reach * reach);
+  return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
+}
+
+// The two parts of a stroke that may meet in a crease within each of LANES pixels.
+struct Pair {
+  Nearest near, second;
+  Floats near_to, second_to;          // turned from their nearest points on
+  Floats turn;                        // between them
+};
+
+inline void take(Pair& pair, const Nearest& here, const Foot& foot, const Shape& shape) {
+  const Floats from = foot.free <= all(0.0f) ? all(shape.turned_before) : all(shape.turned);
+  const Floats to = foot.free >= all(1.0f) ? all(shape.turned_after) : all(shape.turned);
+  const Floats turn = from - pair.near_to, beside = from - pair.second_to;
+  const Ints first = nearer(here, pair.near), elsewhere = turn > all(crease_turn);
+  const Ints demotes = first & elsewhere, drops = first & ~elsewhere & ~(beside > all(crease_turn));
+  const Ints takes = ~first & elsewhere & nearer(here, pair.second);
+  pair.second = chosen(demotes, pair.near, chosen(takes, here, pair.second));
+  pair.second.squared = drops ? all(no_mark) : pair.second.squared;
+  pair.second.thickness = drops ? all(1.0f) : pair.second.thickness;
+  pair.turn = demotes | takes ? turn : first ? beside : pair.turn;
+  pair.second_to = demotes ? pair.near_to : takes ? to : pair.second_to;
+  pair.near = chosen(first, here, pair.near);
+  pair.near_to = first ? to : pair.near_to;
 }
 
 // A block of pixels is 4 wide, and the blocks of a tile lie in it row by row; so strokes fill blocks better than they
@@ -84,9 +88,19 @@ constexpr int run = 32;               // segments that one mask has bits for
 
 inline int64_t runs_of(int64_t segments) { return (segments + run - 1) / run; }
 
+// Of a block of pixels in some of which a stroke is not straight.
+struct Bent {
+  Nearest second;
+  Floats slant, share;                // cosine between the way across the crease and to the stroke; of the second part
+  Floats rounded, second_rounded;     // share of each part that lies around a point
+  Ints ends, second_ends;             // bits: 1 while that share grows with the stroke's start, 2 with its end
+};
+
 struct Coverage {                     // of one stroke over one tile
   Nearest near[tile_blocks];
+  Bent bent[tile_blocks];             // of blocks that are `odd`
   uint32_t touched[block_rows];       // one bit per block; others are not initialised
+  uint32_t odd[block_rows];
   // Of each run of segments that comes near the tile, and of each block: one bit per segment that may reach it.
   uint32_t* reaching;                 // (runs, tile_blocks)
   uint8_t* comes_near;                // (runs,)
@@ -141,25 +155,120 @@ inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s
   return true;
 }
 
-// Takes the segments of all runs that may reach a block where they are nearer to the cells around (x, y).
-template <bool Creases>
-inline Nearest nearest_of(const uint32_t* reaching, const uint8_t* comes_near, const Segment* segments, int64_t count,
-                          int block, Floats x, Floats y, Floats side) {
-  Nearest near = nothing_near();
-  Floats turned{};
+// Calls visit(k) for the segments of all runs that may reach a block.
+template <class Visit>
+inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit visit) {
   for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
-    if (!comes_near[r]) continue;
-    for (uint32_t bits = reaching[r * tile_blocks + block]; bits; bits &= bits - 1) {
-      const int64_t k = r * run + __builtin_ctz(bits);
-      take_nearer(near, segments[k], int32_t(k), k == 0, k == count - 1, x, y, side, Creases ? &turned : nullptr);
-    }
+    if (!cover.comes_near[r]) continue;
+    for (uint32_t bits = cover.reaching[r * tile_blocks + block]; bits; bits &= bits - 1)
+      visit(r * run + __builtin_ctz(bits));
   }
+}
+
+inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x, Floats y) {
+  Nearest near = nothing_near();
+  each_reaching(cover, count, block, [&](int64_t k) {
+    const Nearest here = nearest_on(segments[k], foot_on(segments[k], x, y), int32_t(k));
+    near = chosen(nearer(here, near), here, near);
+  });
   return near;
+}
+
+inline Pair two_nearest_of(const Coverage& cover, const Segment* segments, const Shape* shapes, int64_t count, int block,
+                           Floats x, Floats y) {
+  Pair pair{nothing_near(), nothing_near(), {}, {}, {}};
+  each_reaching(cover, count, block, [&](int64_t k) {
+    const Foot foot = foot_on(segments[k], x, y);
+    take(pair, nearest_on(segments[k], foot, int32_t(k)), foot, shapes[k]);
+  });
+  return pair;
+}
+
+inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
+
+// Finds how the crease between two parts cuts the pixels; returns whether it cuts any.
+inline bool cut(Bent& bent, const Pair& pair) {
+  const Nearest &near = pair.near, &second = pair.second;
+  const Ints both = marks(near) & marks(second);
+  if (!any(both)) return false;
+  const Floats distance = root(near.squared), further = root(second.squared);
+  const Floats unit = 1.0f / (distance > all(0.0f) ? distance : all(1.0f));
+  const Floats unit_second = 1.0f / (further > all(0.0f) ? further : all(1.0f));
+  const Floats x = near.offset_x * unit - second.offset_x * unit_second;
+  const Floats y = near.offset_y * unit - second.offset_y * unit_second;
+  const Floats rate = root(x * x + y * y), gap = further / second.thickness * near.thickness - distance;
+  const Ints meets = both & (rate > all(0.0f));
+  const Floats share = smaller(larger(0.5f - gap / (meets ? rate : all(1.0f)), all(0.0f)), all(0.5f));
+  bent.share = meets ? share * clamped((pair.turn - crease_turn) * (1 / turn_fade)) : all(0.0f);
+  bent.slant = 0.5f * rate;
+  bent.second = second;
+  return any(bent.share > all(0.0f));
+}
+
+inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
+
+// Finds the share of LANES pixels that lies around an end or a corner (reference.py, _nearest_on); returns whether there
+// is any. count: number of the stroke's segments.
+inline bool round_off(Floats& rounded, Ints& ends, const Nearest& near, const Segment* segments, const Shape* shapes,
+                      int64_t count, Floats x, Floats y) {
+  rounded = Floats{}, ends = Ints{};
+  Ints pending = marks(near);
+  for (int lane = 0; lane < LANES; ++lane) {
+    if (!pending[lane]) continue;
+    const int32_t k = near.owner[lane];
+    const Ints mine = pending & (near.owner == all(k));
+    pending &= ~mine;
+    const Shape& p = shapes[k];
+    if (!p.may_round) continue;
+    const Segment& s = segments[k];
+    const Floats since = (x - s.ux) * p.direction_x + (y - s.uy) * p.direction_y, until = p.length - since;
+    const Floats start = share_beyond(k == 0 ? since : p.before + larger(since, all(0.0f)));
+    const Floats end = share_beyond(k == count - 1 ? until : p.after + larger(until, all(0.0f)));
+    Floats share = start + end, wedge{};
+    if (p.sharp_start > 0) {
+      const Shape& other = shapes[k - 1];
+      const Floats theirs = (s.ux - x) * other.direction_x + (s.uy - y) * other.direction_y;
+      wedge = p.sharp_start * larger(share_beyond(since) + share_beyond(theirs) - 1.0f, all(0.0f));
+    }
+    if (p.sharp_end > 0) {
+      const Shape& other = shapes[k + 1];
+      const Floats theirs = (x - s.ux - s.wx) * other.direction_x + (y - s.uy - s.wy) * other.direction_y;
+      wedge = larger(wedge, p.sharp_end * larger(share_beyond(until) + share_beyond(theirs) - 1.0f, all(0.0f)));
+    }
+    const Ints grows = mine & (share <= all(1.0f)) & (share >= wedge);
+    ends |= grows & (((start > all(0.0f)) & (start < all(1.0f)) & 1) | ((end > all(0.0f)) & (end < all(1.0f)) & 2));
+    rounded = mine ? smaller(larger(share, wedge), all(1.0f)) : rounded;
+  }
+  return any(rounded > all(0.0f));
+}
+
+inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile, int block) {
+  const Segment* segments = strokes.segment + id * strokes.segments;
+  const Shape* shapes = strokes.shape + id * strokes.segments;
+  const int64_t count = strokes.segments;
+  const Floats x = block_x(tile, block), y = block_y(tile, block);
+  Nearest& near = cover.near[block];
+  Bent& bent = cover.bent[block];
+  bool cuts = false;
+  if (strokes.may_crease[id]) {
+    const Pair pair = two_nearest_of(cover, segments, shapes, count, block, x, y);
+    near = pair.near;
+    cuts = cut(bent, pair);
+  } else {
+    near = nearest_of(cover, segments, count, block, x, y);
+  }
+  bool odd = round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
+  if (cuts)
+    round_off(bent.second_rounded, bent.second_ends, bent.second, segments, shapes, count, x, y);
+  else if (odd)
+    bent.share = bent.slant = Floats{};
+  if (cuts || odd) cover.odd[block / blocks_across] |= 1u << block % blocks_across;
 }
 
 void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile) {
   const Segment* segments = strokes.segment + id * strokes.segments;
   std::memset(cover.touched, 0, sizeof cover.touched);
+  std::memset(cover.odd, 0, sizeof cover.odd);
   for (int64_t r = 0, runs = runs_of(strokes.segments); r < runs; ++r) {
     uint32_t* reaching = cover.reaching + r * tile_blocks;
     const int64_t first = r * run, last = strokes.segments < first + run ? strokes.segments : first + run;
@@ -170,14 +279,8 @@ void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile
     cover.comes_near[r] = near;
   }
   for (int row = 0; row < block_rows; ++row)
-    for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1) {
-      const int block = row * blocks_across + __builtin_ctz(bits);
-      const Floats x = block_x(tile, block), y = block_y(tile, block);
-      cover.near[block] = strokes.may_crease[id] ? nearest_of<true>(cover.reaching, cover.comes_near, segments,
-                                                                    strokes.segments, block, x, y, all(1.0f))
-                                                 : nearest_of<false>(cover.reaching, cover.comes_near, segments,
-                                                                     strokes.segments, block, x, y, all(1.0f));
-    }
+    for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1)
+      cover_block(cover, strokes, id, tile, row * blocks_across + __builtin_ctz(bits));
 }
 
 template <class Visit>   // visit(block) for each block that the stroke reaches
@@ -185,72 +288,18 @@ inline void each_block(const Coverage& cover, Visit visit) {
   for (int row = 0; row < block_rows; ++row)
     for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1) {
       const int block = row * blocks_across + __builtin_ctz(bits);
-      if (any(cover.near[block].square < all(no_mark))) visit(block);
+      if (any(marks(cover.near[block]))) visit(block);
     }
+}
+
+inline bool is_odd(const Coverage& cover, int block) {
+  return cover.odd[block / blocks_across] >> block % blocks_across & 1;
 }
 
 // Pixels that lie on the plateau altogether.
 inline Ints on_plateau(const Nearest& near, const Profile& profile) {
   const Floats flat = profile.q * near.thickness - half_diagonal;
-  return (flat >= all(0.0f)) & (near.offset_x * near.offset_x + near.offset_y * near.offset_y <= flat * flat) &
-         (near.square < all(no_mark));
-}
-
-// Pixels of a tile that are cut up into cells, since they do not lie along a straight stroke.
-constexpr int cells_at_end = 4, cells_at_crease = 2;      // per side of a pixel
-
-struct Cut {
-  int16_t at;
-  int16_t cells;                      // per side
-  float share;                        // of the pixel's darkness that its cells say
-};
-
-struct Cuts {
-  int32_t count;
-  Cut cut[2 * tile_pixels];
-  float share[tile_pixels];           // of each pixel; 0 but while `count` is above 0
-};
-
-inline void add_cut(Cuts& cuts, const Coverage& cover, const Profile& profile, int at, int cells, float share) {
-  const Nearest& near = cover.near[at / LANES];
-  if (!(near.square[at % LANES] < no_mark) || on_plateau(near, profile)[at % LANES]) return;
-  const float before = cuts.share[at];
-  cuts.cut[cuts.count++] = {int16_t(at), int16_t(cells), (1 - before) * share};
-  cuts.share[at] = before + (1 - before) * share;
-}
-
-inline void cut_around(Cuts& cuts, const Coverage& cover, const Profile& profile, Tile tile, float x, float y) {
-  const float left = x - cut_near - tile.x, right = x + cut_near - tile.x;
-  const float top = y - cut_near - tile.y, bottom = y + cut_near - tile.y;
-  if (!(left < tile.width && right > 0 && top < tile.height && bottom > 0)) return;
-  for (int row = int(larger(top, 0.0f)); row < tile.height && row < bottom; ++row)
-    for (int column = int(larger(left, 0.0f)); column < tile.width && column < right; ++column) {
-      if (!(cover.touched[row / block_height] >> (column / block_width) & 1)) continue;
-      const float dx = tile.x + column + 0.5f - x, dy = tile.y + row + 0.5f - y;
-      const float share = (cut_near - __builtin_sqrtf(dx * dx + dy * dy)) / cut_fade;
-      if (share > 0 && cuts.share[pixel_at(row, column)] < 1)
-        add_cut(cuts, cover, profile, pixel_at(row, column), cells_at_end, smaller(share, 1.0f));
-    }
-}
-
-// Finds the pixels that are cut up: around ends and sharp corners, and along creases.
-void find_cuts(Cuts& cuts, const Coverage& cover, const Strokes& strokes, int64_t id, const Profile& profile,
-               Tile tile) {
-  const Segment* segments = strokes.segment + id * strokes.segments;
-  const int64_t last = strokes.segments - 1;
-  cut_around(cuts, cover, profile, tile, segments[0].ux, segments[0].uy);
-  for (int64_t k = 1; k <= last; ++k)
-    if (segments[k].turned - segments[k - 1].turned > sharp_turn)
-      cut_around(cuts, cover, profile, tile, segments[k].ux, segments[k].uy);
-  cut_around(cuts, cover, profile, tile, segments[last].ux + segments[last].wx, segments[last].uy + segments[last].wy);
-  if (!strokes.may_crease[id]) return;
-  each_block(cover, [&](int block) {
-    const Ints creased = (cover.near[block].owner & creased_bit) != all(0);
-    if (any(creased))
-      for (int lane = 0; lane < LANES; ++lane)
-        if (creased[lane] && cuts.share[block * LANES + lane] < 1)
-          add_cut(cuts, cover, profile, block * LANES + lane, cells_at_crease, 1);
-  });
+  return marks(near) & (flat >= all(0.0f)) & (near.squared <= flat * flat);
 }
 
 }  // namespace

@@ -77,15 +77,17 @@ float turn_between(float ax, float ay, float bx, float by) {
   return across < 4 * along ? 2 * across / along : 8;
 }
 
+float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
+
 struct Segments {
   std::vector<Segment> segment;              // (count, segments)
+  std::vector<Shape> shape;                  // (count, segments)
   std::vector<uint8_t> may_crease;           // (count,)
 
   Segments(const float* xy, const float* thickness, int64_t count, int64_t points) {
     const int64_t each = std::max<int64_t>(points - 1, 1);
-    segment.resize(count * each), may_crease.resize(count);
+    segment.resize(count * each), shape.resize(count * each), may_crease.resize(count);
     for (int64_t i = 0; i < count; ++i) {
-      float turned = 0, heading_x = 0, heading_y = 0;
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
         Segment& s = segment[i * each + k];
@@ -96,17 +98,39 @@ struct Segments {
         s.thickness = thickness[u], s.growth = thickness[v] - thickness[u];
         const float widest = std::max(thickness[u], thickness[v]);
         s.reach = widest > 0 ? widest + half_diagonal : 0;
-        if (s.wx != 0 || s.wy != 0) {
-          if (heading_x != 0 || heading_y != 0) turned += turn_between(heading_x, heading_y, s.wx, s.wy);
-          heading_x = s.wx, heading_y = s.wy;
-        }
-        s.turned = turned;
       }
-      may_crease[i] = comes_near_itself(segment.data() + i * each, each);
+      find_shape(segment.data() + i * each, shape.data() + i * each, each);
+      may_crease[i] = comes_near_itself(segment.data() + i * each, shape.data() + i * each, each);
     }
   }
 
  private:
+  static void find_shape(const Segment* s, Shape* shape, int64_t count) {
+    float turned = 0, heading_x = 0, heading_y = 0, along = 0;
+    for (int64_t k = 0; k < count; ++k) {
+      Shape& p = shape[k];
+      p.length = std::sqrt(s[k].wx * s[k].wx + s[k].wy * s[k].wy);
+      p.direction_x = p.length > 0 ? s[k].wx / p.length : 0;
+      p.direction_y = p.length > 0 ? s[k].wy / p.length : 0;
+      p.before = along;
+      along += p.length;
+      p.turned_before = turned;
+      if (s[k].wx != 0 || s[k].wy != 0) {
+        if (heading_x != 0 || heading_y != 0) turned += turn_between(heading_x, heading_y, s[k].wx, s[k].wy);
+        heading_x = s[k].wx, heading_y = s[k].wy;
+      }
+      p.turned = turned;
+    }
+    for (int64_t k = 0; k < count; ++k) {
+      Shape& p = shape[k];
+      p.after = k + 1 < count ? along - shape[k + 1].before : 0;
+      p.turned_after = k + 1 < count ? shape[k + 1].turned : p.turned;
+      p.sharp_start = faded(p.turned - p.turned_before, sharp_turn);
+      p.sharp_end = faded(p.turned_after - p.turned, sharp_turn);
+      p.may_round = p.before < 0.5f || p.after < 0.5f || p.sharp_start > 0 || p.sharp_end > 0;
+    }
+  }
+
   struct Box { float left, right, top, bottom; };
 
   static Box around(const Segment& s) {
@@ -119,8 +143,8 @@ struct Segments {
   }
 
   // Whether two segments between which the stroke turns may both reach a pixel. Runs of segments are compared first.
-  static bool comes_near_itself(const Segment* s, int64_t count) {
-    if (s[count - 1].turned <= crease_turn) return false;
+  static bool comes_near_itself(const Segment* s, const Shape* shape, int64_t count) {
+    if (shape[count - 1].turned <= crease_turn) return false;
     constexpr int64_t run = 8;
     std::vector<Box> boxes;
     for (int64_t i = 0; i < count; ++i) {
@@ -133,10 +157,10 @@ struct Segments {
     for (int64_t a = 0; a < int64_t(boxes.size()); ++a)
       for (int64_t b = a; b < int64_t(boxes.size()); ++b) {
         const int64_t a_end = std::min(a * run + run, count), b_end = std::min(b * run + run, count);
-        if (s[b_end - 1].turned - s[a * run].turned <= crease_turn || !meet(boxes[a], boxes[b])) continue;
+        if (shape[b_end - 1].turned - shape[a * run].turned <= crease_turn || !meet(boxes[a], boxes[b])) continue;
         for (int64_t i = a * run; i < a_end; ++i)
           for (int64_t j = std::max(i + 1, b * run); j < b_end; ++j)
-            if (s[j].turned - s[i].turned > crease_turn && meet(around(s[i]), around(s[j]))) return true;
+            if (shape[j].turned - shape[i].turned > crease_turn && meet(around(s[i]), around(s[j]))) return true;
       }
     return false;
   }
@@ -221,7 +245,7 @@ Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t c
                    const uint8_t* trainable, bool shapes) {
   const int64_t points = xy.shape(1);
   return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.data(),
-          segments.may_crease.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
+          segments.shape.data(), segments.may_crease.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
 // Calls visit(tile, strokes, scratch) for each tile of the canvas, band by band.

@@ -8,16 +8,10 @@ from torch import Tensor
 
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
 
-CELLS = 4
-"""Cells per side of a pixel that is cut up, because a straight stroke is not what lies in it."""
-
-_NEAR, _FADE = 1.25, 0.25  # pixels from an end up to which pixels are cut up, and over which that fades in
-_SHARP = 0.4  # a corner that is cut up like an end, as twice the tangent of half its turn
-_TURN = 0.17  # how much of that lies between two parts of a stroke that may meet in a crease
-_CREASE = 0.6  # pixels: cut up are those whose centres lie so near to a crease
-_ARC = 0.25  # of a cell: the least distance from an end at which its arc is one
 _HALF_DIAGONAL = math.sqrt(0.5)
-_WIDE, _ALIGNED = 3.0, 0.125  # pixels inside a mark's edge; sine of the angle between a stroke and the grid
+_TURN, _SHARP, _FADE = 0.15, 0.3, 0.15  # turns from which parts may meet in a crease, and corners are round; fade-in
+_SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
+_WIDE, _ALIGNED = 3.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
 
 
 def darkness(
@@ -52,85 +46,164 @@ def _darkness_of_one(
 ) -> Tensor:
     if xy.shape[0] == 1:  # a dot is a segment without length
         xy, thickness = xy.expand(2, 2), thickness.expand(2)
-    whole = _nearest(xy, thickness, grid, 1.0)
+    near, second = _two_nearest(_segments(xy), thickness, grid)
+    with torch.no_grad():
+        apart = near.towards - second.towards
+        rate = apart.norm(dim=-1)  # at which the one gets nearer than the other, per pixel
+        gap = (second.ratio - near.ratio) * near.thickness
+        share = (0.5 - gap / torch.where(rate > 0, rate, 1.0)).clamp(0, 0.5)
+        share = torch.where(near.marks & second.marks & (rate > 0), share, 0.0) * _fade(_turn_between(near, second), _TURN)
+    mean = (1 - share) * near.mean_darkness(falloff, plateau, rate / 2, share)
+    mean = mean + share * second.mean_darkness(falloff, plateau, rate / 2, 1 - share)
+    within = near.marks & (near.distance + _HALF_DIAGONAL <= plateau * near.thickness)
+    return opacity * torch.where(within, 1.0, mean)
+
+
+@dataclass(frozen=True)
+class _Segments:
+    """A stroke's n - 1 segments; what has no gradient is about its shape.
+
+    start, along: (n - 1, 2) where each begins, and how far it goes.  direction: (n - 1, 2) its unit, 0 without length.
+    length, before, after: (n - 1,) pixels along the stroke, of it and on either side of it.
+    turned: (n + 1,) by how much the stroke has turned up to it, to either side, with the first and the last twice.
+    """
+
+    xy: Tensor
+    along: Tensor
+    direction: Tensor
+    length: Tensor
+    before: Tensor
+    after: Tensor
+    turned: Tensor
+
+
+def _segments(xy: Tensor) -> _Segments:
+    along = xy[1:] - xy[:-1]
+    length = along.detach().norm(dim=-1)
+    direction = along.detach() / torch.where(length > 0, length, 1.0)[:, None]
     turned = _turned(xy)
-    always = turned.new_ones(1).bool()
-    corners = xy.detach()[torch.cat([always, turned.diff() > _SHARP, always])]
-    away = (grid[..., None, :] - corners).norm(dim=-1).amin(dim=-1)
-    cut = torch.where(whole.creased, 1.0, ((_NEAR - away) / _FADE).clamp(0, 1))
-    cut = torch.where(whole.marks & ~whole.flat(plateau), cut, 0.0)
-    mean = whole.mean_darkness(falloff, plateau)
-    if cut.any():
-        steps = (torch.arange(CELLS, dtype=grid.dtype, device=grid.device) + 0.5) / CELLS - 0.5
-        shifts = [torch.stack([dx, dy]) for dy in steps for dx in steps]
-        cells = [_nearest(xy, thickness, grid + shift, 1 / CELLS).mean_darkness(falloff, plateau) for shift in shifts]
-        mean = torch.lerp(mean, torch.stack(cells).mean(dim=0), cut)
-    return opacity * mean
+    return _Segments(
+        xy,
+        along,
+        direction,
+        length,
+        before=length.cumsum(0) - length,
+        after=length.flip(0).cumsum(0).flip(0) - length,
+        turned=torch.cat([turned[:1], turned, turned[-1:]]),
+    )
 
 
 @dataclass(frozen=True)
 class _Nearest:
-    """The nearest part of a stroke to the centre of each cell, a square of `side` pixels.
+    """A stroke's segments nearest to each pixel's centre, (H, W); where there is none, `marks` is false.
 
-    distance: (H, W) pixels.  across: (H, W, 2) |cos| and |sin| of the direction to it, the larger first.
-    thickness: (H, W), 1 where no mark reaches the cell.  marks: (H, W) whether one does.
-    creased: (H, W) whether another part of the stroke, which goes elsewhere, is as near to some of the cell.
+    ratio: distance over thickness.  distance, thickness: pixels.  towards: (H, W, 2) unit, 0 at no distance.
+    rounded: share of the pixel that lies around a point, an end or a corner, and not along a line.
+    turned: by how much the stroke has turned up to the nearest point, and from it on, since that may be a corner.
     """
 
-    side: float
+    ratio: Tensor
     distance: Tensor
-    across: Tensor
     thickness: Tensor
-    marks: Tensor
-    creased: Tensor
+    towards: Tensor
+    rounded: Tensor
+    turned: tuple[Tensor, Tensor]
 
-    def flat(self, plateau: Tensor) -> Tensor:
-        """Tell which cells lie within the plateau, (H, W)."""
-        return self.distance + _HALF_DIAGONAL * self.side <= plateau * self.thickness
+    @property
+    def marks(self) -> Tensor:
+        return self.ratio.isfinite()
 
-    def mean_darkness(self, falloff: Tensor, plateau: Tensor) -> Tensor:
-        """Return the mean over each cell, (H, W), of a straight stroke's darkness, before its opacity."""
-        a, b = (self.side * self.across).unbind(-1)
-        mean = _mean_across(self.distance, self.thickness, falloff, plateau, a, b, self.side)
-        return torch.where(self.marks, mean, 0.0)
+    def where(self, here: Tensor, other: "_Nearest") -> "_Nearest":
+        """Return this one `here`, and the other elsewhere."""
+        return _Nearest(
+            torch.where(here, self.ratio, other.ratio),
+            torch.where(here, self.distance, other.distance),
+            torch.where(here, self.thickness, other.thickness),
+            torch.where(here[..., None], self.towards, other.towards),
+            torch.where(here, self.rounded, other.rounded),
+            (torch.where(here, self.turned[0], other.turned[0]), torch.where(here, self.turned[1], other.turned[1])),
+        )
+
+    def mean_darkness(self, falloff: Tensor, plateau: Tensor, slant: Tensor, lost: Tensor) -> Tensor:
+        """Return the mean, (H, W), over the part of each pixel that is nearest to these, before the opacity.
+
+        lost: (H, W) share of the pixel beyond a crease.  slant: (H, W) cosine between the way across and to the point.
+        """
+        away = self.towards.abs().sort(dim=-1, descending=True).values
+        away = torch.where((away > 0).any(-1, keepdim=True), away, away.new_tensor([1.0, 0.0]))
+        a, b = (away * (1 - slant**2 * lost * (2 - lost)).clamp(min=_SLIMMEST**2).sqrt()[..., None]).unbind(-1)
+        distance = self.distance - slant * lost / 2
+        line = _mean_across(distance, self.thickness, falloff, plateau, a, b)
+        square = distance.square()
+        bulge = 1 / 12 + 0.06305 / (1 + 5.12 * square + 23.6 * square.square())  # fitted to means over a pixel
+        spread = (2 - 12 * bulge).sqrt()
+        point = _mean_across((square + bulge).sqrt(), self.thickness, falloff, plateau, spread * a, spread * b)
+        return torch.where(self.marks, torch.lerp(line, point, self.rounded), 0.0)
 
 
-def _nearest(xy: Tensor, thickness: Tensor, grid: Tensor, side: float) -> _Nearest:
-    turned = _turned(xy)
+def _two_nearest(segments: _Segments, thickness: Tensor, grid: Tensor) -> tuple[_Nearest, _Nearest]:
+    """Return what is nearest, and what is nearest of all that goes elsewhere and may meet it in a crease."""
     nothing = grid.new_zeros(grid.shape[:2])
-    square, half_width, turn = nothing + torch.inf, nothing + 1, nothing  # (distance / thickness)^2
-    offset, distance, creased = torch.zeros_like(grid), nothing, nothing.bool()
-    last = len(turned) - 1
-    for k in range(last + 1):
-        u, w = xy[k], xy[k + 1] - xy[k]
-        squared_length = w.square().sum()
-        projection = ((grid - u) * w).sum(-1) / torch.where(squared_length > 0, squared_length, 1.0)
-        between = (projection > 0) & (projection < 1)  # at an end T is constant
-        T = torch.where(between, projection, projection.detach().clamp(0, 1))  # (H, W), the signed projection
-        away = grid - (u + T[..., None] * w)
-        at_pixel = thickness[k] * (1 - T) + thickness[k + 1] * T
-        held, squared = at_pixel.detach(), away.detach().square().sum(-1)
-        touches = (held > 0) & (squared < (held + _HALF_DIAGONAL * side).square())
-        here = torch.where(touches, squared / torch.where(touches, held, 1.0).square(), torch.inf)
-        beyond = ((projection <= 0) & (k == 0)) | ((projection >= 1) & (k == last))
-        # Around an end the mark's edge is an arc, and bends away: as if the cell lay a little further off.
-        far = squared.clamp(min=1e-12).sqrt()
-        bend = torch.where(beyond, side**2 / 24 / (far * far.clamp(min=_ARC * side)), 0.0)
-        seen = away.detach() * (1 + bend[..., None])
-        gap = torch.where(touches & square.isfinite(), (here - square).abs() * held.square(), torch.inf)
-        feet = (seen - offset).square().sum(-1)
-        creased = creased | ((gap.square() < (2 * _CREASE) ** 2 * feet) & ((turned[k] - turn).abs() > _TURN))
-        nearer = here < square  # the maximum of darkness; the first segment wins a tie
-        square, turn = torch.where(nearer, here, square), torch.where(nearer, turned[k], turn)
-        half_width = torch.where(nearer, at_pixel, half_width)
-        offset = torch.where(nearer[..., None], seen, offset)
-        apart = away.square().sum(-1)
-        reached = torch.where(apart > 0, torch.where(apart > 0, apart, 1.0).sqrt(), 0.0)  # has no slope at 0
-        distance = torch.where(nearer, reached + far * bend, distance)
-    length = offset.norm(dim=-1, keepdim=True)
-    across = offset.abs() / torch.where(length > 0, length, 1.0)
-    across = torch.where(length > 0, across.sort(descending=True).values, across.new_tensor([1.0, 0.0]))
-    return _Nearest(side, distance, across, half_width, square.isfinite(), creased)
+    none = _Nearest(nothing + torch.inf, nothing, nothing + 1, torch.zeros_like(grid), nothing, (nothing, nothing))
+    near = second = none
+    for k in range(len(segments.length)):
+        here = _nearest_on(segments, k, thickness, grid)
+        nearer = here.ratio < near.ratio  # the maximum of darkness; the first segment wins a tie
+        elsewhere, beside = (_turn_between(here, other) > _TURN for other in (near, second))
+        left = near.where(elsewhere, second.where(beside, none))
+        taken = here.where(elsewhere & (here.ratio < second.ratio), second)
+        near, second = here.where(nearer, near), left.where(nearer, taken)
+    return near, second
+
+
+def _nearest_on(segments: _Segments, k: int, thickness: Tensor, grid: Tensor) -> _Nearest:
+    u, w, length, last = segments.xy[k], segments.along[k], segments.length[k], len(segments.length) - 1
+    squared_length = w.square().sum()
+    projection = ((grid - u) * w).sum(-1) / torch.where(squared_length > 0, squared_length, 1.0)
+    between = (projection > 0) & (projection < 1)  # at an end T is constant
+    T = torch.where(between, projection, projection.detach().clamp(0, 1))  # (H, W), the signed projection
+    offset = grid - (u + T[..., None] * w)
+    at_pixel = thickness[k] * (1 - T) + thickness[k + 1] * T
+    squared = offset.square().sum(-1)
+    distance = torch.where(squared > 0, torch.where(squared > 0, squared, 1.0).sqrt(), 0.0)  # has no slope at 0
+    far, held = distance.detach(), at_pixel.detach()
+    touches = (held > 0) & (far < held + _HALF_DIAGONAL)
+    ratio = torch.where(touches, far / torch.where(touches, held, 1.0), torch.inf)
+    since = ((grid - u).detach() * segments.direction[k]).sum(-1)  # pixels along the segment
+    until = length - since
+    start = _share_beyond(since if k == 0 else segments.before[k] + since.clamp(min=0))
+    end = _share_beyond(until if k == last else segments.after[k] + until.clamp(min=0))
+    start = _moved_with(start, segments.xy[0], segments.direction[k])
+    end = _moved_with(end, segments.xy[-1], -segments.direction[k])
+    rounded = start + end
+    for corner, ours, other in ((k, since, k - 1), (k + 1, until, k + 1)):
+        if 0 <= other <= last:
+            onwards = (grid - segments.xy[corner].detach()) @ segments.direction[other]
+            theirs = -onwards if other < k else onwards
+            wedge = (_share_beyond(ours) + _share_beyond(theirs) - 1).clamp(min=0)
+            turn = segments.turned[corner + 1] - segments.turned[corner]
+            rounded = torch.maximum(rounded, wedge * _fade(turn, _SHARP))
+    before, here, after = segments.turned[k : k + 3]
+    turned = torch.where(projection <= 0, before, here), torch.where(projection >= 1, after, here)
+    towards = offset.detach() / torch.where(far > 0, far, 1.0)[..., None]
+    return _Nearest(ratio, distance, at_pixel, towards, rounded.clamp(max=1), turned)
+def _share_beyond(pixels: Tensor) -> Tensor:
+    """Return the share of a pixel that lies beyond what is so far from its centre."""
+    return (0.5 - pixels).clamp(0, 1)
+
+
+def _moved_with(share: Tensor, point: Tensor, direction: Tensor) -> Tensor:
+    """Return the same share, which grows while the point moves in this direction and is else held."""
+    grows = (share > 0) & (share < 1)
+    return share + torch.where(grows, (point - point.detach()) @ direction, 0.0)
+
+
+def _turn_between(one: _Nearest, other: _Nearest) -> Tensor:
+    return torch.maximum(one.turned[0] - other.turned[1], other.turned[0] - one.turned[1])
+
+
+def _fade(turn: Tensor, least: float) -> Tensor:
+    return ((turn - least) / _FADE).clamp(0, 1)
 
 
 def _turned(xy: Tensor) -> Tensor:
@@ -149,14 +222,14 @@ def _turned(xy: Tensor) -> Tensor:
     return torch.stack(turned[1:])
 
 
-def _mean_across(distance: Tensor, h: Tensor, c: Tensor, q: Tensor, a: Tensor, b: Tensor, side: float) -> Tensor:
-    """Return the mean darkness of a straight stroke over square cells at some distance from its middle.
+def _mean_across(distance: Tensor, h: Tensor, c: Tensor, q: Tensor, a: Tensor, b: Tensor) -> Tensor:
+    """Return the mean darkness of a straight stroke over pixels at some distance from its middle.
 
-    Across the stroke a cell is a trapezoid: a box of width a blurred by a box of width b, its side times the larger
-    and the smaller of |cos| and |sin|. So the mean is a second difference of the profile's second integral, or, where
+    Across the stroke a pixel is a trapezoid: a box of width a blurred by a box of width b, the larger and the smaller
+    of |cos| and |sin|. So the mean is a second difference of the profile's second integral, or, where
     that would lose digits, a difference of its first integral.
     """
-    exact = (b > _ALIGNED * side) & (h - distance < _WIDE)
+    exact = (b > _ALIGNED) & (h - distance < _WIDE)
     step = b * torch.where(exact, 0.5, 0.5 / math.sqrt(3))  # else Gauss's two places
     x = torch.stack([distance + i * a / 2 + j * step for i in (-1, 1) for j in (-1, 1)])
     ramp = h * (1 - q)

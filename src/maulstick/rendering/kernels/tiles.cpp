@@ -10,12 +10,6 @@ namespace {
 
 inline Profile profile_of(const Strokes& s, int64_t id) { return {s.c[id], s.q[id], s.o[id]}; }
 
-template <int Slopes>
-inline Mean mean_of(const Samples& samples, int first, const Profile& profile) {
-  return mean_across<Slopes>(load(samples.offset_x + first), load(samples.offset_y + first),
-                             load(samples.thickness + first), load(samples.side + first), profile);
-}
-
 // What is kept of LANES samples for the way back: where they are, and their weight times the slopes of their darkness.
 struct Slope {
   Floats x, y, by_distance, by_thickness, by_c, by_q;
@@ -24,12 +18,17 @@ struct Slope {
 
 template <int Slopes>
 inline Slope slope_of(const Samples& samples, int first, const Mean& mean) {
-  const Floats weight = load(samples.weight + first);
-  Slope slope{load(samples.x + first), load(samples.y + first), weight * mean.by_distance, weight * mean.by_thickness,
-              {}, {}, load(samples.owner + first), load(samples.at + first)};
-  if (Slopes > 1) slope.by_c = weight * mean.by_c, slope.by_q = weight * mean.by_q;
+  Slope slope{load(samples.x + first), load(samples.y + first), mean.by_distance, mean.by_thickness, {}, {},
+              load(samples.owner + first), load(samples.at + first)};
+  if (Slopes > 1) slope.by_c = mean.by_c, slope.by_q = mean.by_q;
   return slope;
 }
+
+// And of a sample whose weight grows or falls as an end of the stroke moves outwards.
+struct EndSlope {
+  float by_start, by_end;
+  int32_t owner, at;
+};
 
 // Gradients of one stroke over one tile, summed in a fixed order.
 template <int Slopes>
@@ -37,7 +36,8 @@ class StrokeGradient {
  public:
   // sums: 6 vectors for each segment, all 0 before and after.
   StrokeGradient(const Strokes& strokes, int64_t id, Floats* sums, float* record)
-      : strokes_(strokes), segments_(strokes.segment + id * strokes.segments), sums_(sums), points_(record),
+      : strokes_(strokes), segments_(strokes.segment + id * strokes.segments),
+        shapes_(strokes.shape + id * strokes.segments), sums_(sums), points_(record),
         rest_(record + 3 * strokes.points), o_(strokes.o[id]), first_(INT32_MAX), last_(-1), grad_c_{}, grad_q_{},
         grad_o_{} {}
 
@@ -65,6 +65,15 @@ class StrokeGradient {
       const Ints mine = pending & (slope.owner == all(k));
       add_segment(k, slope.x, slope.y, mine ? by_distance : all(0.0f), mine ? by_thickness : all(0.0f));
     }
+  }
+
+  // Adds those of a sample whose weight changes as the stroke grows.
+  void add(const EndSlope& slope, const float* grads) {
+    const Shape& shape = shapes_[slope.owner];
+    const float grad = o_ * grads[slope.at];
+    float* last = points_ + 3 * (strokes_.points - 1);
+    points_[0] += grad * slope.by_start * shape.direction_x, points_[1] += grad * slope.by_start * shape.direction_y;
+    last[0] -= grad * slope.by_end * shape.direction_x, last[1] -= grad * slope.by_end * shape.direction_y;
   }
 
   void finish() {
@@ -111,6 +120,7 @@ class StrokeGradient {
 
   const Strokes& strokes_;
   const Segment* segments_;
+  const Shape* shapes_;
   Floats* sums_;
   float *points_, *rest_;
   float o_;
@@ -148,13 +158,14 @@ void copy_out(const float* tile_image, float* image, Tile tile, int64_t channels
 // in each channel the canvas beneath.
 struct Room {
   Coverage* cover;
-  Cuts* cuts;
   Samples* samples;
+  Parts* parts;
   Floats* sums;
   Slope* slopes;
+  EndSlope* ends;
   float *shade, *canvas, *gradient, *kept, *checkpoints;
   int32_t *blocks, *starts;           // starts: of each chunk, its first stroke
-  int64_t *block_begins, *slope_begins;
+  int64_t *block_begins, *slope_begins, *end_begins;
 
   static int64_t aligned(int64_t bytes) { return (bytes + 63) / 64 * 64; }
   static int64_t image_floats(int64_t channels) { return tile_pixels * channels; }
@@ -165,11 +176,11 @@ struct Room {
     const int64_t kept_strokes = backward ? strokes : 0, kept = backward ? kept_slopes + most_slopes : 0;
     int64_t total = 0;
     for (int64_t bytes :
-         {int64_t(sizeof(Coverage)), int64_t(sizeof(Cuts)), int64_t(sizeof(Samples)),
+         {int64_t(sizeof(Coverage)), int64_t(sizeof(Samples)), int64_t(sizeof(Parts)),
           4 * tile_blocks * runs_of(segments), runs_of(segments), int64_t(6 * sizeof(Floats)) * segments,
           int64_t(4 * tile_pixels), 4 * image_floats(channels),
-          4 * image_floats(channels), int64_t(sizeof(Slope)) * kept, 4 * kept, 4 * LANES * (1 + channels) * kept,
-          8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 4 * (kept_strokes + 1),
+          4 * image_floats(channels), int64_t(sizeof(Slope)) * kept, int64_t(sizeof(EndSlope)) * LANES * kept, 4 * kept,
+          4 * LANES * (1 + channels) * kept, 8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 4 * (kept_strokes + 1),
           4 * image_floats(channels) * kept_strokes}) {
       take(bytes);
       total += aligned(bytes);
@@ -182,43 +193,60 @@ struct Room {
   }
 
   Room(char* bytes, int64_t segments, int64_t channels, int64_t strokes, bool backward) {
-    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *parts[16];
+    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *places[20];
     int n = 0;
-    each_part(segments, channels, strokes, backward, [&](int64_t size) { parts[n++] = p; p += aligned(size); });
+    each_part(segments, channels, strokes, backward, [&](int64_t size) { places[n++] = p; p += aligned(size); });
     n = 0;
     const auto place = [&](auto*& pointer) {
-      pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(parts[n++]);
+      pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(places[n++]);
     };
-    place(cover), place(cuts), place(samples), place(cover->reaching), place(cover->comes_near), place(sums), place(shade), place(canvas), place(gradient);
-    place(slopes), place(blocks), place(kept), place(block_begins), place(slope_begins), place(starts);
-    place(checkpoints);
-    cuts->count = 0;
-    std::memset(cuts->share, 0, sizeof cuts->share);
+    place(cover), place(samples), place(parts), place(cover->reaching), place(cover->comes_near), place(sums);
+    place(shade), place(canvas), place(gradient), place(slopes), place(ends), place(blocks), place(kept);
+    place(block_begins), place(slope_begins), place(end_begins), place(starts), place(checkpoints);
+    samples->count = parts->count = 0;
     std::memset(static_cast<void*>(sums), 0, 6 * sizeof(Floats) * segments);
   }
 
-  static constexpr int64_t most_slopes = tile_pixels * (1 + cells_at_end * cells_at_end + cells_at_crease * cells_at_crease) / LANES;
+  static constexpr int64_t most_slopes = 5 * tile_blocks;      // of one stroke: pixels or four parts of each, and padding
   static constexpr int64_t kept_slopes = (4 << 20) / sizeof(Slope);                   // after which a chunk ends
 
-  // Finds the darkness of a stroke before its opacity, into `shade`; keep(samples, first, mean) gets what it is made of.
+  // Finds the darkness of a stroke before its opacity, into `shade`; keep(slope) gets what the way back needs.
   template <int Slopes, class Keep>
   void shade_stroke(const Strokes& s, int64_t id, Tile tile, Keep keep) {
     const Profile profile = profile_of(s, id);
     cover_stroke(*cover, s, id, tile);
-    find_cuts(*cuts, *cover, s, id, profile, tile);
     each_block(*cover, [&](int block) {
       store(shade + block * LANES, on_plateau(cover->near[block], profile) ? all(1.0f) : all(0.0f));
     });
-    each_batch(*samples, *cover, *cuts, s, id, profile, tile, [&](const Samples& batch) {
-      for (int first = 0; first < batch.count; first += LANES) {
-        const Mean mean = mean_of<Slopes>(batch, first, profile);
-        const Floats part = load(batch.weight + first) * mean.value;
-        for (int i = 0; i < LANES; ++i) shade[batch.at[first + i]] += part[i];
-        keep(batch, first, mean);
-      }
-    });
-    for (int32_t i = 0; i < cuts->count; ++i) cuts->share[cuts->cut[i].at] = 0;
-    cuts->count = 0;
+    const auto across = [](const Samples& samples, int first) {
+      return across_pixels(load(samples.offset_x + first), load(samples.offset_y + first));
+    };
+    each_batch(
+        *samples, *parts, *cover, profile, tile,
+        [&](const Samples& batch) {
+          for (int first = 0; first < batch.count; first += LANES) {
+            const Mean mean = mean_across<Slopes, false>(across(batch, first), load(batch.thickness + first), profile);
+            for (int i = 0; i < LANES; ++i) shade[batch.at[first + i]] += mean.value[i];
+            if constexpr (Slopes > 0) keep(slope_of<Slopes>(batch, first, mean));
+          }
+        },
+        [&](const Parts& batch) {
+          for (int first = 0; first < batch.count; first += LANES) {
+            const Floats weight = load(batch.weight + first);
+            Mean mean = mean_of_parts<Slopes>(across(batch, first), load(batch.thickness + first),
+                                              load(batch.shift + first), load(batch.scale + first),
+                                              load(batch.point + first), profile);
+            for (int i = 0; i < LANES; ++i) {
+              shade[batch.at[first + i]] += weight[i] * mean.value[i];
+              if (const int32_t end = batch.ends[first + i]; Slopes > 0 && end) {
+                const float by = batch.share[first + i] * (end & 4 ? -mean.value[i] : mean.value[i]);
+                keep(EndSlope{end & 1 ? by : 0, end & 2 ? by : 0, batch.owner[first + i], batch.at[first + i]});
+              }
+            }
+            mean.by_distance *= weight, mean.by_thickness *= weight, mean.by_c *= weight, mean.by_q *= weight;
+            if constexpr (Slopes > 0) keep(slope_of<Slopes>(batch, first, mean));
+          }
+        });
   }
 
   // Lays a stroke of the darkness in `shade` onto a block of the canvas.
@@ -238,7 +266,7 @@ void composite(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, i
   Room room(scratch, s.segments, s.channels, count, false);
   copy_in(room.canvas, canvas, tile, s.channels, height, width);
   for (int64_t k = 0; k < count; ++k) {
-    room.shade_stroke<0>(s, ids[k], tile, [](const Samples&, int, const Mean&) {});
+    room.shade_stroke<0>(s, ids[k], tile, [](const auto&) {});
     each_block(*room.cover, [&](int block) { room.lay(s, ids[k], block); });
   }
   copy_out(room.canvas, out, tile, s.channels, height, width);
@@ -248,12 +276,15 @@ void composite(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, i
 // first stroke that is not painted.
 template <int Slopes>
 int64_t paint_and_keep(Room& room, const Strokes& s, const int32_t* ids, int64_t begin, int64_t end, Tile tile) {
-  int64_t blocks = 0, slopes = 0, k = begin;
+  int64_t blocks = 0, slopes = 0, ends = 0, k = begin;
   for (; k < end && slopes < Room::kept_slopes && blocks < Room::kept_slopes; ++k) {
     const int64_t id = ids[k], first_block = blocks;
-    room.block_begins[k] = blocks, room.slope_begins[k] = slopes;
-    room.shade_stroke<Slopes>(s, id, tile, [&](const Samples& samples, int first, const Mean& mean) {
-      room.slopes[slopes++] = slope_of<Slopes>(samples, first, mean);
+    room.block_begins[k] = blocks, room.slope_begins[k] = slopes, room.end_begins[k] = ends;
+    room.shade_stroke<Slopes>(s, id, tile, [&](const auto& slope) {
+      if constexpr (std::is_same_v<decltype(slope), const EndSlope&>)
+        room.ends[ends++] = slope;
+      else
+        room.slopes[slopes++] = slope;
     });
     each_block(*room.cover, [&](int block) { room.blocks[blocks++] = block; });
     for (int64_t n = first_block; n < blocks; ++n) {
@@ -265,7 +296,7 @@ int64_t paint_and_keep(Room& room, const Strokes& s, const int32_t* ids, int64_t
       room.lay(s, id, room.blocks[n]);
     }
   }
-  room.block_begins[k] = blocks, room.slope_begins[k] = slopes;
+  room.block_begins[k] = blocks, room.slope_begins[k] = slopes, room.end_begins[k] = ends;
   return k;
 }
 
@@ -296,6 +327,7 @@ void walk_back(Room& room, const Strokes& s, const int32_t* ids, int64_t begin, 
     }
     if (!trainable) continue;
     for (int64_t n = room.slope_begins[k]; n < room.slope_begins[k + 1]; ++n) stroke.add(room.slopes[n], room.shade);
+    for (int64_t n = room.end_begins[k]; n < room.end_begins[k + 1]; ++n) stroke.add(room.ends[n], room.shade);
     stroke.finish();
   }
 }
@@ -340,7 +372,7 @@ void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Til
 void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out, char* scratch) {
   Room room(scratch, s.segments, 1, 1, false);
   std::memset(room.canvas, 0, 4 * tile_pixels);
-  room.shade_stroke<0>(s, id, tile, [](const Samples&, int, const Mean&) {});
+  room.shade_stroke<0>(s, id, tile, [](const auto&) {});
   each_block(*room.cover, [&](int block) { store(room.canvas + block * LANES, s.o[id] * load(room.shade + block * LANES)); });
   copy_out(room.canvas, out, tile, 1, 0, width);
 }
@@ -351,9 +383,7 @@ void darkness_backward(const Strokes& s, int64_t id, Tile tile, int64_t width, c
   std::memset(room.gradient, 0, 4 * tile_pixels);
   copy_in(room.gradient, grad_out, tile, 1, 0, width);
   StrokeGradient<2> stroke(s, id, room.sums, gradient);
-  room.shade_stroke<2>(s, id, tile, [&](const Samples& samples, int first, const Mean& mean) {
-    stroke.add(slope_of<2>(samples, first, mean), room.gradient);
-  });
+  room.shade_stroke<2>(s, id, tile, [&](const auto& slope) { stroke.add(slope, room.gradient); });
   each_block(*room.cover, [&](int block) {
     stroke.add_opacity(load(room.gradient + block * LANES), load(room.shade + block * LANES));
   });

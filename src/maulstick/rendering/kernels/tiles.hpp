@@ -10,21 +10,31 @@ namespace maulstick {
 constexpr int tile_height = 16;   // pixels; also the rows of a band
 constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `touched` has bits for
 
-// As in reference.py: _HALF_DIAGONAL and _TURN.
 constexpr float half_diagonal = 0.70710678f;
-constexpr float crease_turn = 0.17f;
+
+// As in reference.py: _TURN, _SHARP, _FADE.
+constexpr float crease_turn = 0.15f, sharp_turn = 0.3f, turn_fade = 0.15f;
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
   float inverse_squared_length;   // 0 for a segment without length
   float thickness, growth;        // half-width at u, and its increase towards the end
   float reach;                    // half the diagonal more than the larger half-width of the two ends; 0 for no mark
-  float turned;                   // by how much the stroke has turned up to here (reference.py, _turned)
+};
+
+// How a stroke goes on around a segment (reference.py, _Segments).
+struct Shape {
+  float direction_x, direction_y, length;
+  float before, after;                       // pixels along the stroke, on either side
+  float turned_before, turned, turned_after; // by how much it has turned up to the segments before, here and after
+  float sharp_start, sharp_end;              // from 0 to 1: how round the outer sides of its corners are
+  bool may_round;                            // whether pixels near it may lie around an end or a corner
 };
 
 struct Strokes {
   int64_t count, points, segments, channels;
   const Segment* segment;         // (count, segments)
+  const Shape* shape;             // (count, segments)
   const uint8_t* may_crease;      // (count,): whether parts that go different ways come near each other
   const float* colours;           // (count, channels)
   const float *c, *q, *o;         // (count,): falloff, plateau, opacity
