@@ -49,29 +49,6 @@ inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
   return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
 }
 
-// The two parts of a stroke that may meet in a crease within each of LANES pixels.
-struct Pair {
-  Nearest near, second;
-  Floats near_to, second_to;          // turned from their nearest points on
-  Floats turn;                        // between them
-};
-
-inline void take(Pair& pair, const Nearest& here, const Foot& foot, const Shape& shape) {
-  const Floats from = foot.free <= all(0.0f) ? all(shape.turned_before) : all(shape.turned);
-  const Floats to = foot.free >= all(1.0f) ? all(shape.turned_after) : all(shape.turned);
-  const Floats turn = from - pair.near_to, beside = from - pair.second_to;
-  const Ints first = nearer(here, pair.near), elsewhere = turn > all(crease_turn);
-  const Ints demotes = first & elsewhere, drops = first & ~elsewhere & ~(beside > all(crease_turn));
-  const Ints takes = ~first & elsewhere & nearer(here, pair.second);
-  pair.second = chosen(demotes, pair.near, chosen(takes, here, pair.second));
-  pair.second.squared = drops ? all(no_mark) : pair.second.squared;
-  pair.second.thickness = drops ? all(1.0f) : pair.second.thickness;
-  pair.turn = demotes | takes ? turn : first ? beside : pair.turn;
-  pair.second_to = demotes ? pair.near_to : takes ? to : pair.second_to;
-  pair.near = chosen(first, here, pair.near);
-  pair.near_to = first ? to : pair.near_to;
-}
-
 // A block of pixels is 4 wide, and the blocks of a tile lie in it row by row; so strokes fill blocks better than they
 // would fill rows of LANES pixels. Pixels are numbered block by block.
 constexpr int block_width = 4, block_height = LANES / block_width, blocks_across = tile_width / block_width;
@@ -174,21 +151,49 @@ inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_
   return near;
 }
 
-inline Pair two_nearest_of(const Coverage& cover, const Segment* segments, const Shape* shapes, int64_t count, int block,
-                           Floats x, Floats y) {
-  Pair pair{nothing_near(), nothing_near(), {}, {}, {}};
+// A part of a stroke that may meet the nearest one in a crease.
+struct Second {
+  Nearest part;
+  Floats turn;                        // between the two
+};
+
+// Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
+inline Second second_of(const Coverage& cover, const Nearest& near, const Segment* segments, const Shape* shapes,
+                        int64_t count, int block, Floats x, Floats y) {
+  Floats from{}, to{};                // turned up to the nearest points, and from them on
+  Ints tight{};
+  for (int lane = 0; lane < LANES; ++lane) {
+    const Segment& s = segments[near.owner[lane]];
+    const Shape& p = shapes[near.owner[lane]];
+    const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
+    from[lane] = free <= 0 ? p.turned_before : p.turned;
+    to[lane] = free >= 1 ? p.turned_after : p.turned;
+    tight[lane] = -int32_t(p.tight);
+  }
+  Second second{nothing_near(), {}};
   each_reaching(cover, count, block, [&](int64_t k) {
+    const Shape& p = shapes[k];
     const Foot foot = foot_on(segments[k], x, y);
-    take(pair, nearest_on(segments[k], foot, int32_t(k)), foot, shapes[k]);
+    const Nearest here = nearest_on(segments[k], foot, int32_t(k));
+    const Floats its_from = foot.free <= all(0.0f) ? all(p.turned_before) : all(p.turned);
+    const Floats its_to = foot.free >= all(1.0f) ? all(p.turned_after) : all(p.turned);
+    const Floats turn = larger(its_from - to, from - its_to);
+    const Ints takes = tight & (turn > all(crease_turn)) & nearer(here, second.part);
+    second = {chosen(takes, here, second.part), takes ? turn : second.turn};
   });
-  return pair;
+  return second;
+}
+
+inline bool any_tight(const Nearest& near, const Shape* shapes) {
+  bool tight = false;
+  for (int lane = 0; lane < LANES; ++lane) tight |= shapes[near.owner[lane]].tight;
+  return tight;
 }
 
 inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
 
 // Finds how the crease between two parts cuts the pixels; returns whether it cuts any.
-inline bool cut(Bent& bent, const Pair& pair) {
-  const Nearest &near = pair.near, &second = pair.second;
+inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats turn) {
   const Ints both = marks(near) & marks(second);
   if (!any(both)) return false;
   const Floats distance = root(near.squared), further = root(second.squared);
@@ -199,7 +204,7 @@ inline bool cut(Bent& bent, const Pair& pair) {
   const Floats rate = root(x * x + y * y), gap = further / second.thickness * near.thickness - distance;
   const Ints meets = both & (rate > all(0.0f));
   const Floats share = smaller(larger(0.5f - gap / (meets ? rate : all(1.0f)), all(0.0f)), all(0.5f));
-  bent.share = meets ? share * clamped((pair.turn - crease_turn) * (1 / turn_fade)) : all(0.0f);
+  bent.share = meets ? share * clamped((turn - crease_turn) * (1 / turn_fade)) : all(0.0f);
   bent.slant = 0.5f * rate;
   bent.second = second;
   return any(bent.share > all(0.0f));
@@ -249,13 +254,11 @@ inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Til
   const Floats x = block_x(tile, block), y = block_y(tile, block);
   Nearest& near = cover.near[block];
   Bent& bent = cover.bent[block];
+  near = nearest_of(cover, segments, count, block, x, y);
   bool cuts = false;
-  if (strokes.may_crease[id]) {
-    const Pair pair = two_nearest_of(cover, segments, shapes, count, block, x, y);
-    near = pair.near;
-    cuts = cut(bent, pair);
-  } else {
-    near = nearest_of(cover, segments, count, block, x, y);
+  if (any_tight(near, shapes)) {
+    const Second second = second_of(cover, near, segments, shapes, count, block, x, y);
+    cuts = cut(bent, near, second.part, second.turn);
   }
   bool odd = round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
   if (cuts)

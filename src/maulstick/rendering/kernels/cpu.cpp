@@ -82,11 +82,10 @@ float faded(float turn, float least) { return std::clamp((turn - least) / turn_f
 struct Segments {
   std::vector<Segment> segment;              // (count, segments)
   std::vector<Shape> shape;                  // (count, segments)
-  std::vector<uint8_t> may_crease;           // (count,)
 
   Segments(const float* xy, const float* thickness, int64_t count, int64_t points) {
     const int64_t each = std::max<int64_t>(points - 1, 1);
-    segment.resize(count * each), shape.resize(count * each), may_crease.resize(count);
+    segment.resize(count * each), shape.resize(count * each);
     for (int64_t i = 0; i < count; ++i) {
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
@@ -100,7 +99,7 @@ struct Segments {
         s.reach = widest > 0 ? widest + half_diagonal : 0;
       }
       find_shape(segment.data() + i * each, shape.data() + i * each, each);
-      may_crease[i] = comes_near_itself(segment.data() + i * each, shape.data() + i * each, each);
+      find_tight(segment.data() + i * each, shape.data() + i * each, each);
     }
   }
 
@@ -131,38 +130,30 @@ struct Segments {
     }
   }
 
-  struct Box { float left, right, top, bottom; };
-
-  static Box around(const Segment& s) {
-    return {std::min(s.ux, s.ux + s.wx) - s.reach, std::max(s.ux, s.ux + s.wx) + s.reach,
-            std::min(s.uy, s.uy + s.wy) - s.reach, std::max(s.uy, s.uy + s.wy) + s.reach};
-  }
-
-  static bool meet(const Box& a, const Box& b) {
-    return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-  }
-
-  // Whether two segments between which the stroke turns may both reach a pixel. Runs of segments are compared first.
-  static bool comes_near_itself(const Segment* s, const Shape* shape, int64_t count) {
-    if (shape[count - 1].turned <= crease_turn) return false;
-    constexpr int64_t run = 8;
-    std::vector<Box> boxes;
-    for (int64_t i = 0; i < count; ++i) {
-      const Box box = around(s[i]);
-      if (i % run == 0) boxes.push_back(box);
-      Box& all = boxes.back();
-      all = {std::min(all.left, box.left), std::max(all.right, box.right), std::min(all.top, box.top),
-             std::max(all.bottom, box.bottom)};
-    }
-    for (int64_t a = 0; a < int64_t(boxes.size()); ++a)
-      for (int64_t b = a; b < int64_t(boxes.size()); ++b) {
-        const int64_t a_end = std::min(a * run + run, count), b_end = std::min(b * run + run, count);
-        if (shape[b_end - 1].turned - shape[a * run].turned <= crease_turn || !meet(boxes[a], boxes[b])) continue;
-        for (int64_t i = a * run; i < a_end; ++i)
-          for (int64_t j = std::max(i + 1, b * run); j < b_end; ++j)
-            if (shape[j].turned - shape[i].turned > crease_turn && meet(around(s[i]), around(s[j]))) return true;
+  // Finds whether a disc that touches a segment may reach another part of the stroke (reference.py, _is_tight).
+  void find_tight(const Segment* s, Shape* shape, int64_t count) {
+    for (int64_t k = 0; k < count; ++k) shape[k].tight = false;
+    if (shape[count - 1].turned <= crease_turn) return;
+    float widest = 0;
+    for (int64_t k = 0; k < count; ++k) widest = std::max(widest, s[k].reach - half_diagonal);
+    const float radius = widest + crease_room;
+    for (int64_t k = 0; k < count; ++k) {
+      const Shape& p = shape[k];
+      const auto hits = [&](float x, float y) {
+        const float along = x * p.direction_x + y * p.direction_y, across = std::abs(x * p.direction_y - y * p.direction_x);
+        const float beside = along - std::min(std::max(along, 0.0f), p.length);
+        return (beside * beside + (across - radius) * (across - radius) < radius * radius) != 0;
+      };
+      bool tight = false;
+      for (int64_t j = 0; j < count; ++j) {
+        if (!(std::abs(shape[j].turned - p.turned) > crease_turn)) continue;
+        const float x = s[j].ux - s[k].ux, y = s[j].uy - s[k].uy;
+        tight |= shape[j].length > 2 * radius || hits(x, y) || hits(x + s[j].wx, y + s[j].wy) ||
+                 (shape[j].length > radius / 2 && hits(x + s[j].wx / 2, y + s[j].wy / 2));
+        if (tight) break;
       }
-    return false;
+      shape[k].tight = tight;
+    }
   }
 };
 
@@ -245,7 +236,7 @@ Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t c
                    const uint8_t* trainable, bool shapes) {
   const int64_t points = xy.shape(1);
   return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.data(),
-          segments.shape.data(), segments.may_crease.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
+          segments.shape.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
 // Calls visit(tile, strokes, scratch) for each tile of the canvas, band by band.

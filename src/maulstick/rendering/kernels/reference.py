@@ -10,6 +10,7 @@ from maulstick.rendering.kernels.arguments import check_canvas, check_size, chec
 
 _HALF_DIAGONAL = math.sqrt(0.5)
 _TURN, _SHARP, _FADE = 0.15, 0.3, 0.15  # turns from which parts may meet in a crease, and corners are round; fade-in
+_ROOM = 1.5  # pixels beyond a mark's edge in which a crease may lie that cuts a pixel which the mark reaches
 _SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
 _WIDE, _ALIGNED = 3.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
 
@@ -46,7 +47,7 @@ def _darkness_of_one(
 ) -> Tensor:
     if xy.shape[0] == 1:  # a dot is a segment without length
         xy, thickness = xy.expand(2, 2), thickness.expand(2)
-    near, second = _two_nearest(_segments(xy), thickness, grid)
+    near, second = _two_nearest(xy, thickness, grid)
     with torch.no_grad():
         apart = near.towards - second.towards
         rate = apart.norm(dim=-1)  # at which the one gets nearer than the other, per pixel
@@ -100,6 +101,7 @@ class _Nearest:
     ratio: distance over thickness.  distance, thickness: pixels.  towards: (H, W, 2) unit, 0 at no distance.
     rounded: share of the pixel that lies around a point, an end or a corner, and not along a line.
     turned: by how much the stroke has turned up to the nearest point, and from it on, since that may be a corner.
+    tight: whether another part of the stroke is so near that they may meet in a crease.
     """
 
     ratio: Tensor
@@ -108,6 +110,7 @@ class _Nearest:
     towards: Tensor
     rounded: Tensor
     turned: tuple[Tensor, Tensor]
+    tight: Tensor
 
     @property
     def marks(self) -> Tensor:
@@ -122,6 +125,7 @@ class _Nearest:
             torch.where(here[..., None], self.towards, other.towards),
             torch.where(here, self.rounded, other.rounded),
             (torch.where(here, self.turned[0], other.turned[0]), torch.where(here, self.turned[1], other.turned[1])),
+            torch.where(here, self.tight, other.tight),
         )
 
     def mean_darkness(self, falloff: Tensor, plateau: Tensor, slant: Tensor, lost: Tensor) -> Tensor:
@@ -141,18 +145,19 @@ class _Nearest:
         return torch.where(self.marks, torch.lerp(line, point, self.rounded), 0.0)
 
 
-def _two_nearest(segments: _Segments, thickness: Tensor, grid: Tensor) -> tuple[_Nearest, _Nearest]:
+def _two_nearest(xy: Tensor, thickness: Tensor, grid: Tensor) -> tuple[_Nearest, _Nearest]:
     """Return what is nearest, and what is nearest of all that goes elsewhere and may meet it in a crease."""
+    segments = _segments(xy)
     nothing = grid.new_zeros(grid.shape[:2])
-    none = _Nearest(nothing + torch.inf, nothing, nothing + 1, torch.zeros_like(grid), nothing, (nothing, nothing))
+    none = _Nearest(
+        nothing + torch.inf, nothing, nothing + 1, torch.zeros_like(grid), nothing, (nothing, nothing), nothing.bool()
+    )
+    each = [_nearest_on(segments, k, thickness, grid) for k in range(len(segments.length))]
     near = second = none
-    for k in range(len(segments.length)):
-        here = _nearest_on(segments, k, thickness, grid)
-        nearer = here.ratio < near.ratio  # the maximum of darkness; the first segment wins a tie
-        elsewhere, beside = (_turn_between(here, other) > _TURN for other in (near, second))
-        left = near.where(elsewhere, second.where(beside, none))
-        taken = here.where(elsewhere & (here.ratio < second.ratio), second)
-        near, second = here.where(nearer, near), left.where(nearer, taken)
+    for here in each:
+        near = here.where(here.ratio < near.ratio, near)  # the maximum of darkness; the first segment wins a tie
+    for here in each:
+        second = here.where(near.tight & (_turn_between(here, near) > _TURN) & (here.ratio < second.ratio), second)
     return near, second
 
 
@@ -186,7 +191,24 @@ def _nearest_on(segments: _Segments, k: int, thickness: Tensor, grid: Tensor) ->
     before, here, after = segments.turned[k : k + 3]
     turned = torch.where(projection <= 0, before, here), torch.where(projection >= 1, after, here)
     towards = offset.detach() / torch.where(far > 0, far, 1.0)[..., None]
-    return _Nearest(ratio, distance, at_pixel, towards, rounded.clamp(max=1), turned)
+    tight = _is_tight(segments, k, thickness.detach().max() + _ROOM).expand(far.shape)
+    return _Nearest(ratio, distance, at_pixel, towards, rounded.clamp(max=1), turned, tight)
+
+
+def _is_tight(segments: _Segments, k: int, radius: Tensor) -> Tensor:
+    """Tell whether a disc that touches segment k, on either side, may reach another part of the stroke.
+
+    Discs are tried against points, and against the middles of segments that are long beside them.
+    """
+    xy, direction = segments.xy.detach(), segments.direction[k]
+    onwards = torch.stack([xy[:-1], (xy[:-1] + xy[1:]) / 2, xy[1:]], dim=1) - xy[k]  # (n - 1, 3, 2)
+    along = onwards @ direction
+    across = (onwards[..., 0] * direction[1] - onwards[..., 1] * direction[0]).abs()
+    beside = along - along.clamp(min=0).minimum(segments.length[k])
+    hit = beside.square() + (across - radius).square() < radius.square()
+    hit[:, 1] &= segments.length > radius / 2
+    turns = (segments.turned[1:-1] - segments.turned[k + 1]).abs() > _TURN
+    return (turns & (hit.any(dim=1) | (segments.length > 2 * radius))).any()
 def _share_beyond(pixels: Tensor) -> Tensor:
     """Return the share of a pixel that lies beyond what is so far from its centre."""
     return (0.5 - pixels).clamp(0, 1)

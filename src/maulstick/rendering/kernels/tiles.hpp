@@ -12,8 +12,8 @@ constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `
 
 constexpr float half_diagonal = 0.70710678f;
 
-// As in reference.py: _TURN, _SHARP, _FADE.
-constexpr float crease_turn = 0.15f, sharp_turn = 0.3f, turn_fade = 0.15f;
+// As in reference.py: _TURN, _SHARP, _FADE, _ROOM.
+constexpr float crease_turn = 0.15f, sharp_turn = 0.3f, turn_fade = 0.15f, crease_room = 1.5f;
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
@@ -28,6 +28,7 @@ struct Shape {
   float before, after;                       // pixels along the stroke, on either side
   float turned_before, turned, turned_after; // by how much it has turned up to the segments before, here and after
   float sharp_start, sharp_end;              // from 0 to 1: how round the outer sides of its corners are
+  bool tight;                                // whether it may meet another part of the stroke in a crease
   bool may_round;                            // whether pixels near it may lie around an end or a corner
 };
 
@@ -35,7 +36,6 @@ struct Strokes {
   int64_t count, points, segments, channels;
   const Segment* segment;         // (count, segments)
   const Shape* shape;             // (count, segments)
-  const uint8_t* may_crease;      // (count,): whether parts that go different ways come near each other
   const float* colours;           // (count, channels)
   const float *c, *q, *o;         // (count,): falloff, plateau, opacity
   const uint8_t* trainable;       // (count,), or null for all
