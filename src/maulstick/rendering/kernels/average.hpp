@@ -92,13 +92,17 @@ inline Mean mean_across(const Across& across, Floats h, const Profile& p) {
   return mean;
 }
 
+// How the mean distance of a pixel from a point differs from that of its centre (reference.py, _around_a_point); square: of
+// the latter.
+inline Floats fall_around(Floats square) { return 1.0f / (1.0f + 5.12f * square + 23.6f * square * square); }
+inline Floats bulge_around(Floats fall) { return 1.0f / 12 + 0.06305f * fall; }
+
 // Mean darkness over parts of pixels (reference.py, mean_darkness). shift, scale: of the part, from its pixel's centre and
 // of its width. point: where the part lies around a point and not along a line.
 template <int Slopes>
 inline Mean mean_of_parts(Across across, Floats h, Floats shift, Floats scale, Ints point, const Profile& p) {
   const Floats distance = across.distance + shift, square = distance * distance;
-  const Floats fall = 1.0f / (1.0f + 5.12f * square + 23.6f * square * square);
-  const Floats bulge = 1.0f / 12 + 0.06305f * fall;
+  const Floats fall = fall_around(square), bulge = bulge_around(fall);
   const Floats around = root(square + bulge), squared_spread = 2.0f - 12.0f * bulge;
   scale = point ? scale * root(squared_spread) : scale;
   Mean mean = mean_across<Slopes, true>({point ? around : distance, across.a * scale, across.b * scale}, h, p);

@@ -158,17 +158,15 @@ struct Second {
 };
 
 // Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
-inline Second second_of(const Coverage& cover, const Nearest& near, const Segment* segments, const Shape* shapes,
+inline Second second_of(const Coverage& cover, const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes,
                         int64_t count, int block, Floats x, Floats y) {
   Floats from{}, to{};                // turned up to the nearest points, and from them on
-  Ints tight{};
   for (int lane = 0; lane < LANES; ++lane) {
     const Segment& s = segments[near.owner[lane]];
     const Shape& p = shapes[near.owner[lane]];
     const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
     from[lane] = free <= 0 ? p.turned_before : p.turned;
     to[lane] = free >= 1 ? p.turned_after : p.turned;
-    tight[lane] = -int32_t(p.tight);
   }
   Second second{nothing_near(), {}};
   each_reaching(cover, count, block, [&](int64_t k) {
@@ -178,16 +176,17 @@ inline Second second_of(const Coverage& cover, const Nearest& near, const Segmen
     const Floats its_from = foot.free <= all(0.0f) ? all(p.turned_before) : all(p.turned);
     const Floats its_to = foot.free >= all(1.0f) ? all(p.turned_after) : all(p.turned);
     const Floats turn = larger(its_from - to, from - its_to);
-    const Ints takes = tight & (turn > all(crease_turn)) & nearer(here, second.part);
+    const Ints takes = tight & (turn > all(sharp_turn)) & nearer(here, second.part);
     second = {chosen(takes, here, second.part), takes ? turn : second.turn};
   });
   return second;
 }
 
-inline bool any_tight(const Nearest& near, const Shape* shapes) {
-  bool tight = false;
-  for (int lane = 0; lane < LANES; ++lane) tight |= shapes[near.owner[lane]].tight;
-  return tight;
+// Pixels in which another part may be as near.
+inline Ints tight_pixels(const Nearest& near, const Shape* shapes) {
+  Floats from;
+  for (int lane = 0; lane < LANES; ++lane) from[lane] = larger(shapes[near.owner[lane]].tight_from, 0.0f);
+  return marks(near) & (near.squared >= from * from);
 }
 
 inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
@@ -204,7 +203,7 @@ inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats t
   const Floats rate = root(x * x + y * y), gap = further / second.thickness * near.thickness - distance;
   const Ints meets = both & (rate > all(0.0f));
   const Floats share = smaller(larger(0.5f - gap / (meets ? rate : all(1.0f)), all(0.0f)), all(0.5f));
-  bent.share = meets ? share * clamped((turn - crease_turn) * (1 / turn_fade)) : all(0.0f);
+  bent.share = meets ? share * clamped((turn - sharp_turn) * (1 / turn_fade)) : all(0.0f);
   bent.slant = 0.5f * rate;
   bent.second = second;
   return any(bent.share > all(0.0f));
@@ -212,11 +211,14 @@ inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats t
 
 inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
 
-// Finds the share of LANES pixels that lies around an end or a corner (reference.py, _nearest_on); returns whether there
-// is any. count: number of the stroke's segments.
-inline bool round_off(Floats& rounded, Ints& ends, const Nearest& near, const Segment* segments, const Shape* shapes,
+// Finds the share of LANES pixels that lies around an end or a corner (reference.py, _nearest_on), or bends the edge by
+// which they lie where that is further off; returns whether any pixel has such a share. count: number of the stroke's segments.
+inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment* segments, const Shape* shapes,
                       int64_t count, Floats x, Floats y) {
   rounded = Floats{}, ends = Ints{};
+  bool may = false;
+  for (int lane = 0; lane < LANES; ++lane) may |= shapes[near.owner[lane]].may_round;
+  if (!may) return false;
   Ints pending = marks(near);
   for (int lane = 0; lane < LANES; ++lane) {
     if (!pending[lane]) continue;
@@ -244,6 +246,15 @@ inline bool round_off(Floats& rounded, Ints& ends, const Nearest& near, const Se
     ends |= grows & (((start > all(0.0f)) & (start < all(1.0f)) & 1) | ((end > all(0.0f)) & (end < all(1.0f)) & 2));
     rounded = mine ? smaller(larger(share, wedge), all(1.0f)) : rounded;
   }
+  if (!any(rounded > all(0.0f))) return false;
+  const Ints far = near.squared >= all(close_by * close_by);
+  if (any(far)) {
+    const Floats fall = fall_around(near.squared), square = far ? near.squared : all(1.0f);
+    const Floats bend = far ? 1.0f + rounded * (root((square + bulge_around(fall)) / square) - 1.0f) : all(1.0f);
+    near.offset_x *= bend, near.offset_y *= bend;
+    rounded = far ? all(0.0f) : rounded;
+    ends &= ~far;
+  }
   return any(rounded > all(0.0f));
 }
 
@@ -256,8 +267,8 @@ inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Til
   Bent& bent = cover.bent[block];
   near = nearest_of(cover, segments, count, block, x, y);
   bool cuts = false;
-  if (any_tight(near, shapes)) {
-    const Second second = second_of(cover, near, segments, shapes, count, block, x, y);
+  if (const Ints tight = tight_pixels(near, shapes); any(tight)) {
+    const Second second = second_of(cover, near, tight, segments, shapes, count, block, x, y);
     cuts = cut(bent, near, second.part, second.turn);
   }
   bool odd = round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);

@@ -83,9 +83,10 @@ struct Segments {
   std::vector<Segment> segment;              // (count, segments)
   std::vector<Shape> shape;                  // (count, segments)
 
-  Segments(const float* xy, const float* thickness, int64_t count, int64_t points) {
+  Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points) {
     const int64_t each = std::max<int64_t>(points - 1, 1);
     segment.resize(count * each), shape.resize(count * each);
+    std::vector<float> places(kernel.places_floats(each));
     for (int64_t i = 0; i < count; ++i) {
       for (int64_t k = 0; k < each; ++k) {
         const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
@@ -99,7 +100,7 @@ struct Segments {
         s.reach = widest > 0 ? widest + half_diagonal : 0;
       }
       find_shape(segment.data() + i * each, shape.data() + i * each, each);
-      find_tight(segment.data() + i * each, shape.data() + i * each, each);
+      kernel.find_tight(segment.data() + i * each, shape.data() + i * each, each, places.data());
     }
   }
 
@@ -127,32 +128,6 @@ struct Segments {
       p.sharp_start = faded(p.turned - p.turned_before, sharp_turn);
       p.sharp_end = faded(p.turned_after - p.turned, sharp_turn);
       p.may_round = p.before < 0.5f || p.after < 0.5f || p.sharp_start > 0 || p.sharp_end > 0;
-    }
-  }
-
-  // Finds whether a disc that touches a segment may reach another part of the stroke (reference.py, _is_tight).
-  void find_tight(const Segment* s, Shape* shape, int64_t count) {
-    for (int64_t k = 0; k < count; ++k) shape[k].tight = false;
-    if (shape[count - 1].turned <= crease_turn) return;
-    float widest = 0;
-    for (int64_t k = 0; k < count; ++k) widest = std::max(widest, s[k].reach - half_diagonal);
-    const float radius = widest + crease_room;
-    for (int64_t k = 0; k < count; ++k) {
-      const Shape& p = shape[k];
-      const auto hits = [&](float x, float y) {
-        const float along = x * p.direction_x + y * p.direction_y, across = std::abs(x * p.direction_y - y * p.direction_x);
-        const float beside = along - std::min(std::max(along, 0.0f), p.length);
-        return (beside * beside + (across - radius) * (across - radius) < radius * radius) != 0;
-      };
-      bool tight = false;
-      for (int64_t j = 0; j < count; ++j) {
-        if (!(std::abs(shape[j].turned - p.turned) > crease_turn)) continue;
-        const float x = s[j].ux - s[k].ux, y = s[j].uy - s[k].uy;
-        tight |= shape[j].length > 2 * radius || hits(x, y) || hits(x + s[j].wx, y + s[j].wy) ||
-                 (shape[j].length > radius / 2 && hits(x + s[j].wx / 2, y + s[j].wy / 2));
-        if (tight) break;
-      }
-      shape[k].tight = tight;
     }
   }
 };
@@ -267,7 +242,7 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const Segments segments(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr, false);
   each_tile(kernel, s, Bands(s, height, width), height, width, threads, false,
             [&](Tile tile, const TileStrokes& chosen, char* scratch) {
@@ -286,7 +261,7 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const Segments segments(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
   const Bands bands(s, height, width);
   const int64_t size = gradient_size(s);
@@ -324,7 +299,7 @@ void darkness(const std::string& instructions, int64_t threads, Array<const floa
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = out.shape(1), width = out.shape(2);
-  const Segments segments(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(out.data(), out.data() + out.size(), 0.0f);
   each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {
@@ -338,7 +313,7 @@ void darkness_backward(const std::string& instructions, int64_t threads, Array<c
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = grad_out.shape(1), width = grad_out.shape(2);
-  const Segments segments(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(gradients.data(), gradients.data() + gradients.size(), 0.0f);
   each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {

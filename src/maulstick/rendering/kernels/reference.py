@@ -9,8 +9,9 @@ from torch import Tensor
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
 
 _HALF_DIAGONAL = math.sqrt(0.5)
-_TURN, _SHARP, _FADE = 0.15, 0.3, 0.15  # turns from which parts may meet in a crease, and corners are round; fade-in
-_ROOM = 1.5  # pixels beyond a mark's edge in which a crease may lie that cuts a pixel which the mark reaches
+_TURN, _FADE = 0.5, 0.25  # a turn from which on parts of a stroke may meet in a crease and a corner is round; its fade-in
+_ROOM, _LONG = 1.0, 4.0  # pixels from a crease within which it may cut a pixel; a long segment
+_CLOSE = 1.25  # pixels from a point beyond which its mark is a line's whose edge is bent
 _SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
 _WIDE, _ALIGNED = 3.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
 
@@ -53,7 +54,7 @@ def _darkness_of_one(
         rate = apart.norm(dim=-1)  # at which the one gets nearer than the other, per pixel
         gap = (second.ratio - near.ratio) * near.thickness
         share = (0.5 - gap / torch.where(rate > 0, rate, 1.0)).clamp(0, 0.5)
-        share = torch.where(near.marks & second.marks & (rate > 0), share, 0.0) * _fade(_turn_between(near, second), _TURN)
+        share = torch.where(near.marks & second.marks & (rate > 0), share, 0.0) * _fade(_turn_between(near, second))
     mean = (1 - share) * near.mean_darkness(falloff, plateau, rate / 2, share)
     mean = mean + share * second.mean_darkness(falloff, plateau, rate / 2, 1 - share)
     within = near.marks & (near.distance + _HALF_DIAGONAL <= plateau * near.thickness)
@@ -101,7 +102,7 @@ class _Nearest:
     ratio: distance over thickness.  distance, thickness: pixels.  towards: (H, W, 2) unit, 0 at no distance.
     rounded: share of the pixel that lies around a point, an end or a corner, and not along a line.
     turned: by how much the stroke has turned up to the nearest point, and from it on, since that may be a corner.
-    tight: whether another part of the stroke is so near that they may meet in a crease.
+    tight: whether another part of the stroke is so near that both may meet in a crease within the pixel.
     """
 
     ratio: Tensor
@@ -136,13 +137,25 @@ class _Nearest:
         away = self.towards.abs().sort(dim=-1, descending=True).values
         away = torch.where((away > 0).any(-1, keepdim=True), away, away.new_tensor([1.0, 0.0]))
         a, b = (away * (1 - slant**2 * lost * (2 - lost)).clamp(min=_SLIMMEST**2).sqrt()[..., None]).unbind(-1)
-        distance = self.distance - slant * lost / 2
+        close = self.distance < _CLOSE
+        around, _ = _around_a_point(self.distance.detach())
+        bend = torch.where(close, 0.0, self.rounded * (around - self.distance)).detach()
+        distance = self.distance + bend - slant * lost / 2
         line = _mean_across(distance, self.thickness, falloff, plateau, a, b)
-        square = distance.square()
-        bulge = 1 / 12 + 0.06305 / (1 + 5.12 * square + 23.6 * square.square())  # fitted to means over a pixel
-        spread = (2 - 12 * bulge).sqrt()
-        point = _mean_across((square + bulge).sqrt(), self.thickness, falloff, plateau, spread * a, spread * b)
-        return torch.where(self.marks, torch.lerp(line, point, self.rounded), 0.0)
+        around, spread = _around_a_point(distance)
+        point = _mean_across(around, self.thickness, falloff, plateau, spread * a, spread * b)
+        mean = torch.where(close, torch.lerp(line, point, self.rounded), line)
+        return torch.where(self.marks, mean, 0.0)
+
+
+def _around_a_point(distance: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the mean distance from a point to a pixel whose centre is so far from it, and its spread beside a line's.
+
+    The square's part is fitted; the second moment of the distance over a square of side 1 is 1/6 more than its centre's.
+    """
+    square = distance.square()
+    bulge = 1 / 12 + 0.06305 / (1 + 5.12 * square + 23.6 * square.square())
+    return (square + bulge).sqrt(), (2 - 12 * bulge).sqrt()
 
 
 def _two_nearest(xy: Tensor, thickness: Tensor, grid: Tensor) -> tuple[_Nearest, _Nearest]:
@@ -187,28 +200,32 @@ def _nearest_on(segments: _Segments, k: int, thickness: Tensor, grid: Tensor) ->
             theirs = -onwards if other < k else onwards
             wedge = (_share_beyond(ours) + _share_beyond(theirs) - 1).clamp(min=0)
             turn = segments.turned[corner + 1] - segments.turned[corner]
-            rounded = torch.maximum(rounded, wedge * _fade(turn, _SHARP))
+            rounded = torch.maximum(rounded, wedge * _fade(turn))
     before, here, after = segments.turned[k : k + 3]
     turned = torch.where(projection <= 0, before, here), torch.where(projection >= 1, after, here)
     towards = offset.detach() / torch.where(far > 0, far, 1.0)[..., None]
-    tight = _is_tight(segments, k, thickness.detach().max() + _ROOM).expand(far.shape)
+    tight = far >= _free_radius(segments, k) - _ROOM
     return _Nearest(ratio, distance, at_pixel, towards, rounded.clamp(max=1), turned, tight)
 
 
-def _is_tight(segments: _Segments, k: int, radius: Tensor) -> Tensor:
-    """Tell whether a disc that touches segment k, on either side, may reach another part of the stroke.
+def _free_radius(segments: _Segments, k: int) -> Tensor:
+    """Return the radius of the largest disc that touches segment k, on either side, and no other part of the stroke.
 
-    Discs are tried against points, and against the middles of segments that are long beside them.
+    Discs are tried against points, and middles of segments longer than 1; beside those longer than _LONG there is no
+    room at all.
     """
     xy, direction = segments.xy.detach(), segments.direction[k]
     onwards = torch.stack([xy[:-1], (xy[:-1] + xy[1:]) / 2, xy[1:]], dim=1) - xy[k]  # (n - 1, 3, 2)
     along = onwards @ direction
     across = (onwards[..., 0] * direction[1] - onwards[..., 1] * direction[0]).abs()
     beside = along - along.clamp(min=0).minimum(segments.length[k])
-    hit = beside.square() + (across - radius).square() < radius.square()
-    hit[:, 1] &= segments.length > radius / 2
+    radius = (beside.square() + across.square()) / (2 * across.clamp(min=1e-6))
+    length = segments.length
+    radius[:, 1] = torch.where(length > _LONG, 0.0, torch.where(length > 1, radius[:, 1], torch.inf))
     turns = (segments.turned[1:-1] - segments.turned[k + 1]).abs() > _TURN
-    return (turns & (hit.any(dim=1) | (segments.length > 2 * radius))).any()
+    return torch.where(turns, radius.amin(dim=1), torch.inf).amin()
+
+
 def _share_beyond(pixels: Tensor) -> Tensor:
     """Return the share of a pixel that lies beyond what is so far from its centre."""
     return (0.5 - pixels).clamp(0, 1)
@@ -224,8 +241,8 @@ def _turn_between(one: _Nearest, other: _Nearest) -> Tensor:
     return torch.maximum(one.turned[0] - other.turned[1], other.turned[0] - one.turned[1])
 
 
-def _fade(turn: Tensor, least: float) -> Tensor:
-    return ((turn - least) / _FADE).clamp(0, 1)
+def _fade(turn: Tensor) -> Tensor:
+    return ((turn - _TURN) / _FADE).clamp(0, 1)
 
 
 def _turned(xy: Tensor) -> Tensor:

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "samples.hpp"
+#include "tight.hpp"
 
 namespace maulstick {
 namespace {
@@ -392,6 +393,6 @@ void darkness_backward(const Strokes& s, int64_t id, Tile tile, int64_t width, c
 
 }  // namespace
 
-extern const Kernel KERNEL = {INSTRUCTION_SET, Room::bytes, composite, composite_backward, darkness, darkness_backward};
+extern const Kernel KERNEL = {INSTRUCTION_SET, find_tight, places_floats, Room::bytes, composite, composite_backward, darkness, darkness_backward};
 
 }  // namespace maulstick

@@ -12,8 +12,8 @@ constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `
 
 constexpr float half_diagonal = 0.70710678f;
 
-// As in reference.py: _TURN, _SHARP, _FADE, _ROOM.
-constexpr float crease_turn = 0.15f, sharp_turn = 0.3f, turn_fade = 0.15f, crease_room = 1.5f;
+// As in reference.py: _TURN, _FADE, _ROOM, _LONG, _CLOSE.
+constexpr float sharp_turn = 0.5f, turn_fade = 0.25f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
@@ -28,7 +28,7 @@ struct Shape {
   float before, after;                       // pixels along the stroke, on either side
   float turned_before, turned, turned_after; // by how much it has turned up to the segments before, here and after
   float sharp_start, sharp_end;              // from 0 to 1: how round the outer sides of its corners are
-  bool tight;                                // whether it may meet another part of the stroke in a crease
+  float tight_from;                          // pixels from it from which on another part may be as near
   bool may_round;                            // whether pixels near it may lie around an end or a corner
 };
 
@@ -49,6 +49,9 @@ struct Tile { int x, y, width, height; };   // pixels; at most tile_width x tile
 
 struct Kernel {
   const char* name;
+  // Finds `tight_from` of one stroke's shapes; places: places_floats(count) numbers of scratch.
+  void (*find_tight)(const Segment*, Shape*, int64_t count, float* places);
+  int64_t (*places_floats)(int64_t segments);
   // Bytes of the memory of one thread, which is reused for every tile; most of it is hardly ever touched.
   int64_t (*scratch_bytes)(int64_t segments, int64_t channels, int64_t strokes, bool backward);
   // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
