@@ -142,10 +142,24 @@ inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit
   }
 }
 
-inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x, Floats y) {
+// Segments that reach a block, while there is room for them, and how near they are to its pixels.
+struct Seen {
+  static constexpr int most = 64;
+  int count = 0;
+  int32_t segment[most];
+  Floats squared[most], thickness[most];
+};
+
+inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x, Floats y,
+                          Seen& seen) {
   Nearest near = nothing_near();
   each_reaching(cover, count, block, [&](int64_t k) {
     const Nearest here = nearest_on(segments[k], foot_on(segments[k], x, y), int32_t(k));
+    if (seen.count < Seen::most) {
+      seen.segment[seen.count] = int32_t(k), seen.squared[seen.count] = here.squared;
+      seen.thickness[seen.count] = here.thickness;
+    }
+    ++seen.count;
     near = chosen(nearer(here, near), here, near);
   });
   return near;
@@ -157,36 +171,93 @@ struct Second {
   Floats turn;                        // between the two
 };
 
-// Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
-inline Second second_of(const Coverage& cover, const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes,
-                        int64_t count, int block, Floats x, Floats y) {
-  Floats from{}, to{};                // turned up to the nearest points, and from them on
-  for (int lane = 0; lane < LANES; ++lane) {
-    const Segment& s = segments[near.owner[lane]];
-    const Shape& p = shapes[near.owner[lane]];
-    const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
-    from[lane] = free <= 0 ? p.turned_before : p.turned;
-    to[lane] = free >= 1 ? p.turned_after : p.turned;
-  }
-  Second second{nothing_near(), {}};
-  each_reaching(cover, count, block, [&](int64_t k) {
-    const Shape& p = shapes[k];
-    const Foot foot = foot_on(segments[k], x, y);
-    const Nearest here = nearest_on(segments[k], foot, int32_t(k));
-    const Floats its_from = foot.free <= all(0.0f) ? all(p.turned_before) : all(p.turned);
-    const Floats its_to = foot.free >= all(1.0f) ? all(p.turned_after) : all(p.turned);
-    const Floats turn = larger(its_from - to, from - its_to);
-    const Ints takes = tight & (turn > all(sharp_turn)) & nearer(here, second.part);
-    second = {chosen(takes, here, second.part), takes ? turn : second.turn};
-  });
-  return second;
+// Whether a part is so near beside the nearest one that they meet within the pixel. inverse: of the nearest thickness.
+inline Ints within(Floats squared, Floats thickness, Floats distance, Floats inverse, Floats turn) {
+  const Floats reach = (distance + 0.5f * smaller(turn, all(2.0f))) * inverse * thickness;
+  return squared < reach * reach;
 }
+
+// Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
+class SecondSearch {
+ public:
+  SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
+      : segments_(segments), shapes_(shapes), x_(x), y_(y), distance_(root(near.squared)),
+        inverse_(1.0f / near.thickness), tight_(tight), second_{nothing_near(), {}} {
+    for (int lane = 0; lane < LANES; ++lane) {
+      const Segment& s = segments[near.owner[lane]];
+      const Shape& p = shapes[near.owner[lane]];
+      const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
+      from_[lane] = free <= 0 ? p.turned_before : p.turned;
+      to_[lane] = free >= 1 ? p.turned_after : p.turned;
+    }
+  }
+
+  void look_at(int32_t k) {
+    const Shape& p = shapes_[k];
+    const Foot foot = foot_on(segments_[k], x_, y_);
+    const Nearest here = nearest_on(segments_[k], foot, k);
+    const Floats from = foot.free <= all(0.0f) ? all(p.turned_before) : all(p.turned);
+    const Floats to = foot.free >= all(1.0f) ? all(p.turned_after) : all(p.turned);
+    const Floats turn = larger(from - to_, from_ - to);
+    const Ints meets = tight_ & (turn > all(sharp_turn)) & within(here.squared, here.thickness, distance_, inverse_, turn);
+    const Ints takes = meets & nearer(here, second_.part);
+    second_ = {chosen(takes, here, second_.part), takes ? turn : second_.turn};
+  }
+
+  const Second& found() const { return second_; }
+
+ private:
+  const Segment* segments_;
+  const Shape* shapes_;
+  Floats x_, y_, distance_, inverse_; // inverse_: of the nearest thickness
+  Floats from_, to_;                  // turned up to the nearest points, and from them on
+  Ints tight_;
+  Second second_;
+};
 
 // Pixels in which another part may be as near.
 inline Ints tight_pixels(const Nearest& near, const Shape* shapes) {
   Floats from;
   for (int lane = 0; lane < LANES; ++lane) from[lane] = larger(shapes[near.owner[lane]].tight_from, 0.0f);
   return marks(near) & (near.squared >= from * from);
+}
+
+// Chooses those that may be as near, and turned, as a crease demands; returns their number.
+inline int choose_seconds(int32_t* chosen, const Seen& seen, const Nearest& near, Ints tight, const Shape* shapes) {
+  const Floats distance = root(near.squared), inverse = 1.0f / near.thickness;
+  Floats before, after;
+  for (int lane = 0; lane < LANES; ++lane) {
+    const Shape& p = shapes[near.owner[lane]];
+    before[lane] = p.turned_before, after[lane] = p.turned_after;
+  }
+  int count = 0;
+  for (int i = 0; i < seen.count; ++i) {
+    const Shape& p = shapes[seen.segment[i]];
+    const Floats turn = larger(p.turned_after - before, after - p.turned_before);    // at most
+    if (any(tight & (turn > all(sharp_turn)) & within(seen.squared[i], seen.thickness[i], distance, inverse, turn)))
+      chosen[count++] = seen.segment[i];
+  }
+  return count;
+}
+
+// Finds the parts that may meet the nearest ones; returns whether there are any.
+inline bool find_second(Second& second, const Seen& seen, const Coverage& cover, const Nearest& near,
+                        const Segment* segments, const Shape* shapes, int64_t count, int block, Floats x, Floats y) {
+  const Ints tight = tight_pixels(near, shapes);
+  if (!any(tight)) return false;
+  if (seen.count > Seen::most) {
+    SecondSearch search(near, tight, segments, shapes, x, y);
+    each_reaching(cover, count, block, [&](int64_t k) { search.look_at(int32_t(k)); });
+    second = search.found();
+    return true;
+  }
+  int32_t chosen[Seen::most];
+  const int found = choose_seconds(chosen, seen, near, tight, shapes);
+  if (found == 0) return false;
+  SecondSearch search(near, tight, segments, shapes, x, y);
+  for (int i = 0; i < found; ++i) search.look_at(chosen[i]);
+  second = search.found();
+  return true;
 }
 
 inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
@@ -202,7 +273,8 @@ inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats t
   const Floats y = near.offset_y * unit - second.offset_y * unit_second;
   const Floats rate = root(x * x + y * y), gap = further / second.thickness * near.thickness - distance;
   const Ints meets = both & (rate > all(0.0f));
-  const Floats share = smaller(larger(0.5f - gap / (meets ? rate : all(1.0f)), all(0.0f)), all(0.5f));
+  const Floats opens = meets ? smaller(rate, turn) : all(1.0f);   // side by side they part no faster than they turn
+  const Floats share = smaller(larger(0.5f - gap / opens, all(0.0f)), all(0.5f));
   bent.share = meets ? share * clamped((turn - sharp_turn) * (1 / turn_fade)) : all(0.0f);
   bent.slant = 0.5f * rate;
   bent.second = second;
@@ -265,12 +337,11 @@ inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Til
   const Floats x = block_x(tile, block), y = block_y(tile, block);
   Nearest& near = cover.near[block];
   Bent& bent = cover.bent[block];
-  near = nearest_of(cover, segments, count, block, x, y);
-  bool cuts = false;
-  if (const Ints tight = tight_pixels(near, shapes); any(tight)) {
-    const Second second = second_of(cover, near, tight, segments, shapes, count, block, x, y);
-    cuts = cut(bent, near, second.part, second.turn);
-  }
+  Seen seen;
+  near = nearest_of(cover, segments, count, block, x, y, seen);
+  Second second;
+  const bool cuts = find_second(second, seen, cover, near, segments, shapes, count, block, x, y) &&
+                    cut(bent, near, second.part, second.turn);
   bool odd = round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
   if (cuts)
     round_off(bent.second_rounded, bent.second_ends, bent.second, segments, shapes, count, x, y);

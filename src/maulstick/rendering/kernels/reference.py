@@ -9,7 +9,7 @@ from torch import Tensor
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
 
 _HALF_DIAGONAL = math.sqrt(0.5)
-_TURN, _FADE = 0.5, 0.25  # a turn from which on parts of a stroke may meet in a crease and a corner is round; its fade-in
+_TURN, _FADE = 0.8, 0.3  # a turn from which on parts of a stroke may meet in a crease and a corner is round; its fade-in
 _ROOM, _LONG = 1.0, 4.0  # pixels from a crease within which it may cut a pixel; a long segment
 _CLOSE = 1.25  # pixels from a point beyond which its mark is a line's whose edge is bent
 _SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
@@ -51,10 +51,11 @@ def _darkness_of_one(
     near, second = _two_nearest(xy, thickness, grid)
     with torch.no_grad():
         apart = near.towards - second.towards
-        rate = apart.norm(dim=-1)  # at which the one gets nearer than the other, per pixel
-        gap = (second.ratio - near.ratio) * near.thickness
-        share = (0.5 - gap / torch.where(rate > 0, rate, 1.0)).clamp(0, 0.5)
-        share = torch.where(near.marks & second.marks & (rate > 0), share, 0.0) * _fade(_turn_between(near, second))
+        rate, turn = apart.norm(dim=-1), _turn_between(near, second)
+        meets = near.marks & second.marks & (rate > 0)
+        opens = torch.where(meets, rate.minimum(turn), 1.0)  # by how much the one gets nearer than the other, per pixel
+        gap = (torch.where(meets, second.ratio, 0) - torch.where(meets, near.ratio, 0)) * near.thickness
+        share = torch.where(meets, (0.5 - gap / opens).clamp(0, 0.5) * _fade(turn), 0.0)
     mean = (1 - share) * near.mean_darkness(falloff, plateau, rate / 2, share)
     mean = mean + share * second.mean_darkness(falloff, plateau, rate / 2, 1 - share)
     within = near.marks & (near.distance + _HALF_DIAGONAL <= plateau * near.thickness)
@@ -170,7 +171,9 @@ def _two_nearest(xy: Tensor, thickness: Tensor, grid: Tensor) -> tuple[_Nearest,
     for here in each:
         near = here.where(here.ratio < near.ratio, near)  # the maximum of darkness; the first segment wins a tie
     for here in each:
-        second = here.where(near.tight & (_turn_between(here, near) > _TURN) & (here.ratio < second.ratio), second)
+        turn = _turn_between(here, near)
+        meets = here.ratio * near.thickness < near.distance + turn.clamp(max=2) / 2
+        second = here.where(near.tight & (turn > _TURN) & meets & (here.ratio < second.ratio), second)
     return near, second
 
 

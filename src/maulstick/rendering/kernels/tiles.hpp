@@ -13,7 +13,7 @@ constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `
 constexpr float half_diagonal = 0.70710678f;
 
 // As in reference.py: _TURN, _FADE, _ROOM, _LONG, _CLOSE.
-constexpr float sharp_turn = 0.5f, turn_fade = 0.25f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
+constexpr float sharp_turn = 0.8f, turn_fade = 0.3f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
