@@ -97,7 +97,7 @@ inline Mean mean_across(const Across& across, Floats h, const Profile& p) {
 inline Floats fall_around(Floats square) { return 1.0f / (1.0f + 5.12f * square + 23.6f * square * square); }
 inline Floats bulge_around(Floats fall) { return 1.0f / 12 + 0.06305f * fall; }
 
-// Mean darkness over parts of pixels (reference.py, mean_darkness). shift, scale: of the part, from its pixel's centre and
+// Mean darkness over parts of pixels (reference.py, _mean_darkness). shift, scale: of the part, from its pixel's centre and
 // of its width. point: where the part lies around a point and not along a line.
 template <int Slopes>
 inline Mean mean_of_parts(Across across, Floats h, Floats shift, Floats scale, Ints point, const Profile& p) {

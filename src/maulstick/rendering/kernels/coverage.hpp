@@ -1,4 +1,4 @@
-// Which parts of a stroke are nearest to each pixel of a tile (reference.py, _two_nearest).
+// Which parts of a stroke are nearest to each pixel of a tile (nearest.py, two_nearest).
 //
 // The maximum of darkness over segments (docs/equations.md) is the minimum of distance / thickness.
 #pragma once
@@ -283,7 +283,7 @@ inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats t
 
 inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
 
-// Finds the share of LANES pixels that lies around an end or a corner (reference.py, _nearest_on), or bends the edge by
+// Finds the share of LANES pixels that lies around an end or a corner (nearest.py, _nearest_on), or bends the edge by
 // which they lie where that is further off; returns whether any pixel has such a share. count: number of the stroke's segments.
 inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment* segments, const Shape* shapes,
                       int64_t count, Floats x, Floats y) {

@@ -70,7 +70,7 @@ struct Buffer {                              // uninitialised, so that unused pa
   explicit Buffer(int64_t size) : bytes(new char[size]) {}
 };
 
-// Twice the tangent of half the turn from one direction to another, 8 at most (reference.py, _turned).
+// Twice the tangent of half the turn from one direction to another, 8 at most (nearest.py, _turned).
 float turn_between(float ax, float ay, float bx, float by) {
   const float across = std::abs(ax * by - ay * bx);
   const float along = ax * bx + ay * by + std::sqrt((ax * ax + ay * ay) * (bx * bx + by * by));

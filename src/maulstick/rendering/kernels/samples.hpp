@@ -43,7 +43,7 @@ struct Samples {
   }
 };
 
-// Parts of pixels (reference.py, mean_darkness).
+// Parts of pixels (reference.py, _mean_darkness).
 struct Parts : Samples {
   alignas(64) float weight[batch], shift[batch], scale[batch];
   alignas(64) int32_t point[batch];   // whether the part lies around a point and not along a line

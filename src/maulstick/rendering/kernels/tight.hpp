@@ -1,4 +1,4 @@
-// How far from each segment of a stroke another part of it may be as near (reference.py, _free_radius).
+// How far from each segment of a stroke another part of it may be as near (nearest.py, _free_radius).
 #pragma once
 #include "lanes.hpp"
 #include "tiles.hpp"

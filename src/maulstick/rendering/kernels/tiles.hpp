@@ -12,7 +12,7 @@ constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `
 
 constexpr float half_diagonal = 0.70710678f;
 
-// As in reference.py: _TURN, _FADE, _ROOM, _LONG, _CLOSE.
+// As in nearest.py and reference.py: _TURN, _FADE, _ROOM, _LONG, _CLOSE.
 constexpr float sharp_turn = 0.8f, turn_fade = 0.3f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
 
 struct Segment {
@@ -22,7 +22,7 @@ struct Segment {
   float reach;                    // half the diagonal more than the larger half-width of the two ends; 0 for no mark
 };
 
-// How a stroke goes on around a segment (reference.py, _Segments).
+// How a stroke goes on around a segment (nearest.py, _Segments).
 struct Shape {
   float direction_x, direction_y, length;
   float before, after;                       // pixels along the stroke, on either side
