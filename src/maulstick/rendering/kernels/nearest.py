@@ -65,6 +65,7 @@ class Nearest:
 
     @property
     def marks(self) -> Tensor:
+        """Whether a mark reaches each pixel."""
         return self.ratio.isfinite()
 
     def where(self, here: Tensor, other: "Nearest") -> "Nearest":
@@ -162,10 +163,12 @@ def _moved_with(share: Tensor, point: Tensor, direction: Tensor) -> Tensor:
 
 
 def turn_between(one: Nearest, other: Nearest) -> Tensor:
+    """Return by how much the stroke turns from the one to the other, (H, W)."""
     return torch.maximum(one.turned[0] - other.turned[1], other.turned[0] - one.turned[1])
 
 
 def fade(turn: Tensor) -> Tensor:
+    """Return from 0 to 1 how much a turn counts."""
     return ((turn - _TURN) / _FADE).clamp(0, 1)
 
 

@@ -1,5 +1,7 @@
 """Reference renderer: every pixel against every segment. It is slow; all tests compare with it (docs/equations.md)."""
 
+import math
+
 import torch
 from torch import Tensor
 
