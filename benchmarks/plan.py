@@ -161,11 +161,8 @@ def over_seeds(name: str, image: str, options: PlannerSettings, px: int, seeds: 
         summary: Row = {"name": name, "image": image, "px": px, "seeds": seeds}
         for key in SUMMED_UP:
             values = np.array([row[key] for row in rows], dtype=np.float64)
-            summary |= {
-                key: round(mean(values), 3),
-                f"{key}_range": [round(float(bound), 3) for bound in (values.min(), values.max())],
-            }
-            summary[f"{key}_interval"] = of_few(values)
+            ends = [round(float(bound), 3) for bound in (values.min(), values.max())]
+            summary |= {key: round(mean(values), 3), f"{key}_range": ends, f"{key}_interval": of_few(values)}
         print(json.dumps(summary), flush=True)
     return rows
 
