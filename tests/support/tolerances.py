@@ -12,6 +12,11 @@ FLOAT32_GRADIENT_FAR = 1e-3
 
 FINITE_DIFFERENCE = 1e-6
 
+# A pixel beside the mean of the bare mark over it: around points, and at sharp corners and hairpins.
+FLOAT32_VALUE_CREASED = 1e-4  # in float32: the way to a pixel's centre on a stroke is known to no better
+BESIDE_A_POINT = 0.005
+BESIDE_A_CORNER = 0.01
+
 # Strokes, brush and plans. Lengths on a sheet are known in float32 to a hundredth of a micrometre or so.
 FLOAT64_METRES = 1e-14
 FLOAT32_METRES = 1e-7

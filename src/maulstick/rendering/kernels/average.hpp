@@ -30,7 +30,7 @@ inline Across across_pixels(Floats offset_x, Floats offset_y) {
 template <int Slopes, bool Widths>
 inline Mean mean_across(const Across& across, Floats h, const Profile& p) {
   const Floats distance = across.distance, a = across.a, b = across.b;
-  const Ints exact = (b > all(0.125f)) & (h - distance < all(3.0f));
+  const Ints exact = (b > all(0.125f)) & (h - distance < all(2.0f));
   const Floats step = b * (exact ? all(0.5f) : all(0.28867513f));   // else Gauss's two places
   const float c1 = 1 / (p.c + 1), c2 = 1 / (p.c + 2), steepness = 1 / (1 - p.q);
   const Floats ramp = h * (1 - p.q), edge = h * p.q, inverse = 1.0f / h;

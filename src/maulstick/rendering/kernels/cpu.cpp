@@ -77,6 +77,9 @@ float turn_between(float ax, float ay, float bx, float by) {
   return across < 4 * along ? 2 * across / along : 8;
 }
 
+// Wider than any canvas, while its square and differences stay finite.
+float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f); }
+
 float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
 
 struct Segments {
@@ -95,8 +98,8 @@ struct Segments {
         s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
         const float squared_length = s.wx * s.wx + s.wy * s.wy;
         s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
-        s.thickness = thickness[u], s.growth = thickness[v] - thickness[u];
-        const float widest = std::max(thickness[u], thickness[v]);
+        const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
+        s.thickness = at_u, s.growth = at_v - at_u;
         s.reach = widest > 0 ? widest + half_diagonal : 0;
       }
       find_shape(segment.data() + i * each, shape.data() + i * each, each);
@@ -110,6 +113,7 @@ struct Segments {
     for (int64_t k = 0; k < count; ++k) {
       Shape& p = shape[k];
       p.length = std::sqrt(s[k].wx * s[k].wx + s[k].wy * s[k].wy);
+      if (!(p.length < INFINITY)) p.length = 0;
       p.direction_x = p.length > 0 ? s[k].wx / p.length : 0;
       p.direction_y = p.length > 0 ? s[k].wy / p.length : 0;
       p.before = along;

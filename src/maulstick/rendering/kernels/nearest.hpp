@@ -41,7 +41,7 @@ inline Foot foot_on(const Segment& s, Floats x, Floats y) {
 inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
   const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal;
   const Floats squared = foot.offset_x * foot.offset_x + foot.offset_y * foot.offset_y;
-  const Ints touches = (thickness > all(0.0f)) & (squared < reach * reach);
+  const Ints touches = (thickness > all(thinnest)) & (squared < reach * reach);
   return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
 }
 

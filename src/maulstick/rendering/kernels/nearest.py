@@ -7,6 +7,7 @@ import torch
 from torch import Tensor
 
 HALF_DIAGONAL = math.sqrt(0.5)
+_THINNEST = 1e-6  # pixels: half-widths below leave no mark
 _TURN, _FADE = 0.8, 0.3  # a turn from which on parts may meet in a crease and a corner is round; its fade-in
 _ROOM, _LONG = 1.0, 4.0  # pixels from a crease within which it may cut a pixel; a long segment
 
@@ -110,7 +111,7 @@ def _nearest_on(segments: _Segments, k: int, thickness: Tensor, grid: Tensor) ->
     squared = offset.square().sum(-1)
     distance = torch.where(squared > 0, torch.where(squared > 0, squared, 1.0).sqrt(), 0.0)  # has no slope at 0
     far, held = distance.detach(), at_pixel.detach()
-    touches = (held > 0) & (far < held + HALF_DIAGONAL)
+    touches = (held > _THINNEST) & (far < held + HALF_DIAGONAL)
     ratio = torch.where(touches, far / torch.where(touches, held, 1.0), torch.inf)
     since = ((grid - u).detach() * segments.direction[k]).sum(-1)  # pixels along the segment
     until = length - since

@@ -10,7 +10,7 @@ from maulstick.rendering.kernels.nearest import HALF_DIAGONAL, Nearest, fade, tu
 
 _CLOSE = 1.25  # pixels from a point beyond which its mark is a line's whose edge is bent
 _SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
-_WIDE, _ALIGNED = 3.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
+_WIDE, _ALIGNED = 2.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
 
 
 def darkness(
@@ -99,11 +99,11 @@ def _mean_across(distance: Tensor, h: Tensor, c: Tensor, q: Tensor, a: Tensor, b
     step = b * torch.where(exact, 0.5, 0.5 / math.sqrt(3))  # else Gauss's two places
     x = torch.stack([distance + i * a / 2 + j * step for i in (-1, 1) for j in (-1, 1)])
     ramp = h * (1 - q)
-    base = ((1 - x.abs() / h) / (1 - q)).clamp(max=1)
+    flat = torch.relu(q * h - x.abs())
+    base = torch.where(flat > 0, 1.0, (1 - x.abs() / h) / (1 - q))
     inside = base > 0
     base = torch.where(inside, base, 1.0)
     first = torch.where(inside, ramp / (c + 1) * base ** (c + 1), 0.0)  # the profile's ink from |x| outwards
-    flat = (q * h - x.abs()).clamp(min=0)
     second = ramp / (c + 2) * base * first + flat * ramp / (c + 1) + flat.square() / 2
     whole = 2 * (q * h + ramp / (c + 1))
     first = torch.where(x < 0, whole - first - flat, first + flat)

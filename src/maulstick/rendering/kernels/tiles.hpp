@@ -12,8 +12,8 @@ constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `
 
 constexpr float half_diagonal = 0.70710678f;
 
-// As in nearest.py and reference.py: _TURN, _FADE, _ROOM, _LONG, _CLOSE.
-constexpr float sharp_turn = 0.8f, turn_fade = 0.3f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
+// As in nearest.py and reference.py: _THINNEST, _TURN, _FADE, _ROOM, _LONG, _CLOSE.
+constexpr float thinnest = 1e-6f, sharp_turn = 0.8f, turn_fade = 0.3f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
 
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
