@@ -31,6 +31,11 @@ FLOAT32_METRES = 1e-7
 FILE_METRES = 2e-6  # a trajectory, and the pose beside it, rounded to a micrometre in the painting's file
 INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any place between them
 
+# A plan's likeness to its picture, beside marks that were sampled at 16 by 16 points a pixel.
+TRUE_DECIBELS, TRUE_SSIM = 0.05, 0.002
+PLANNED_DECIBELS = 0.2  # on the planner's own pixels
+FINER_BANDS = 1e-4  # of a colour: strokes were moved by a band's height, which float32 rounds
+
 # Codes of strokes: there and back again in float64, as a share of the largest number.
 FLOAT64_ROUND_TRIP = 1e-11
 FLOAT32_ROUND_TRIP = 5e-6
