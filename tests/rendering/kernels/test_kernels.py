@@ -25,7 +25,7 @@ from tests.rendering.kernels.conftest import (
 )
 from tests.support import tolerances
 
-FLOAT32 = {"value": tolerances.FLOAT32_VALUE_CREASED, "gradient": tolerances.FLOAT32_GRADIENT}
+FLOAT32 = {"value": tolerances.FLOAT32_VALUE_CREASED, "gradient": tolerances.FLOAT32_GRADIENT_CREASED}
 
 scenes = st.builds(
     random_scene,

@@ -66,7 +66,7 @@ def native_calls() -> dict[str, Callable[[], None]]:
     return {
         "composite": partial(_cpu.composite, *first, canvas, *coloured, out),
         "composite_backward": partial(
-            _cpu.composite_backward, *first, canvas, *coloured, everyone, canvas, out, records
+            _cpu.composite_backward, *first, canvas, *coloured, everyone, True, canvas, out, records
         ),
         "darkness": partial(_cpu.darkness, *first, *stroke, images),
         "darkness_backward": partial(_cpu.darkness_backward, *first, *stroke, images, alone),

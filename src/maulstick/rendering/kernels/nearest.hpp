@@ -29,6 +29,8 @@ inline Ints nearer(const Nearest& a, const Nearest& b) {   // by distance / thic
   return a.squared * (b.thickness * b.thickness) < b.squared * (a.thickness * a.thickness);
 }
 
+inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
+
 struct Foot { Floats free, t, offset_x, offset_y; };   // t: `free` clamped to [0, 1]
 
 inline Foot foot_on(const Segment& s, Floats x, Floats y) {
@@ -75,8 +77,10 @@ class SecondSearch {
       const Segment& s = segments[near.owner[lane]];
       const Shape& p = shapes[near.owner[lane]];
       const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
-      from_[lane] = free <= 0 ? p.turned_before : p.turned;
-      to_[lane] = free >= 1 ? p.turned_after : p.turned;
+      const float start = smaller(larger(2 * free * p.length, 0.0f), 1.0f);
+      const float end = smaller(larger(2 * (1 - free) * p.length, 0.0f), 1.0f);
+      from_[lane] = p.turned_before + (p.turned - p.turned_before) * start;
+      to_[lane] = p.turned_after + (p.turned - p.turned_after) * end;
     }
   }
 
@@ -84,8 +88,9 @@ class SecondSearch {
     const Shape& p = shapes_[k];
     const Foot foot = foot_on(segments_[k], x_, y_);
     const Nearest here = nearest_on(segments_[k], foot, k);
-    const Floats from = foot.free <= all(0.0f) ? all(p.turned_before) : all(p.turned);
-    const Floats to = foot.free >= all(1.0f) ? all(p.turned_after) : all(p.turned);
+    const Floats start = clamped(2 * p.length * foot.free), end = clamped(2 * p.length * (1.0f - foot.free));
+    const Floats from = p.turned_before + (p.turned - p.turned_before) * start;
+    const Floats to = p.turned_after + (p.turned - p.turned_after) * end;
     const Floats turn = larger(from - to_, from_ - to);
     const Ints meets = tight_ & (turn > all(sharp_turn)) & within(here.squared, here.thickness, distance_, inverse_, turn);
     const Ints takes = meets & nearer(here, second_.part);
@@ -136,7 +141,6 @@ struct Bent {
   Ints ends, second_ends;             // bits: 1 while that share grows with the stroke's start, 2 with its end
 };
 
-inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
 
 // Finds how the crease between two parts cuts the pixels; returns whether it cuts any.
 inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats turn) {

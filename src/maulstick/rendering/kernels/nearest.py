@@ -52,7 +52,8 @@ class Nearest:
 
     ratio: distance over thickness.  distance, thickness: pixels.  towards: (H, W, 2) unit, 0 at no distance.
     rounded: share of the pixel that lies around a point, an end or a corner, and not along a line.
-    turned: by how much the stroke has turned up to the nearest point, and from it on, since that may be a corner.
+    turned: by how much the stroke has turned up to the nearest point, and from it on, since that may be a corner; from
+        half a pixel before a corner on they grow apart.
     tight: whether another part of the stroke is so near that both may meet in a crease within the pixel.
     """
 
@@ -128,7 +129,7 @@ def _nearest_on(segments: _Segments, k: int, thickness: Tensor, grid: Tensor) ->
             turn = segments.turned[corner + 1] - segments.turned[corner]
             rounded = torch.maximum(rounded, wedge * fade(turn))
     before, here, after = segments.turned[k : k + 3]
-    turned = torch.where(projection <= 0, before, here), torch.where(projection >= 1, after, here)
+    turned = before + (here - before) * (2 * since).clamp(0, 1), after + (here - after) * (2 * until).clamp(0, 1)
     towards = offset.detach() / torch.where(far > 0, far, 1.0)[..., None]
     tight = far >= _free_radius(segments, k) - _ROOM
     return Nearest(ratio, distance, at_pixel, towards, rounded.clamp(max=1), turned, tight)
