@@ -1,7 +1,6 @@
 """Metrics of a plan are taken at the truth: beside marks drawn by their formula, at points, on far finer pixels."""
 
 from dataclasses import asdict
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +17,15 @@ from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlanningProblem
 from maulstick.rendering import preview as rendering
 from maulstick.rendering.traj2stroke import Traj2Stroke
-from maulstick.storage.arrays import Floats
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
 from tests.planning.conftest import options
+from tests.support.bare import darkness_at
 from tests.support.nominal import nominal
 from tests.support.tolerances import FINER_BANDS, PLANNED_DECIBELS, TRUE_DECIBELS, TRUE_SSIM
 
 FINE = 16
-WANTED = options(strokes=60, steps=60)
+WANTED = options(strokes=40, steps=60)
 
 
 @pytest.fixture(scope="module", params=["round", "fineliner"])
@@ -60,18 +59,6 @@ def metrics(painting: Painting, layout: Layout) -> PlanMetrics:
     return found
 
 
-def darkness_at(x: Floats, y: Floats, mark: tuple[Floats, ...]) -> Floats:
-    """Return the darkness at points, the most of any segment: o·clamp((1 − distance / thickness) / (1 − q), 0, 1)^c."""
-    points, thickness, falloff, plateau, opacity = mark
-    most = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for (a, b), (at_a, at_b) in zip(pairwise(points), pairwise(thickness), strict=True):
-        along, length = b - a, max(float(np.square(b - a).sum()), 1e-12)
-        t = (((x - a[0]) * along[0] + (y - a[1]) * along[1]) / length).clip(0, 1)
-        distance = np.hypot(x - a[0] - t * along[0], y - a[1] - t * along[1])
-        most = np.maximum(most, 1 - distance / (at_a + t * (at_b - at_a)))
-    return np.asarray(opacity * (most / (1 - plateau)).clip(0, 1) ** falloff)
-
-
 def directly(painting: Painting, layout: Layout) -> Picture:
     """Return the painting out of the formula alone, at the centres of 16 times finer pixels, averaged."""
     canvas = layout.canvas
@@ -79,14 +66,16 @@ def directly(painting: Painting, layout: Layout) -> Picture:
     brushes = Traj2Stroke.of([painting.brushes[painting.paints[stroke.paint].brush] for stroke in painting.strokes])
     marks = brushes.marks(torch.tensor(painting.trajectories(), dtype=torch.float32), FINE * canvas.pixels_per_metre)
     numbers = (marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity)
-    for stroke, *mark in zip(painting.strokes, *(each.double().numpy() for each in numbers), strict=True):
-        reach = mark[1].max()
-        low = np.floor(mark[0].min(axis=0) - reach).astype(int).clip(0)
-        high = np.ceil(mark[0].max(axis=0) + reach).astype(int).clip(0)
+    for stroke, points, thickness, falloff, plateau, opacity in zip(
+        painting.strokes, *(each.double().numpy() for each in numbers), strict=True
+    ):
+        reach = thickness.max()
+        low = np.floor(points.min(axis=0) - reach).astype(int).clip(0)
+        high = np.ceil(points.max(axis=0) + reach).astype(int).clip(0)
         part = fine[low[1] : high[1], low[0] : high[0]]
-        x = low[0] + np.arange(part.shape[1])[None, :] + 0.5
-        y = low[1] + np.arange(part.shape[0])[:, None] + 0.5
-        dark = darkness_at(x, y, tuple(mark))[..., None]
+        x, y = np.meshgrid(np.arange(low[0], low[0] + part.shape[1]), np.arange(low[1], low[1] + part.shape[0]))
+        places = np.stack([x.ravel(), y.ravel()], axis=1) + 0.5
+        dark = opacity * darkness_at(places, points, thickness, falloff, plateau).reshape(*part.shape[:2], 1)
         part[:] = part * (1 - dark) + np.array(painting.paints[stroke.paint].colour) * dark
     height, width = canvas.height_px, canvas.width_px
     return np.asarray(fine.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3)), dtype=np.float32)
