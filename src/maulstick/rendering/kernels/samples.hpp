@@ -33,12 +33,12 @@ struct Samples {
     thickness[count] = near.thickness[lane], owner[count++] = near.owner[lane];
   }
 
-  // Fills the last vector with samples that no mark reaches.
+  // Fills the last vector with samples that no mark reaches, of a pixel that has another one.
   void pad() {
     for (; count % LANES; ++count) {
       x[count] = y[count] = offset_y[count] = 0;
       offset_x[count] = 10, thickness[count] = 1;
-      owner[count] = at[count] = 0;
+      owner[count] = 0, at[count] = at[count - 1];
     }
   }
 };
