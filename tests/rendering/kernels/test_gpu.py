@@ -205,9 +205,13 @@ def test_the_first_of_equal_segments_gets_the_gradient() -> None:
 
 def test_on_a_kink_the_same_side_is_chosen_as_by_the_reference() -> None:
     # Exact numbers: pixels on the centre line, at right angles to an end, and a half-width away from it.
-    scene = one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0])
-    assert_as_the_reference(scene)
-    assert_as_the_reference(scene._replace(plateau=torch.tensor([0.5])))
+    assert_as_the_reference(one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0]))
+
+
+def test_on_the_edge_of_the_plateau_the_gradients_are_those_of_the_native_kernels() -> None:
+    scene = one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0], plateau=0.5)
+    native = darkness_with_gradients(Renderer(cpu.darkness, cpu.composite), scene)
+    assert_same(darkness_with_gradients(GPU, scene), native, **FLOAT32)
 
 
 @pytest.mark.parametrize("shared", [False, True])
@@ -248,7 +252,10 @@ def test_huge_coordinates_and_thicknesses_paint_finite_colours_with_finite_gradi
 
 def test_a_thickness_next_to_nothing_does_not_hide_the_next_segment() -> None:
     scene = one_stroke([[5.5, 5.5], [5.5, 5.5], [9.5, 5.5]], [1e-30, 2.0, 2.0])
-    assert GPU.darkness(*scene[1:3], *scene[4:], height=20, width=24)[0, 5, 5] == 1
+    behind = one_stroke([[5.5, 5.5], [9.5, 5.5]], [2.0, 2.0])
+    found, expected = (GPU.darkness(*x[1:3], *x[4:], height=20, width=24)[0, 5, 5] for x in (scene, behind))
+    assert expected > 0.8
+    assert abs(found - expected) <= tolerances.FLOAT32_VALUE
 
 
 def test_what_cannot_be_drawn_is_refused_in_the_words_of_the_reference() -> None:

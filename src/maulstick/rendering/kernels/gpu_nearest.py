@@ -36,7 +36,7 @@ def foot(segments, segment, x, y):
     free = (dx * wx + dy * wy) * inverse
     t = tl.where(free > 0, tl.where(free < 1, free, 1.0), 0.0)
     # The very offset from the corner, so that both of its segments are as near and the first of them wins.
-    ex, ey = tl.where(free < 1, dx - t * wx, x - vx), tl.where(free < 1, dy - t * wy, y - vy)
+    ex, ey = tl.where(free >= 1, x - vx, dx - t * wx), tl.where(free >= 1, y - vy, dy - t * wy)
     return free, t, ex, ey, u * (1 - t) + v * t, wx, wy, inverse, v - u
 
 

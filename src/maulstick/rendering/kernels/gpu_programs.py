@@ -148,8 +148,9 @@ def _add_gradients(record, size, slots, segments, pairs, first, last, stroke, x,
         per_distance = tl.where(apart, -grad * per_distance / tl.sqrt_rn(tl.where(apart, squared, 1.0)), 0.0)
         foot_x, foot_y = per_distance * ex, per_distance * ey
         # ... but the thickness depends on T wherever T is not clamped.
+        per_t = tl.where(tl.abs(growth) < float("inf"), growth * inverse, 0.0)
         moves = (free > 0) & (free < 1) & (grad_thickness != 0)
-        grad_t = tl.where(moves, grad_thickness * (growth * inverse), 0.0)
+        grad_t = tl.where(moves, grad_thickness * per_t, 0.0)
         along_x, along_y = grad_t * (ex - t * wx), grad_t * (ey - t * wy)
         at = record + tl.load(slots + pair) * size
         tl.store(at, tl.sum(foot_x * (1 - t) - grad_t * wx - along_x))
