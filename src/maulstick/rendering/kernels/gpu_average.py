@@ -5,7 +5,7 @@ import triton.language as tl
 
 # As in reference.py: _CLOSE, _SLIMMEST, _WIDE, _ALIGNED; and the share of a step at which Gauss's two places lie.
 _CLOSE, _SLIMMEST = tl.constexpr(1.25), tl.constexpr(0.1)
-_WIDE, _ALIGNED = tl.constexpr(3.0), tl.constexpr(0.125)
+_WIDE, _ALIGNED = tl.constexpr(2.0), tl.constexpr(0.125)
 _GAUSS = tl.constexpr(0.5 / 3**0.5)
 _LEAST = tl.constexpr(1e-30)  # of a base, outside the mark
 

@@ -22,6 +22,8 @@ from maulstick.rendering.kernels.gpu_shapes import (
 )
 from maulstick.rendering.kernels.gpu_tiles import HALF_DIAGONAL, PIXELS, ends
 
+_THINNEST = tl.constexpr(1e-6)  # as in nearest.py
+
 
 @triton.jit
 def foot(segments, segment, x, y):
@@ -44,7 +46,7 @@ def foot(segments, segment, x, y):
 def _ratio(ex, ey, thickness):
     """Return (distance / thickness)^2, infinite where the mark does not reach the pixel."""
     distance, reach, squared = ex * ex + ey * ey, thickness + HALF_DIAGONAL, thickness * thickness
-    touches = (thickness > 0) & (squared > 0) & (distance < reach * reach)  # none where the square underflows
+    touches = (thickness > _THINNEST) & (distance < reach * reach)
     # Division and root are rounded as in IEEE 754, so that a kink has the same side as in the reference.
     return tl.where(touches, tl.div_rn(distance, tl.where(touches, squared, 1.0)), float("inf"))
 
@@ -70,9 +72,12 @@ def nearest(segments, pairs, first, last, x, y):
 def _turned(shapes, segment, free):
     """Return by how much the stroke has turned up to the nearest point, and from it on."""
     shape = shapes + segment * SHAPE
-    here = tl.load(shape + TURNED)
-    start = tl.where(free <= 0, tl.load(shape + TURNED_BEFORE), here)
-    return start, tl.where(free >= 1, tl.load(shape + TURNED_AFTER), here)
+    here, length = tl.load(shape + TURNED), tl.load(shape + LENGTH)
+    before, after = tl.load(shape + TURNED_BEFORE), tl.load(shape + TURNED_AFTER)
+    return (
+        before + (here - before) * clamped(2 * length * free),
+        after + (here - after) * clamped(2 * length * (1 - free)),
+    )
 
 
 @triton.jit
