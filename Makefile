@@ -2,6 +2,7 @@
 # make test           lint, import contracts, types and tests
 # make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
+# make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
 # make clean          remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
@@ -35,7 +36,7 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
 	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
 
-.PHONY: demo test test-baseline bench clean
+.PHONY: demo test test-baseline bench paper clean
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
@@ -57,6 +58,9 @@ bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/style.py
 	$(BIN)/python benchmarks/brush.py fit
 	$(BIN)/python benchmarks/robot.py --quick
+
+paper: $(VENV)/installed-dev
+	$(BIN)/python benchmarks/paper.py
 
 clean:
 	rm -rf $(VENV) build demo .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

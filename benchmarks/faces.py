@@ -5,7 +5,8 @@
 image: a photograph with a frontal face that comes along with scikit-image or Matplotlib, 256 pixels high, planned with
     400 strokes of the nominal round brush, 12 paints and 1,500 steps, by tones alone.
 faces: how much more a face counts, as in `maulstick plan --weight faces=0`.
-psnr, ssim: over the whole picture.  face_psnr: over the square of the face, as the planner finds it.
+psnr, ssim: over the whole picture, at the truth, as in `plan.py`.  face_psnr: over the square of the face, as the
+    planner finds it.
 face_share: that square's share of the picture.
 gain: with faces=1 less with faces=0 at the same seed: the mean over seeds, and its 95 % interval (Student's t).
 """
@@ -16,10 +17,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from intervals import of_few
 from matplotlib.cbook import get_sample_data
 from photographs import BRUSH, HEIGHT
 from PIL import Image as Pillow
-from scipy import stats
 from skimage import data
 
 from maulstick.painting.metrics import compare
@@ -30,7 +31,7 @@ from maulstick.planning.layout import HEIGHT_PX, Layout, lay_out_for
 from maulstick.planning.losses import FACES, LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
-from maulstick.rendering.preview import preview
+from maulstick.rendering.preview import truth
 from maulstick.style import load_style
 
 IMAGES = ("astronaut", "grace_hopper")
@@ -67,7 +68,7 @@ def measure(image: str, faces: float, seed: int) -> Row:
     problem = problem_of(layout, BRUSH, style, settings, LossOptions(weights={FACES: faces}))
     painting = as_painting(plan(problem, settings), layout, BRUSH, style, provenance_of(settings))
     assert layout.target is not None
-    painted, target = layout.crop(preview(painting, layout.canvas)), layout.crop(layout.target)
+    painted, target = layout.crop(truth(painting, layout.canvas)), layout.crop(layout.target)
     whole = compare(painted, target)
     (face,) = find_faces(target)
     square = tuple(slice(round(middle - face.radius), round(middle + face.radius)) for middle in (face.y, face.x))
@@ -79,8 +80,8 @@ def gain(name: str, rows: list[Row]) -> dict[str, float]:
     """Return what faces=1 adds to a measure: the mean over seeds, and the ends of its interval."""
     by_seed = {(row.seed, row.faces): getattr(row, name) for row in rows}
     gains = np.array([by_seed[seed, 1.0] - by_seed[seed, 0.0] for seed in sorted({row.seed for row in rows})])
-    low, high = stats.t.interval(0.95, len(gains) - 1, gains.mean(), stats.sem(gains))
-    return {"mean": round(gains.mean(), 3), "low": round(low, 3), "high": round(high, 3)}
+    low, high = of_few(gains)
+    return {"mean": round(gains.mean(), 3), "low": low, "high": high}
 
 
 def main() -> None:

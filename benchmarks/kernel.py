@@ -4,7 +4,8 @@
 
 device: where it is drawn. On a GPU only 400 strokes at 256 pixels and 4000 at 1024 are; times end when it is done.
 strokes, points, px, half_width: what is drawn; strokes are arcs of 0.19 of the side, half_width is a fraction of the
-    side, colours have three channels. `darkness` draws each stroke on a square of its own.
+    side and half_width_px the same in pixels, colours have three channels. `darkness` draws each stroke on a square of
+    its own.
 ms_forward, ms_backward: medians of 8 warm runs. Gradients are asked for points, thickness and colours.
 dense_ms_per_stroke: the dense reference, forward and backward, float32, one stroke at a time; the median of 8 runs that
     take turns with those of the kernel. Left out where a single stroke takes seconds and gigabytes.
@@ -48,10 +49,16 @@ class Row:
     px: int
     half_width: float
 
+    @property
+    def printed(self) -> dict[str, str | float]:
+        """The keys about what is drawn."""
+        return asdict(self) | {"half_width_px": round(self.half_width * self.px, 3)}
+
 
 ROWS = [
     *(Row("composite", 400, 32, px, half_width) for px in (256, 1024) for half_width in (0.004, 0.01)),
     *(Row("composite", 4000, 32, 1024, half_width) for half_width in (0.004, 0.01)),
+    *(Row("composite", *scene) for scene in ((400, 32, 256, 0.001), (4000, 32, 1024, 0.0005))),  # fineliners
     *(Row("darkness", 100, 32, 256, half_width) for half_width in (0.004, 0.01)),
 ]
 ON_GPU = [(400, 256), (4000, 1024)]
@@ -206,7 +213,7 @@ def main() -> None:
             text=True,
         )
         metrics = time_of(row, device) | {"extra_mib": json.loads(memory.stdout)}
-        print(json.dumps(asdict(row) | {"device": asked.device} | metrics), flush=True)
+        print(json.dumps(row.printed | {"device": asked.device} | metrics), flush=True)
 
 
 if __name__ == "__main__":

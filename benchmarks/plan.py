@@ -1,15 +1,20 @@
 """How well and how fast pictures are planned: one JSON object per line.
 
-    .venv/bin/python benchmarks/plan.py [--large | --scaling | --objective network [IMAGE ...] [--plot FILE.png]]
+    .venv/bin/python benchmarks/plan.py [IMAGE ...] [--seeds N] [--large | --scaling | --objective network [--plot PNG]]
 
 name: `plan` is Maulstick's way with tones alone, `likeness` with what a network sees beside them. `paper` is the
     published one at the same budget of steps: strokes begin anywhere, one scale, no order, useless strokes stay,
     colours free until the last tenth; its paints are changed at nearly every stroke.
 image: a photograph in the scikit-image package, laid out 160 mm high; `horse` is a black shape on white paper.
 px: its height in pixels while planned.
-seconds: of planning alone, in a process that has planned a little before.  peak_mib: resident, of the whole process.
-mse, psnr, ssim, tone_mse_sigma4: of the painting as its file orders it, against the photograph.
+seconds: of planning alone, in a process that has planned a little before.  peak_mib: resident, of the whole process,
+    until the plan is done.
+mse, psnr, ssim, tone_mse_sigma4: of the painting as its file orders it, against the photograph, at the truth: its marks
+    drawn on 4 times finer pixels and averaged as sRGB values.  psnr_planned: the same in the planner's own pixels.
 stray: strokes more than half of whose path lies where the picture is bare paper.
+--seeds: how many plans of each row, from seed 0. After them stands their mean, with `_range`, the least and the most,
+    and `_interval`, that of the mean (95 %, Student's t). After several images stand the means of each name, with
+    intervals by bootstrap over images and seeds, and `gain`: how much higher its psnr is than that of `paper`, paired.
 --large: 4,000 strokes of the astronaut at 768 pixels, and 10,000 at 1536.
 --scaling: what a step costs.  covered_mpx: how many pixels the marks cover, each mark by itself, in millions.
     step_ms: of the whole step, the middle one of several.  ns_a_pixel: that for each pixel covered and of the canvas.
@@ -25,9 +30,11 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
+from intervals import interval, mean, of_few
 from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
 
@@ -50,8 +57,10 @@ from frida import anywhere
 PUBLISHED = Schedule(sorts=(), relocations=(), quantise=0.9, grouped=False)
 TONES, LIKENESS = LossOptions(), LossOptions(weights={"likeness": 1.0})
 SEEN = 2 / 255
+SUMMED_UP = ("seconds", "psnr", "psnr_planned", "ssim")
 SIZES = ((400, 256), (400, 512), (400, 1024), (1600, 512), (1600, 1024), (6400, 1024), (10_000, 1536))
-Row = dict[str, object]
+NAMES = ("plan", "likeness", "paper")
+Row = dict[str, Any]
 
 
 def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
@@ -86,18 +95,20 @@ def measure(name: str, image: str, options: PlannerSettings, px: int) -> Row:
     started = time.perf_counter()
     painting = paint(name, layout, options)
     seconds = time.perf_counter() - started
+    peak_mib = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
     metrics = metrics_of(painting, layout)
     assert metrics is not None
     return {
         "name": name,
         "image": image,
+        "seed": options.seed,
         "strokes": len(painting.strokes),
         "stray": stray(painting, layout),
         "paints": len(painting.paints),
         "paint_changes": painting.paint_changes(),
         "px": layout.canvas.height_px,
         "seconds": round(seconds, 1),
-        "peak_mib": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
+        "peak_mib": peak_mib,
         **{key: round(value, 6) for key, value in asdict(metrics).items()},
     }
 
@@ -135,10 +146,39 @@ def scaling(strokes: int, px: int) -> Row:
     }
 
 
-def in_its_own_process(measured: Callable[..., Row], *arguments: object) -> None:
-    """Print the row, measured in a fresh process, so that its memory is its own."""
+def in_its_own_process(measured: Callable[..., Row], *arguments: object) -> Row:
+    """Print and return the row, measured in a fresh process, so that its memory is its own."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        print(json.dumps(pool.apply(measured, arguments)), flush=True)
+        row = pool.apply(measured, arguments)
+    print(json.dumps(row), flush=True)
+    return row
+
+
+def over_seeds(name: str, image: str, options: PlannerSettings, px: int, seeds: int) -> list[Row]:
+    """Print and return a row for each seed; then print their mean, range and interval where there are several."""
+    rows = [in_its_own_process(measure, name, image, replace(options, seed=seed), px) for seed in range(seeds)]
+    if seeds > 1:
+        summary: Row = {"name": name, "image": image, "px": px, "seeds": seeds}
+        for key in SUMMED_UP:
+            values = np.array([row[key] for row in rows], dtype=np.float64)
+            ends = [round(float(bound), 3) for bound in (values.min(), values.max())]
+            summary |= {key: round(mean(values), 3), f"{key}_range": ends, f"{key}_interval": of_few(values)}
+        print(json.dumps(summary), flush=True)
+    return rows
+
+
+def over_images(plans: dict[str, list[list[Row]]]) -> None:
+    """Print the means of each name over its images' rows, and how much nearer it came than the published way."""
+    for name, images in plans.items():
+        summary: Row = {"name": name, "images": len(images), "seeds": len(images[0])}
+        for key in SUMMED_UP:
+            groups = [np.array([row[key] for row in rows], dtype=np.float64) for rows in images]
+            summary |= {key: round(mean(np.concatenate(groups)), 3), f"{key}_interval": interval(groups, mean)}
+        if name != "paper":
+            paired = zip(images, plans["paper"], strict=True)
+            gains = [np.array([a["psnr"] - b["psnr"] for a, b in zip(*pair, strict=True)]) for pair in paired]
+            summary |= {"gain": round(mean(np.concatenate(gains)), 3), "gain_interval": interval(gains, mean)}
+        print(json.dumps(summary), flush=True)
 
 
 def network_rows(images: list[str], plot: Path | None) -> None:
@@ -163,6 +203,7 @@ def network_rows(images: list[str], plot: Path | None) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("images", nargs="*", default=IMAGES)
+    parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--scaling", action="store_true")
     parser.add_argument("--plot", type=Path, help="with --objective network: draw the curves, too")
@@ -170,16 +211,19 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.large:
         for strokes, px, steps in ((4000, 768, 1500), (10_000, 1536, 300)):
-            in_its_own_process(measure, "plan", "astronaut", PlannerSettings(strokes=strokes, steps=steps), px)
+            over_seeds("plan", "astronaut", PlannerSettings(strokes=strokes, steps=steps), px, asked.seeds)
     elif asked.scaling:
         for strokes, px in SIZES:
             in_its_own_process(scaling, strokes, px)
     elif asked.objective == "network":
         network_rows(asked.images, asked.plot)
     else:
+        plans: dict[str, list[list[Row]]] = {name: [] for name in NAMES}
         for image in asked.images:
-            for name in ("plan", "likeness", "paper"):
-                in_its_own_process(measure, name, image, PlannerSettings(), 256)
+            for name in NAMES:
+                plans[name].append(over_seeds(name, image, PlannerSettings(), 256, asked.seeds))
+        if len(asked.images) > 1:
+            over_images(plans)
 
 
 if __name__ == "__main__":

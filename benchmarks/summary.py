@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/summary.py [--ci-minutes MINUTES]
 
 demo_seconds, demo_steps: the plan of `make demo`, without loading; step_ms: one over the other.
-demo_psnr_db, demo_ssim: of its painting beside the photograph.
+demo_psnr_db, demo_ssim: of its painting beside the photograph, at the truth, as `psnr` and `ssim` in `plan.py`.
 ci_minutes: a whole run of .ci/run in an empty clone, after its packages were downloaded; kept from before unless given.
 wheel_mb, installed_mb: the wheel, and Maulstick with all that it needs without extras, in millions of bytes.
 """

@@ -7,7 +7,7 @@ A row is a plan:
     bezier    Bézier curves, planned by Maulstick: what the planner alone brings.
     loops, scribble    a learned hand, planned by Maulstick: what its look costs in likeness to the picture.
 metres: drawn in all. Hands keep their own lengths, so that 400 strokes are more ink in one than in another.
-psnr, ssim: of the painting as its file orders it against the photograph.
+psnr, ssim: of the painting as its file orders it against the photograph, at the truth (docs/planning.md).
 energy, told_apart: for each hand, of the plan's strokes against the hand's own: energy distance between descriptions
     (`style.compare.describe`, standardised over all strokes of the built-in hands), 0 where they are alike; and how
     often a nearest neighbour tells them apart; 0.5 is guessing. Learned styles have seen these strokes, Bézier curves

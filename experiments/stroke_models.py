@@ -109,7 +109,7 @@ def train(model: str, data: Data, *, seed: int, seconds: float) -> Trained:
 def draw_with(brush: Brush, like: Data, paths: Tensor) -> Tensor:
     """Darkness (N, H, W), on images of the size and scale of `like`, of paths (N, 32, 3) in pixels."""
     scale = like.pixels_per_metre
-    marks = Traj2Stroke.of([brush] * len(paths)).bare(paths / torch.tensor([scale, scale, 1]), scale)
+    marks = Traj2Stroke.of([brush] * len(paths)).marks(paths / torch.tensor([scale, scale, 1]), scale)
     height, width = like.examples.darkness.shape[1:]
     return darkness(
         marks.points, marks.thickness, marks.falloff, marks.plateau, marks.opacity, height=height, width=width

@@ -37,7 +37,7 @@ def plain() -> Fit:
 PRECISE = Faults(place=1e-4)
 """A machine that scatters little, since what it executes shows nothing that is finer than its scatter."""
 
-NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "falloff": 0.7, "nib": (0.25, -0.1)})
+NIB_PEN = MARKER.model_copy(update={"plateau": 0.5, "falloff": 1.5, "nib": (0.25, -0.1)})
 
 
 @pytest.fixture(scope="module")

@@ -41,7 +41,7 @@ def mosaic(windows: list[Window], paths: list[Floats]) -> Mosaic:
 def alone(window: Window, path: Floats, brush: Brush) -> torch.Tensor:
     """What a brush leaves on the paper of one window, (C, h, w)."""
     trajectory = torch.tensor((path - (*window.corner, 0))[None], dtype=torch.float32)
-    marks = Traj2Stroke.of([brush]).bare(trajectory, SCALE)
+    marks = Traj2Stroke.of([brush]).marks(trajectory, SCALE)
     paper = torch.tensor(window.before).permute(2, 0, 1).contiguous()
     return composite(paper, marks.points, marks.thickness, COLOUR[None], marks.falloff, marks.plateau, marks.opacity)
 

@@ -77,8 +77,8 @@ def test_plans_are_told_in_figures_a_column_each(plans: list[Path]) -> None:
         "steps": ["90", "-"],
         "seed": ["7", "0"],
         "weights": ["tone 1, edges 0.25", "-"],
-        "psnr when planned": ["21.3", "-"],
-        "ssim when planned": ["0.5", "-"],
+        "psnr in its file": ["21.3", "-"],
+        "ssim in its file": ["0.5", "-"],
     }
     few, many = (int(share.rstrip("%")) for share in told["sheet covered"])
     assert 15 < few < many < 60

@@ -25,7 +25,7 @@ from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
-from maulstick.rendering.preview import preview
+from maulstick.rendering.preview import preview, truth
 from maulstick.storage.arrays import Image as Picture
 from maulstick.strokes import strokes
 from maulstick.style import load_style
@@ -78,7 +78,7 @@ def test_a_photograph_becomes_a_painting_like_it(painting: Painting, layout: Lay
 
 
 def test_figures_are_taken_over_the_picture_and_not_the_paper_around_it(painting: Painting, layout: Layout) -> None:
-    image = preview(painting, layout.canvas)
+    image = truth(painting, layout.canvas)
     crop = layout.crop(image)
     assert crop.shape == (48, 60, 3)
     assert crop.shape[0] < image.shape[0]

@@ -7,6 +7,7 @@ from torch import Generator, Tensor
 
 from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
 from maulstick.rendering.kernels.cpu import composite
+from maulstick.rendering.kernels.render import darkness
 from maulstick.rendering.traj2stroke import Marks
 
 PROBES = 8  # of one estimate
@@ -64,7 +65,9 @@ def dots(at: list[tuple[int, int]], opacity: list[float]) -> Marks:
     """Marks of one pixel each."""
     count = len(at)
     points = torch.tensor(at, dtype=torch.float32)[:, None] + 0.5
-    return Marks(points, torch.full((count, 1), 0.9), torch.ones(count), torch.zeros(count), torch.tensor(opacity))
+    return Marks(
+        points, torch.full((count, 1), 0.5), torch.ones(count), torch.full((count,), 0.9), torch.tensor(opacity)
+    )
 
 
 def view_of(target: Tensor, *, pool: int = 1, seed: int | None = None) -> TargetView:
@@ -178,7 +181,14 @@ def test_strokes_and_bare_paper_together_cover_the_canvas() -> None:
 def test_a_stroke_covers_what_later_ones_leave_of_it() -> None:
     marks = dots([(1, 1), (1, 1), (3, 3)], [0.8, 0.25, 0.5])
     covered = coverage(view_of(torch.ones(3, 5, 5)), torch.ones(3, 5, 5), marks, torch.rand(3, 3, generator=seeded(0)))
-    assert covered.tolist() == pytest.approx([0.8 * 0.75, 0.25, 0.5], rel=ROUNDING)
+    alone = dots([(1, 1)], [1.0])
+    dark = (
+        darkness(alone.points, alone.thickness, alone.falloff, alone.plateau, alone.opacity, height=5, width=5)
+        .sum()
+        .item()
+    )
+    expected = [0.8 * dark * (1 - 0.25 * dark), 0.25 * dark, 0.5 * dark]
+    assert covered.tolist() == pytest.approx(expected, rel=ROUNDING)
 
 
 def test_the_error_is_the_weighed_sum_of_squares() -> None:

@@ -111,7 +111,7 @@ def test_where_libmypaint_is_missing_the_brush_model_draws_what_the_planner_sees
     assert isinstance(paper, ModelSheet)
     bent = np.array([[0.006, 0.01, 0.1], [0.015, 0.012, 0.3], [0.024, 0.005, 0.2]])
     paper.draw(bent, RED)
-    marks = Traj2Stroke.of([brush]).bare(torch.tensor(bent[None], dtype=torch.float32), CANVAS.pixels_per_metre)
+    marks = Traj2Stroke.of([brush]).marks(torch.tensor(bent[None], dtype=torch.float32), CANVAS.pixels_per_metre)
     numbers = marks.falloff, marks.plateau, marks.opacity
     expected = composite(torch.ones(3, 100, 150), marks.points, marks.thickness, torch.tensor([RED]), *numbers)
     assert_allclose(paper.image(), expected.permute(1, 2, 0).numpy(), atol=2e-5, rtol=0)

@@ -12,11 +12,29 @@ FLOAT32_GRADIENT_FAR = 1e-3
 
 FINITE_DIFFERENCE = 1e-6
 
+# A pixel beside the mean of the bare mark over it: around points, and at sharp corners and hairpins.
+# In float32 the way across a stroke is known to no better where a pixel's centre lies on it.
+FLOAT32_VALUE_CREASED, FLOAT32_GRADIENT_CREASED = 1e-4, 1e-3
+BESIDE_A_POINT = 0.005
+BESIDE_A_CORNER = 0.01
+
+# A mark on pixels beside the bare mark's mean over each, for half-widths from 0.2 pixels: of a pixel, and of its ink.
+ALONG_A_LINE, AT_A_DOT, AT_AN_END, AT_A_CORNER, AT_A_HAIRPIN = 0.004, 0.04, 0.055, 0.12, 0.18
+INK_OF_A_LINE, INK_OF_A_DOT, INK_OF_A_HAIRPIN = 0.02, 0.14, 0.045  # a dot's from half a pixel on
+MANY_STROKES = 0.0025  # mean over pixels and channels
+JUMP = 0.002
+GRADIENT_OF_THE_TRUTH = 0.1  # as a share, from a half-width of a pixel on
+
 # Strokes, brush and plans. Lengths on a sheet are known in float32 to a hundredth of a micrometre or so.
 FLOAT64_METRES = 1e-14
 FLOAT32_METRES = 1e-7
 FILE_METRES = 2e-6  # a trajectory, and the pose beside it, rounded to a micrometre in the painting's file
 INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any place between them
+
+# A plan's likeness to its picture, beside marks that were sampled at 16 by 16 points a pixel.
+TRUE_DECIBELS, TRUE_SSIM = 0.05, 0.002
+PLANNED_DECIBELS = 0.2  # on the planner's own pixels
+FINER_BANDS = 1e-4  # of a colour: strokes were moved by a band's height, which float32 rounds
 
 # Codes of strokes: there and back again in float64, as a share of the largest number.
 FLOAT64_ROUND_TRIP = 1e-11

@@ -69,7 +69,7 @@ class Mosaic:
 
     def stamped(self, brushes: Traj2Stroke, colour: Tensor) -> Tensor:
         """Return the predicted photographs (C, H, W) of strokes drawn by their brushes with ink of a colour (C,)."""
-        marks = brushes.bare(self.trajectories, self.pixels_per_metre)
+        marks = brushes.marks(self.trajectories, self.pixels_per_metre)
         colours = colour.expand(len(self), -1)
         return composite(
             self.before,

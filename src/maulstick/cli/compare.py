@@ -137,7 +137,7 @@ def _rows(plans: Sequence[Painting], likeness: Sequence["Metrics | None"]) -> di
         "seed": [f"{plan.provenance.seed}" for plan in plans],
         "weights": [_option(plan, "weights") for plan in plans],
         **{
-            f"{name} when planned": [
+            f"{name} in its file": [
                 f"{plan.provenance.metrics[name]:.3g}" if name in plan.provenance.metrics else _NOTHING
                 for plan in plans
             ]

@@ -25,6 +25,16 @@ class Metrics:
     tone_mse_sigma4: float
 
 
+@dataclass(frozen=True)
+class PlanMetrics(Metrics):
+    """Metrics of a plan, taken at the truth: see `maulstick.rendering.preview.truth`.
+
+    psnr_planned: dB, of the planner's own pixels.
+    """
+
+    psnr_planned: float
+
+
 def compare(painted: Image, picture: Image) -> Metrics:
     """Return the metrics of a painted image against the picture, both (H, W, 3) sRGB in [0, 1]."""
     blurred = gaussian_filter(painted.astype(np.float64) - picture, sigma=(4, 4, 0))

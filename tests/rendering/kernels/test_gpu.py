@@ -29,9 +29,9 @@ from tests.support import tolerances
 DEVICE = "cuda" if torch.cuda.is_available() else "cpu"
 pytest.importorskip("triton")  # which comes with torch on Linux, and on no other system
 
-from maulstick.rendering.kernels import cpu, gpu, gpu_programs, render  # noqa: E402
+from maulstick.rendering.kernels import cpu, gpu, gpu_tiles, render  # noqa: E402
 
-FLOAT32 = {"value": tolerances.FLOAT32_VALUE, "gradient": tolerances.FLOAT32_GRADIENT}
+FLOAT32 = {"value": tolerances.FLOAT32_VALUE_CREASED, "gradient": tolerances.FLOAT32_GRADIENT_CREASED}
 FAR = {"value": tolerances.FLOAT32_VALUE_FAR, "gradient": tolerances.FLOAT32_GRADIENT_FAR}
 
 
@@ -205,9 +205,8 @@ def test_the_first_of_equal_segments_gets_the_gradient() -> None:
 
 def test_on_a_kink_the_same_side_is_chosen_as_by_the_reference() -> None:
     # Exact numbers: pixels on the centre line, at right angles to an end, and a half-width away from it.
-    scene = one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0])
-    assert_as_the_reference(scene)
-    assert_as_the_reference(scene._replace(plateau=torch.tensor([0.5])))
+    assert_as_the_reference(one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0]))
+    assert_as_the_reference(one_stroke([[2.5, 2.5], [10.5, 2.5], [10.5, 10.5]], [2.0, 4.0, 2.0], plateau=0.5))
 
 
 @pytest.mark.parametrize("shared", [False, True])
@@ -248,7 +247,10 @@ def test_huge_coordinates_and_thicknesses_paint_finite_colours_with_finite_gradi
 
 def test_a_thickness_next_to_nothing_does_not_hide_the_next_segment() -> None:
     scene = one_stroke([[5.5, 5.5], [5.5, 5.5], [9.5, 5.5]], [1e-30, 2.0, 2.0])
-    assert GPU.darkness(*scene[1:3], *scene[4:], height=20, width=24)[0, 5, 5] == 1
+    behind = one_stroke([[5.5, 5.5], [9.5, 5.5]], [2.0, 2.0])
+    found, expected = (GPU.darkness(*x[1:3], *x[4:], height=20, width=24)[0, 5, 5] for x in (scene, behind))
+    assert expected > 0.8
+    assert abs(found - expected) <= tolerances.FLOAT32_VALUE
 
 
 def test_what_cannot_be_drawn_is_refused_in_the_words_of_the_reference() -> None:
@@ -308,7 +310,7 @@ def test_a_second_derivative_is_refused() -> None:
 def test_a_long_thin_segment_is_listed_only_in_the_tiles_along_it() -> None:
     ends = torch.tensor([[3.0, 5.0, 1.0, 1020.0, 1001.0, 1.0], [700.0, 4.0, 1.0, 700.0, 1020.0, 1.0]], device=DEVICE)
     counts = torch.zeros(2, dtype=torch.int64, device=DEVICE)
-    gpu_programs.count_tiles[(1,)](ends, counts, 2, 1024, 1024, enable_fp_fusion=True)
+    gpu_tiles.count_tiles[(1,)](ends, counts, 2, 1024, 1024, enable_fp_fusion=True)
     diagonal, upright = counts.tolist()  # of 64 x 64
     assert 127 <= diagonal <= 3 * 64
     assert upright == 64
@@ -336,13 +338,22 @@ print([name for name in sys.modules if name == "triton" or name.endswith("kernel
 COMPILED = """
 from triton.backends.compiler import GPUTarget
 from triton.compiler import ASTSource, compile
-from maulstick.rendering.kernels import gpu_programs
+from maulstick.rendering.kernels import gpu_programs, gpu_shapes, gpu_tiles
 
-OTHERS = {"trainable": "*u8", "channels": "i32", "height": "i32", "width": "i32", "count": "i32"}
+OTHERS = {"trainable": "*u8"} | dict.fromkeys(("channels", "height", "width", "count", "each"), "i32")
 OTHERS |= dict.fromkeys(("pairs", "items", "tiles"), "*i32")
 OTHERS |= dict.fromkeys(("slots", "starts", "keys", "counts"), "*i64")
-for name in ("count_tiles", "list_tiles", "darkness", "darkness_backward", "composite", "composite_backward"):
-    program = getattr(gpu_programs, name)
+for name, module in {
+    "find_shapes": gpu_shapes,
+    "find_tight": gpu_shapes,
+    "count_tiles": gpu_tiles,
+    "list_tiles": gpu_tiles,
+    "darkness": gpu_programs,
+    "darkness_backward": gpu_programs,
+    "composite": gpu_programs,
+    "composite_backward": gpu_programs,
+}.items():
+    program = getattr(module, name)
     signature = {each: OTHERS.get(each, "*fp32") for each in program.arg_names}
     constants = {}
     if "CHANNELS" in signature:
@@ -376,4 +387,4 @@ def test_on_the_cpu_the_chosen_renderer_is_the_native_one_and_triton_is_never_im
 
 def test_every_program_compiles_for_a_real_gpu(pytestconfig: pytest.Config, tmp_path: Path) -> None:
     lines = output_of(COMPILED, pytestconfig.rootpath, TRITON_CACHE_DIR=str(tmp_path)).splitlines()
-    assert [line.split()[1] for line in lines] == ["True"] * 6
+    assert [line.split()[1] for line in lines] == ["True"] * 8

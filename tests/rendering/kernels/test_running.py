@@ -66,7 +66,7 @@ def native_calls() -> dict[str, Callable[[], None]]:
     return {
         "composite": partial(_cpu.composite, *first, canvas, *coloured, out),
         "composite_backward": partial(
-            _cpu.composite_backward, *first, canvas, *coloured, everyone, canvas, out, records
+            _cpu.composite_backward, *first, canvas, *coloured, everyone, True, canvas, out, records
         ),
         "darkness": partial(_cpu.darkness, *first, *stroke, images),
         "darkness_backward": partial(_cpu.darkness_backward, *first, *stroke, images, alone),
@@ -121,6 +121,27 @@ paint(2000, 512)
 print(peak() - before)
 """
 
+MEMORY_OF_OTHERS = """
+import ctypes
+import numpy as np
+from maulstick.rendering.kernels import _cpu
+from tests.rendering.kernels.conftest import random_scene
+
+libc = ctypes.CDLL(None)
+libc.malloc.restype = ctypes.c_void_p
+libc.mallopt(-3, 2**30)  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD: what is given back is used again
+libc.mallopt(-1, 2**30)
+for seed in range(20):
+    arguments = [x.numpy() for x in random_scene(seed, strokes=3, points=5, height=60, width=130)]
+    gradients = np.empty((3, 5 * 3 + 6), np.float32)
+    everyone, weights = np.ones(3, np.uint8), np.ones_like(arguments[0])
+    dirty = libc.malloc(2**26)
+    ctypes.memset(dirty, 255, 2**26)  # every number of it is not one
+    libc.free(ctypes.c_void_p(dirty))
+    _cpu.composite_backward("baseline", 1, *arguments, everyone, True, weights, np.empty_like(weights), gradients)
+    assert np.isfinite(gradients).all(), seed
+"""
+
 NO_MORE_THREADS = """
 import pathlib
 import resource
@@ -144,6 +165,11 @@ def output_of(script: str, folder: Path) -> str:
     run = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     return run.stdout.strip()
+
+
+@linux_only
+def test_gradients_do_not_come_from_memory_that_nobody_wrote(pytestconfig: pytest.Config) -> None:
+    assert output_of(MEMORY_OF_OTHERS, pytestconfig.rootpath) == ""
 
 
 @linux_only

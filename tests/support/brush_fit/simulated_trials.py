@@ -103,7 +103,7 @@ def _drawn(
     beside = np.append(faults.place * rng.normal(size=2), 0)
     opacity = float(np.clip(brush.opacity * (1 + faults.ink * rng.normal()), 0.05, 1))
     stroke = Traj2Stroke.of([brush.model_copy(update={"opacity": opacity})])
-    marks = stroke.bare(torch.tensor((path + beside)[None], dtype=torch.float32), SCALE)
+    marks = stroke.marks(torch.tensor((path + beside)[None], dtype=torch.float32), SCALE)
     canvas = torch.tensor(np.ascontiguousarray(sheet.transpose(2, 0, 1)))
     painted = composite(
         canvas, marks.points, marks.thickness, torch.tensor([ink]), marks.falloff, marks.plateau, marks.opacity

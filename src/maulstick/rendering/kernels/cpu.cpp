@@ -27,8 +27,6 @@ namespace {
 template <class T, int Dimensions>
 using Array = nb::ndarray<T, nb::ndim<Dimensions>, nb::c_contig, nb::device::cpu>;
 
-constexpr int64_t record_budget = 4 << 20;   // bytes of backward records per thread; a tile that needs more is chunked
-
 const Kernel* supported(const std::string& name) {
 #ifdef MAULSTICK_X86
   __builtin_cpu_init();
@@ -72,22 +70,71 @@ struct Buffer {                              // uninitialised, so that unused pa
   explicit Buffer(int64_t size) : bytes(new char[size]) {}
 };
 
-std::vector<Segment> segments_of(const float* xy, const float* thickness, int64_t count, int64_t points) {
-  const int64_t per_stroke = std::max<int64_t>(points - 1, 1);
-  std::vector<Segment> segments(count * per_stroke);
-  for (int64_t i = 0; i < count; ++i)
-    for (int64_t k = 0; k < per_stroke; ++k) {
-      const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
-      Segment& s = segments[i * per_stroke + k];
-      s.ux = xy[2 * u], s.uy = xy[2 * u + 1];
-      s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
-      const float squared_length = s.wx * s.wx + s.wy * s.wy;
-      s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
-      s.thickness = thickness[u], s.growth = thickness[v] - thickness[u];
-      s.reach = std::max(thickness[u], thickness[v]);
-    }
-  return segments;
+// Twice the tangent of half the turn from one direction to another, 8 at most (nearest.py, _turned).
+float turn_between(float ax, float ay, float bx, float by) {
+  const float across = std::abs(ax * by - ay * bx);
+  const float along = ax * bx + ay * by + std::sqrt((ax * ax + ay * ay) * (bx * bx + by * by));
+  return across < 4 * along ? 2 * across / along : 8;
 }
+
+// Wider than any canvas, while its square and differences stay finite.
+float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f); }
+
+float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
+
+struct Segments {
+  std::vector<Segment> segment;              // (count, segments)
+  std::vector<Shape> shape;                  // (count, segments)
+
+  Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points) {
+    const int64_t each = std::max<int64_t>(points - 1, 1);
+    segment.resize(count * each), shape.resize(count * each);
+    std::vector<float> places(kernel.places_floats(each));
+    for (int64_t i = 0; i < count; ++i) {
+      for (int64_t k = 0; k < each; ++k) {
+        const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
+        Segment& s = segment[i * each + k];
+        s.ux = xy[2 * u], s.uy = xy[2 * u + 1];
+        s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
+        const float squared_length = s.wx * s.wx + s.wy * s.wy;
+        s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
+        const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
+        s.thickness = at_u, s.growth = at_v - at_u;
+        s.reach = widest > 0 ? widest + half_diagonal : 0;
+      }
+      find_shape(segment.data() + i * each, shape.data() + i * each, each);
+      kernel.find_tight(segment.data() + i * each, shape.data() + i * each, each, places.data());
+    }
+  }
+
+ private:
+  static void find_shape(const Segment* s, Shape* shape, int64_t count) {
+    float turned = 0, heading_x = 0, heading_y = 0, along = 0;
+    for (int64_t k = 0; k < count; ++k) {
+      Shape& p = shape[k];
+      p.length = std::sqrt(s[k].wx * s[k].wx + s[k].wy * s[k].wy);
+      if (!(p.length < INFINITY)) p.length = 0;
+      p.direction_x = p.length > 0 ? s[k].wx / p.length : 0;
+      p.direction_y = p.length > 0 ? s[k].wy / p.length : 0;
+      p.before = along;
+      along += p.length;
+      p.turned_before = turned;
+      if (s[k].wx != 0 || s[k].wy != 0) {
+        if (heading_x != 0 || heading_y != 0) turned += turn_between(heading_x, heading_y, s[k].wx, s[k].wy);
+        heading_x = s[k].wx, heading_y = s[k].wy;
+      }
+      p.turned = turned;
+    }
+    for (int64_t k = 0; k < count; ++k) {
+      Shape& p = shape[k];
+      p.after = k + 1 < count ? along - shape[k + 1].before : 0;
+      p.turned_after = k + 1 < count ? shape[k + 1].turned : p.turned;
+      p.sharp_start = faded(p.turned - p.turned_before, sharp_turn);
+      p.sharp_end = faded(p.turned_after - p.turned, sharp_turn);
+      p.may_round = p.before < 0.5f || p.after < 0.5f || p.sharp_start > 0 || p.sharp_end > 0;
+    }
+  }
+};
 
 struct Bands {                               // bands of rows, and the strokes that cross each, in order
   std::vector<float> left, right;            // of each stroke: the range of its columns
@@ -163,22 +210,20 @@ Tile tile_at(int64_t x, int64_t y, int64_t height, int64_t width) {
   return {int(x), int(y), int(std::min<int64_t>(tile_width, width - x)), int(std::min<int64_t>(tile_height, height - y))};
 }
 
-Strokes strokes_of(const std::vector<Segment>& segments, Array<const float, 3> xy, int64_t channels,
+Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t channels,
                    const float* colours, Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
-                   const uint8_t* trainable) {
+                   const uint8_t* trainable, bool shapes) {
   const int64_t points = xy.shape(1);
-  return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.data(), colours,
-          c.data(), q.data(), o.data(), trainable};
+  return {int64_t(xy.shape(0)), points, std::max<int64_t>(points - 1, 1), channels, segments.segment.data(),
+          segments.shape.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
 // Calls visit(tile, strokes, scratch) for each tile of the canvas, band by band.
 template <class Visit>
 void each_tile(const Kernel& kernel, const Strokes& s, const Bands& bands, int64_t height, int64_t width,
                int64_t threads, bool backward, Visit visit) {
-  const int64_t row = kernel.scratch_bytes(s.channels, 1, 0) - kernel.scratch_bytes(s.channels, 0, 0);
   const int64_t most = std::max<int64_t>(bands.most(), 1);
-  const int64_t chunk = backward ? std::min(most, std::max<int64_t>(record_budget / row, 1)) : 0;
-  const int64_t size = kernel.scratch_bytes(s.channels, chunk, backward ? (most + chunk - 1) / chunk : 0);
+  const int64_t size = kernel.scratch_bytes(s.segments, s.channels, most, backward);
   const int64_t used = std::max<int64_t>(std::min(threads, bands.count()), 1);
   std::vector<Buffer> buffers;
   std::vector<TileStrokes> chosen(used);
@@ -190,7 +235,7 @@ void each_tile(const Kernel& kernel, const Strokes& s, const Bands& bands, int64
     for (int64_t x = 0; x < width; x += tile_width) {
       const Tile tile = tile_at(x, band * tile_height, height, width);
       chosen[thread].choose(s, bands, band, tile);
-      visit(tile, chosen[thread], Scratch{buffers[thread].bytes.get(), chunk});
+      visit(tile, chosen[thread], buffers[thread].bytes.get());
     }
   });
 }
@@ -201,10 +246,10 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const auto segments = segments_of(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
-  const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr);
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr, false);
   each_tile(kernel, s, Bands(s, height, width), height, width, threads, false,
-            [&](Tile tile, const TileStrokes& chosen, Scratch scratch) {
+            [&](Tile tile, const TileStrokes& chosen, char* scratch) {
               kernel.composite(s, chosen.ids.data(), chosen.ids.size(), tile, height, width, canvas.data(),
                                out.data(), scratch);
             });
@@ -215,18 +260,18 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
 void composite_backward(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
                         Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 2> colours,
                         Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
-                        Array<const uint8_t, 1> trainable, Array<const float, 3> grad_out,
+                        Array<const uint8_t, 1> trainable, bool shapes, Array<const float, 3> grad_out,
                         Array<float, 3> grad_canvas, Array<float, 2> gradients) {
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const auto segments = segments_of(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
-  const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data());
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
   const Bands bands(s, height, width);
   const int64_t size = gradient_size(s);
   std::vector<float> partial(bands.slot.back() * size);
   each_tile(kernel, s, bands, height, width, threads, true,
-            [&](Tile tile, const TileStrokes& chosen, Scratch scratch) {
+            [&](Tile tile, const TileStrokes& chosen, char* scratch) {
               kernel.composite_backward(s, chosen.ids.data(), chosen.ids.size(), tile, height, width, canvas.data(),
                                         grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr,
                                         partial.data(), chosen.record.data(), scratch);
@@ -244,11 +289,11 @@ template <class Visit>
 void each_image(const Kernel& kernel, const Strokes& s, int64_t height, int64_t width, int64_t threads, Visit visit) {
   const int64_t used = std::max<int64_t>(std::min(threads, s.count), 1);
   std::vector<Buffer> buffers;
-  for (int64_t i = 0; i < used; ++i) buffers.emplace_back(kernel.scratch_bytes(1, 0, 0));
+  for (int64_t i = 0; i < used; ++i) buffers.emplace_back(kernel.scratch_bytes(s.segments, 1, 1, true));
   share_out(s.count, used, [&](int64_t i, int64_t thread) {
     for (int64_t y = 0; y < height; y += tile_height)
       for (int64_t x = 0; x < width; x += tile_width)
-        visit(i, tile_at(x, y, height, width), Scratch{buffers[thread].bytes.get(), 0});
+        visit(i, tile_at(x, y, height, width), buffers[thread].bytes.get());
   });
 }
 
@@ -258,10 +303,10 @@ void darkness(const std::string& instructions, int64_t threads, Array<const floa
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = out.shape(1), width = out.shape(2);
-  const auto segments = segments_of(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
-  const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr);
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(out.data(), out.data() + out.size(), 0.0f);
-  each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, Scratch scratch) {
+  each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {
     kernel.darkness(s, i, tile, width, out.data() + i * height * width, scratch);
   });
 }
@@ -272,10 +317,10 @@ void darkness_backward(const std::string& instructions, int64_t threads, Array<c
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = grad_out.shape(1), width = grad_out.shape(2);
-  const auto segments = segments_of(xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
-  const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr);
+  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  const Strokes s = strokes_of(segments, xy, 0, nullptr, c, q, o, nullptr, true);
   std::fill(gradients.data(), gradients.data() + gradients.size(), 0.0f);
-  each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, Scratch scratch) {
+  each_image(kernel, s, height, width, threads, [&](int64_t i, Tile tile, char* scratch) {
     kernel.darkness_backward(s, i, tile, width, grad_out.data() + i * height * width,
                              gradients.data() + i * gradient_size(s), scratch);
   });

@@ -126,10 +126,13 @@ class _Composite(torch.autograd.Function):
         canvas, xy, thickness, *rest = ctx.saved_tensors
         (count, points), channels = thickness.shape, canvas.shape[0]
         wanted = ctx.needs_input_grad[0]
+        shapes = any(ctx.needs_input_grad[4:6])  # of falloff and plateau, which few ask for
         grad_canvas = canvas.new_empty(canvas.shape if wanted else (0, 0, 0))
         gradients = canvas.new_empty(count, 3 * points + channels + 3)
         _cpu.composite_backward(
             *ctx.how,
-            *_bare(canvas, xy, thickness, *rest, grad_out.contiguous(), grad_canvas, gradients),
+            *_bare(canvas, xy, thickness, *rest),
+            shapes,
+            *_bare(grad_out.contiguous(), grad_canvas, gradients),
         )
         return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None, None

@@ -14,9 +14,11 @@ from torch.autograd.function import once_differentiable
 from torch.nn.functional import pad
 
 from maulstick.rendering.kernels import gpu_programs as programs
+from maulstick.rendering.kernels import gpu_shapes, gpu_tiles
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
 
-_TILE, _PIXELS, _LANES = programs.TILE.value, programs.PIXELS.value, programs.LANES.value  # as plain integers
+_TILE, _PIXELS, _LANES = gpu_tiles.TILE.value, gpu_tiles.PIXELS.value, gpu_tiles.LANES.value  # as plain integers
+_SHAPE, _RECORD = gpu_shapes.SHAPE.value, programs.RECORD.value
 
 
 def darkness(
@@ -64,11 +66,13 @@ def _numbers(points: Tensor, *numbers: Tensor) -> Tensor:
 class _Lists:
     """Lists of the segments that may mark each tile; pairs and items are explained in `programs`.
 
-    segments: (S, 6).  starts: (S + 1,) first slot of each segment.  pairs: (P,), items: (I + 1, 3), tiles: (T + 1,):
-    sorted by tiles.  slots: (P,) index of each pair, in that order, in a list sorted by segments.
+    segments: (S, 6).  shapes: (S, SHAPE).  starts: (S + 1,) first slot of each segment.  pairs: (P,),
+    items: (I + 1, 3), tiles: (T + 1,): sorted by tiles.  slots: (P,) index of each pair, in that order, in a list
+    sorted by segments.
     """
 
     segments: Tensor
+    shapes: Tensor
     starts: Tensor
     slots: Tensor
     pairs: Tensor
@@ -82,18 +86,21 @@ class _Lists:
         ends = torch.cat([points, thickness[..., None]], dim=2)
         segments = torch.cat([ends[:, :each], ends[:, -each:]], dim=2).reshape(-1, 6)  # of length 0 for a dot
         total = count * each
+        shapes = segments.new_zeros(total, _SHAPE)
+        _launch(gpu_shapes.find_shapes, triton.cdiv(count, _LANES), segments, shapes, count, each)
+        _launch(gpu_shapes.find_tight, triton.cdiv(total, _LANES), segments, shapes, total, each)
         counts = segments.new_zeros(total + 1, dtype=torch.int64)
-        _launch(programs.count_tiles, triton.cdiv(total, _LANES), segments, counts[1:], total, height, width)
+        _launch(gpu_tiles.count_tiles, triton.cdiv(total, _LANES), segments, counts[1:], total, height, width)
         starts = counts.cumsum(0)
         keys = starts.new_empty(int(starts[-1]))
-        _launch(programs.list_tiles, triton.cdiv(total, _LANES), segments, starts, keys, total, height, width)
+        _launch(gpu_tiles.list_tiles, triton.cdiv(total, _LANES), segments, starts, keys, total, height, width)
         keys, slots = keys.sort()
         stroke_in_tile, lengths = torch.unique_consecutive(keys // each, return_counts=True)
         tile, stroke = stroke_in_tile // max(count, 1), stroke_in_tile % max(count, 1)  # without strokes both are empty
         items = torch.stack([pad(lengths.cumsum(0), (1, 0)), pad(stroke, (0, 1)), pad(tile, (0, 1))], dim=1)
         every_tile = torch.arange(_tiles(height, width) + 1, device=points.device)
         tiles = torch.searchsorted(tile, every_tile, out_int32=True)
-        return cls(segments, starts, slots, (keys % max(total, 1)).int(), items.int(), tiles)
+        return cls(segments, shapes, starts, slots, (keys % max(total, 1)).int(), items.int(), tiles)
 
     @property
     def item_count(self) -> int:
@@ -105,13 +112,16 @@ class _Lists:
         return self.segments.new_zeros(self.pairs.shape[0], size)
 
     def sums(self, records: Tensor, count: int, points: int) -> tuple[Tensor, Tensor, Tensor]:
-        """Sum records (P, 6 + k) to gradients of points (N, n, 2), thickness (N, n) and the other k numbers (N, k)."""
+        """Sum records (P, 13 + C) to gradients of points (N, n, 2), thickness (N, n) and strokes (N, 3 + C)."""
         each = _segments_each(points)
         of_segments = torch.segment_reduce(records, "sum", offsets=self.starts, axis=0, initial=0)
         of_segments = of_segments.reshape(count, each, records.shape[1])
         starts, ends, rest = of_segments[..., :3], of_segments[..., 3:6], of_segments[..., 6:]
         of_points = pad(starts, (0, 0, 0, points - each)) + pad(ends, (0, 0, points - each, 0))
-        return of_points[..., :2], of_points[..., 2], rest.sum(1)
+        rest = rest.sum(1)
+        of_points[:, 0, :2] += rest[:, 3:5]
+        of_points[:, -1, :2] += rest[:, 5:7]
+        return of_points[..., :2], of_points[..., 2], torch.cat([rest[:, :3], rest[:, 7:]], dim=1)
 
 
 def _launch(program: Any, count: int, *args: Tensor | int) -> None:
@@ -137,6 +147,7 @@ class _Darkness(torch.autograd.Function):
             lists.item_count,
             images,
             lists.segments,
+            lists.shapes,
             strokes,
             lists.pairs,
             lists.items,
@@ -152,7 +163,7 @@ class _Darkness(torch.autograd.Function):
     def backward(ctx: Any, grad_images: Tensor) -> tuple[Tensor | None, ...]:
         (strokes,), lists = ctx.saved_tensors, ctx.lists
         count, height, width = grad_images.shape
-        records = lists.records(9)
+        records = lists.records(_RECORD)
         _launch(
             programs.darkness_backward,
             lists.item_count,
@@ -160,6 +171,7 @@ class _Darkness(torch.autograd.Function):
             records,
             lists.slots,
             lists.segments,
+            lists.shapes,
             strokes,
             lists.pairs,
             lists.items,
@@ -182,6 +194,7 @@ class _Composite(torch.autograd.Function):
             canvas,
             out,
             lists.segments,
+            lists.shapes,
             strokes,
             lists.pairs,
             lists.items,
@@ -200,7 +213,7 @@ class _Composite(torch.autograd.Function):
     def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
         (canvas, strokes, trainable), lists = ctx.saved_tensors, ctx.lists
         channels, height, width = canvas.shape
-        grad_canvas, records = torch.empty_like(canvas), lists.records(9 + channels)
+        grad_canvas, records = torch.empty_like(canvas), lists.records(_RECORD + channels)
         _launch(
             programs.composite_backward,
             _tiles(height, width),
@@ -212,6 +225,7 @@ class _Composite(torch.autograd.Function):
             trainable,
             lists.slots,
             lists.segments,
+            lists.shapes,
             strokes,
             lists.pairs,
             lists.items,

@@ -1,213 +1,194 @@
-"""Programs that run on the GPU, in Triton's language: lists of tiles, and the two operations forwards and backwards.
+"""Programs that run on the GPU, in Triton's language: the two operations, forwards and backwards.
 
 A tile is TILE x TILE pixels, the work of one program. A **pair** is a segment and a tile that it may mark; an **item**
 is all pairs of one stroke in one tile, in order. `gpu.py` prepares the tensors:
 
-segments: (S, 6) x, y, thickness at the start, then at the end.  strokes: (N, 3 + C) falloff c, plateau q, opacity o,
-then the colour.  pairs: (P,) segment of each.  items: (I + 1, 3) first pair, stroke, tile.
-tiles: (T + 1,) first item of each.
-records: (P, 9 + C) gradients of a pair's segment and, in the first pair of an item, of the stroke's numbers and colour.
+segments: (S, 6) x, y, thickness at the start, then at the end.  shapes: (S, SHAPE), explained in `gpu_shapes`.
+strokes: (N, 3 + C) falloff c, plateau q, opacity o, then the colour.  pairs: (P,) segment of each.
+items: (I + 1, 3) first pair, stroke, tile.  tiles: (T + 1,) first item of each.
+records: (P, 13 + C) gradients of a pair's segment and, in the first pair of an item, of the stroke's numbers, of the
+x and y of its first and its last point while those bound the mark, and of its colour.
 """
 
 import triton
 import triton.language as tl
 
-TILE = tl.constexpr(16)  # pixels a side
-PIXELS = tl.constexpr(256)  # of a tile: TILE * TILE
-LANES = tl.constexpr(128)  # segments that one program lists
+from maulstick.rendering.kernels.gpu_average import mean_darkness
+from maulstick.rendering.kernels.gpu_nearest import foot, nearest, rounded_share, second_nearest
+from maulstick.rendering.kernels.gpu_tiles import HALF_DIAGONAL, PIXELS, pixels
+
+RECORD = tl.constexpr(13)  # numbers of a record before the colour
 
 
 @triton.jit
-def _ends(segments, segment):
-    at = segments + segment * 6
-    return tl.load(at), tl.load(at + 1), tl.load(at + 2), tl.load(at + 3), tl.load(at + 4), tl.load(at + 5)
+def _part(segments, shapes, pairs, first, x, y, owner, offset_x, offset_y, h, c, q, slant, share, SLOPES: tl.constexpr):
+    """Return what one of two parts adds to each pixel, and its slopes by distance, thickness, c and q.
+
+    Then those by x and y of the stroke's first point and of its last. share: of the pixel, whose part this is.
+    """
+    segment = tl.load(pairs + tl.maximum(owner, first))
+    rounded, direction_x, direction_y, by_start, by_end = rounded_share(segments, shapes, segment, x, y)
+    mean, by_distance, by_thickness, by_c, by_q, by_rounded = mean_darkness(
+        offset_x, offset_y, h, c, q, slant, 1 - share, rounded, SLOPES
+    )
+    has = (owner >= 0) & (share > 0)
+    mean = tl.where(has, share * mean, 0.0)
+    by_distance, by_thickness = tl.where(has, share * by_distance, 0.0), tl.where(has, share * by_thickness, 0.0)
+    by_c, by_q = tl.where(has, share * by_c, 0.0), tl.where(has, share * by_q, 0.0)
+    by_rounded = tl.where(has, share * by_rounded, 0.0)
+    start, end = by_rounded * by_start, -by_rounded * by_end
+    return (
+        mean,
+        by_distance,
+        by_thickness,
+        by_c,
+        by_q,
+        start * direction_x,
+        start * direction_y,
+        end * direction_x,
+        end * direction_y,
+    )
 
 
 @triton.jit
-def _span(low, high, size):
-    """Return the first and last tile between low and high; last < first where there is none. NaN skips no tile."""
-    outside = (high < 0) | (low > size)
-    low = tl.where(low > 0, tl.where(low < size, low, size), 0.0)
-    high = tl.where(high < size - 0.5, high, size - 0.5)
-    first = (low / TILE).to(tl.int32)
-    return first, tl.where(outside, -1, (tl.where(outside, 0.0, high) / TILE).to(tl.int32))
+def _mark(segments, shapes, pairs, first, last, stroke, x, y, SLOPES: tl.constexpr):
+    """Return the darkness of a stroke before its opacity, and for both parts their pairs and slopes.
+
+    For the nearest part and then the second one: its pair, its slopes by distance and thickness. Then those of both,
+    by c, q, and x and y of the stroke's first point and of its last.
+    """
+    c, q = tl.load(stroke), tl.load(stroke + 1)
+    owner, free, offset_x, offset_y, h = nearest(segments, pairs, first, last, x, y)
+    second, second_x, second_y, second_h, share, slant = second_nearest(
+        segments, shapes, pairs, first, last, x, y, owner, free, offset_x, offset_y, h
+    )
+    within = tl.sqrt_rn(offset_x * offset_x + offset_y * offset_y) + HALF_DIAGONAL <= q * h
+    within = within & (owner >= 0)
+    value, by_distance, by_thickness, by_c, by_q, start_x, start_y, end_x, end_y = _part(
+        segments, shapes, pairs, first, x, y, owner, offset_x, offset_y, h, c, q, slant, 1 - share, SLOPES
+    )
+    second_distance, second_thickness = tl.zeros_like(value), tl.zeros_like(value)
+    if tl.max(share, axis=0) > 0:
+        more, second_distance, second_thickness, more_c, more_q, more_start_x, more_start_y, more_end_x, more_end_y = (
+            _part(
+                segments,
+                shapes,
+                pairs,
+                first,
+                x,
+                y,
+                second,
+                second_x,
+                second_y,
+                second_h,
+                c,
+                q,
+                slant,
+                share,
+                SLOPES,
+            )
+        )
+        value, by_c, by_q = value + more, by_c + more_c, by_q + more_q
+        start_x, start_y = start_x + more_start_x, start_y + more_start_y
+        end_x, end_y = end_x + more_end_x, end_y + more_end_y
+    value = tl.where(within, 1.0, value)
+    owner, second = tl.where(within, -1, owner), tl.where(within, -1, second)
+    by_c, by_q = tl.where(within, 0.0, by_c), tl.where(within, 0.0, by_q)
+    start_x, start_y = tl.where(within, 0.0, start_x), tl.where(within, 0.0, start_y)
+    end_x, end_y = tl.where(within, 0.0, end_x), tl.where(within, 0.0, end_y)
+    return (
+        value,
+        owner,
+        by_distance,
+        by_thickness,
+        second,
+        second_distance,
+        second_thickness,
+        by_c,
+        by_q,
+        start_x,
+        start_y,
+        end_x,
+        end_y,
+    )
 
 
 @triton.jit
-def _rows(uy, vy, reach, height):
-    first, last = _span(tl.minimum(uy, vy) - reach, tl.maximum(uy, vy) + reach, height)
-    return first, tl.where(reach > 0, last, -1)
+def _shade(segments, shapes, pairs, first, last, stroke, x, y):
+    """Return the darkness of a stroke on each pixel."""
+    value, _, _, _, _, _, _, _, _, _, _, _, _ = _mark(segments, shapes, pairs, first, last, stroke, x, y, False)
+    return tl.load(stroke + 2) * value
 
 
 @triton.jit
-def _columns(row, ux, uy, vx, vy, reach, width):
-    """Return the first and last tile of a row through which a segment passes, widened by its reach."""
-    wx, wy = vx - ux, vy - uy
-    sloped = wy != 0
-    slope = tl.where(sloped, wy, 1.0)
-    a = (row * TILE - reach - uy) / slope
-    b = (row * TILE + TILE + reach - uy) / slope
-    enters = tl.where(sloped, tl.minimum(a, b), 0.0)
-    leaves = tl.where(sloped, tl.maximum(a, b), 1.0)
-    start = ux + tl.where(enters > 0, enters, 0.0) * wx
-    stop = ux + tl.where(leaves < 1, leaves, 1.0) * wx
-    return _span(tl.minimum(start, stop) - reach, tl.maximum(start, stop) + reach, width)
+def _add_gradients(record, size, slots, segments, pairs, first, last, stroke, x, y, mark, grad):
+    """Write the gradients of an item's segments and of its stroke's numbers and ends.
 
-
-@triton.jit
-def count_tiles(segments, counts, count, height, width):
-    """Count the tiles in which each segment may leave a mark, into counts: (S,)."""
-    segment = tl.program_id(0) * LANES + tl.arange(0, LANES)
-    ux, uy, u, vx, vy, v = _ends(segments, tl.minimum(segment, count - 1))
-    reach = tl.maximum(u, v)
-    first, last = _rows(uy, vy, reach, height)
-    total = tl.zeros([LANES], tl.int32)
-    for step in range(tl.max(last - first) + 1):
-        row = first + step
-        left, right = _columns(row, ux, uy, vx, vy, reach, width)
-        total += tl.where((row <= last) & (left <= right), right - left + 1, 0)
-    tl.store(counts + segment, total, mask=segment < count)
-
-
-@triton.jit
-def list_tiles(segments, starts, keys, count, height, width):
-    """Write tile * S + segment of each pair into keys: (P,), sorted by segments; starts: (S,) first key of each."""
-    segment = tl.program_id(0) * LANES + tl.arange(0, LANES)
-    known = tl.minimum(segment, count - 1)
-    ux, uy, u, vx, vy, v = _ends(segments, known)
-    reach = tl.maximum(u, v)
-    first, last = _rows(uy, vy, reach, height)
-    across = tl.cdiv(width, TILE)
-    at = tl.load(starts + known)
-    for step in range(tl.max(last - first) + 1):
-        row = first + step
-        left, right = _columns(row, ux, uy, vx, vy, reach, width)
-        right = tl.where((row <= last) & (segment < count), right, -1)
-        for column in range(tl.max(right - left) + 1):
-            inside = left + column <= right
-            tile = (row * across + left + column).to(tl.int64)
-            tl.store(keys + at, tile * count + segment, mask=inside)
-            at += inside.to(tl.int64)
-
-
-@triton.jit
-def _pixels(tile, height, width):
-    """Return for each pixel of a tile its centre x and y, its index in an image, and whether it lies inside."""
-    across = tl.cdiv(width, TILE)
-    pixel = tl.arange(0, PIXELS)
-    column = tile % across * TILE + pixel % TILE
-    row = tile // across * TILE + pixel // TILE
-    inside = (column < width) & (row < height)
-    return column.to(tl.float32) + 0.5, row.to(tl.float32) + 0.5, row.to(tl.int64) * width + column, inside
-
-
-@triton.jit
-def _foot(segments, segment, x, y):
-    """Find the point of a segment nearest to each pixel: T, free and clamped, offset, thickness there, then slopes."""
-    ux, uy, u, vx, vy, v = _ends(segments, segment)
-    wx, wy = vx - ux, vy - uy
-    squared_length = wx * wx + wy * wy
-    has_length = (squared_length > 0) & (squared_length < float("inf"))
-    inverse = tl.where(has_length, 1.0 / tl.where(has_length, squared_length, 1.0), 0.0)
-    wx, wy = tl.where(has_length, wx, 0.0), tl.where(has_length, wy, 0.0)
-    dx, dy = x - ux, y - uy
-    free = (dx * wx + dy * wy) * inverse
-    t = tl.where(free > 0, tl.where(free < 1, free, 1.0), 0.0)
-    return free, t, dx - t * wx, dy - t * wy, u * (1 - t) + v * t, wx, wy, inverse, v - u
-
-
-@triton.jit
-def _cover(segments, pairs, first, last, x, y):
-    """Return (distance / thickness)^2 of the nearest segment, at most 2, and its pair; the first wins a tie."""
-    square = tl.full([PIXELS], 2.0, tl.float32)
-    owner = tl.full([PIXELS], -1, tl.int32)
-    for pair in range(first, last):
-        _, _, ex, ey, thickness, _, _, _, _ = _foot(segments, tl.load(pairs + pair), x, y)
-        squared = thickness * thickness
-        marks = (thickness > 0) & (squared > 0)  # a thickness whose square underflows leaves no mark
-        # Division and root are rounded as in IEEE 754, so that a kink has the same side as in the reference.
-        here = tl.div_rn(ex * ex + ey * ey, tl.where(marks, squared, 1.0))
-        nearer = marks & (here < square)
-        square = tl.where(nearer, here, square)
-        owner = tl.where(nearer, pair, owner)
-    return square, owner
-
-
-@triton.jit
-def _darken(square, stroke):
-    """Return darkness, ratio, base and its binary logarithm; the base is 1 on the plateau and outside the mark."""
-    c, q, o = tl.load(stroke), tl.load(stroke + 1), tl.load(stroke + 2)
-    ratio = tl.sqrt_rn(tl.where(square < 1, square, 1.0))
-    ramp = tl.div_rn(1 - ratio, 1 - q)
-    inside = ramp > 0
-    base = tl.where(inside & (ramp < 1), ramp, 1.0)
-    log = tl.log2(base)
-    return tl.where(inside, o * tl.exp2(c * log), 0.0), ratio, base, log
-
-
-@triton.jit
-def _add_gradients(
-    record, size, slots, segments, pairs, first, last, stroke, x, y, owner, value, ratio, base, log, grad
-):
-    """Write the gradients of an item's segments and of its stroke's numbers; grad: that of each pixel's darkness."""
-    c, q, o = tl.load(stroke), tl.load(stroke + 1), tl.load(stroke + 2)
-    weighted = grad * value
-    grad_base = tl.where(base < 1, weighted * c / base, 0.0)
+    mark: as from `_mark`.  grad: that of each pixel's darkness.
+    """
+    value, owner, by_distance, by_thickness, second, second_distance, second_thickness = mark[:7]
+    by_c, by_q, start_x, start_y, end_x, end_y = mark[7:]
     numbers = record + tl.load(slots + first) * size + 6
-    tl.store(numbers, tl.sum(weighted * log) * 0.6931471805599453)
-    tl.store(numbers + 1, tl.sum(grad_base * base) / (1 - q))
-    tl.store(numbers + 2, tl.sum(weighted) / o)
-    grad_ratio = -grad_base / (1 - q)
+    tl.store(numbers + 2, tl.sum(grad * value))
+    grad *= tl.load(stroke + 2)
+    tl.store(numbers, tl.sum(grad * by_c))
+    tl.store(numbers + 1, tl.sum(grad * by_q))
+    tl.store(numbers + 3, tl.sum(grad * start_x))
+    tl.store(numbers + 4, tl.sum(grad * start_y))
+    tl.store(numbers + 5, tl.sum(grad * end_x))
+    tl.store(numbers + 6, tl.sum(grad * end_y))
     for pair in range(first, last):
-        free, t, ex, ey, thickness, wx, wy, inverse, growth = _foot(segments, tl.load(pairs + pair), x, y)
-        mine = (owner == pair) & (ratio < 1)
-        thickness = tl.where(mine, thickness, 1.0)
-        grad_thickness = tl.where(mine, -grad_ratio * ratio / thickness, 0.0)
+        free, t, ex, ey, _, wx, wy, inverse, growth = foot(segments, tl.load(pairs + pair), x, y)
+        per_distance = tl.where(owner == pair, by_distance, tl.where(second == pair, second_distance, 0.0))
+        grad_thickness = tl.where(owner == pair, by_thickness, tl.where(second == pair, second_thickness, 0.0))
+        grad_thickness *= grad
         # In the distance to the foot of the perpendicular, the derivative with respect to T is 0 ...
-        apart = mine & (ratio > 0)
-        per_distance = tl.where(apart, -grad_ratio / (tl.where(apart, ratio, 1.0) * thickness * thickness), 0.0)
+        squared = ex * ex + ey * ey
+        apart = (squared > 0) & (per_distance != 0)
+        per_distance = tl.where(apart, -grad * per_distance / tl.sqrt_rn(tl.where(apart, squared, 1.0)), 0.0)
         foot_x, foot_y = per_distance * ex, per_distance * ey
         # ... but the thickness depends on T wherever T is not clamped.
+        per_t = tl.where(tl.abs(growth) < float("inf"), growth * inverse, 0.0)
         moves = (free > 0) & (free < 1) & (grad_thickness != 0)
-        grad_t = tl.where(moves, grad_thickness * (growth * inverse), 0.0)
-        end_x, end_y = grad_t * (ex - t * wx), grad_t * (ey - t * wy)
+        grad_t = tl.where(moves, grad_thickness * per_t, 0.0)
+        along_x, along_y = grad_t * (ex - t * wx), grad_t * (ey - t * wy)
         at = record + tl.load(slots + pair) * size
-        tl.store(at, tl.sum(foot_x * (1 - t) - grad_t * wx - end_x))
-        tl.store(at + 1, tl.sum(foot_y * (1 - t) - grad_t * wy - end_y))
+        tl.store(at, tl.sum(foot_x * (1 - t) - grad_t * wx - along_x))
+        tl.store(at + 1, tl.sum(foot_y * (1 - t) - grad_t * wy - along_y))
         tl.store(at + 2, tl.sum(grad_thickness * (1 - t)))
-        tl.store(at + 3, tl.sum(foot_x * t + end_x))
-        tl.store(at + 4, tl.sum(foot_y * t + end_y))
+        tl.store(at + 3, tl.sum(foot_x * t + along_x))
+        tl.store(at + 4, tl.sum(foot_y * t + along_y))
         tl.store(at + 5, tl.sum(grad_thickness * t))
 
 
 @triton.jit
-def darkness(images, segments, strokes, pairs, items, height, width):
+def darkness(images, segments, shapes, strokes, pairs, items, height, width):
     """Draw one item per program into images: (N, H, W), which must be 0 before."""
     item = items + tl.program_id(0) * 3
     stroke = tl.load(item + 1)
-    x, y, place, inside = _pixels(tl.load(item + 2), height, width)
-    square, _ = _cover(segments, pairs, tl.load(item), tl.load(item + 3), x, y)
-    value, _, _, _ = _darken(square, strokes + stroke * 3)
+    x, y, place, inside = pixels(tl.load(item + 2), height, width)
+    value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), strokes + stroke * 3, x, y)
     tl.store(images + stroke.to(tl.int64) * height * width + place, value, mask=inside)
 
 
 @triton.jit
-def darkness_backward(grad_images, records, slots, segments, strokes, pairs, items, height, width):
+def darkness_backward(grad_images, records, slots, segments, shapes, strokes, pairs, items, height, width):
     """Write the gradients of one item per program into records; grad_images: (N, H, W)."""
     item = items + tl.program_id(0) * 3
     first, last, stroke = tl.load(item), tl.load(item + 3), tl.load(item + 1)
-    x, y, place, inside = _pixels(tl.load(item + 2), height, width)
-    square, owner = _cover(segments, pairs, first, last, x, y)
+    x, y, place, inside = pixels(tl.load(item + 2), height, width)
     numbers = strokes + stroke * 3
-    value, ratio, base, log = _darken(square, numbers)
+    mark = _mark(segments, shapes, pairs, first, last, numbers, x, y, True)
     grad = tl.load(grad_images + stroke.to(tl.int64) * height * width + place, mask=inside, other=0.0)
-    _add_gradients(records, 9, slots, segments, pairs, first, last, numbers, x, y, owner, value, ratio, base, log, grad)
+    _add_gradients(records, RECORD, slots, segments, pairs, first, last, numbers, x, y, mark, grad)
 
 
 @triton.jit
-def composite(canvas, out, segments, strokes, pairs, items, tiles, channels, height, width, CHANNELS: tl.constexpr):
+def composite(
+    canvas, out, segments, shapes, strokes, pairs, items, tiles, channels, height, width, CHANNELS: tl.constexpr
+):
     """Paint one tile per program. canvas, out: (C, H, W).  CHANNELS: C rounded up to a power of two."""
-    x, y, place, inside = _pixels(tl.program_id(0), height, width)
+    x, y, place, inside = pixels(tl.program_id(0), height, width)
     channel = tl.arange(0, CHANNELS)
     known = channel < channels
     place = (channel.to(tl.int64) * height * width)[:, None] + place[None, :]
@@ -215,9 +196,8 @@ def composite(canvas, out, segments, strokes, pairs, items, tiles, channels, hei
     beneath = tl.load(canvas + place, mask=inside, other=0.0)
     for number in range(tl.load(tiles + tl.program_id(0)), tl.load(tiles + tl.program_id(0) + 1)):
         item = items + number * 3
-        square, _ = _cover(segments, pairs, tl.load(item), tl.load(item + 3), x, y)
         stroke = strokes + tl.load(item + 1) * (3 + channels)
-        value, _, _, _ = _darken(square, stroke)
+        value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), stroke, x, y)
         colour = tl.load(stroke + 3 + channel, mask=known, other=0.0)
         beneath += value[None, :] * (colour[:, None] - beneath)
     tl.store(out + place, beneath, mask=inside)
@@ -233,6 +213,7 @@ def composite_backward(
     trainable,
     slots,
     segments,
+    shapes,
     strokes,
     pairs,
     items,
@@ -250,7 +231,7 @@ def composite_backward(
     strokes let through, found from the last item to the first; `beneath` is what earlier strokes painted, found from
     the first to the last.
     """
-    x, y, place, inside = _pixels(tl.program_id(0), height, width)
+    x, y, place, inside = pixels(tl.program_id(0), height, width)
     channel = tl.arange(0, CHANNELS)
     known = channel < channels
     place = (channel.to(tl.int64) * height * width)[:, None] + place[None, :]
@@ -262,8 +243,8 @@ def composite_backward(
     for step in range(end - begin):
         number = end - 1 - step
         item = items + number * 3
-        square, _ = _cover(segments, pairs, tl.load(item), tl.load(item + 3), x, y)
-        value, _, _, _ = _darken(square, strokes + tl.load(item + 1) * (3 + channels))
+        stroke = strokes + tl.load(item + 1) * (3 + channels)
+        value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), stroke, x, y)
         tl.store(shade + (number - begin) * PIXELS, through)
         through *= 1 - value
     grad = tl.load(grad_out + place, mask=inside, other=0.0)
@@ -271,35 +252,18 @@ def composite_backward(
     tl.debug_barrier()  # other threads read `above` than wrote it
 
     beneath = tl.load(canvas + place, mask=inside, other=0.0)
-    size = 9 + channels
+    size = RECORD + channels
     for number in range(begin, end):
         item = items + number * 3
         first, last, id = tl.load(item), tl.load(item + 3), tl.load(item + 1)
-        square, owner = _cover(segments, pairs, first, last, x, y)
         stroke = strokes + id * (3 + channels)
-        value, ratio, base, log = _darken(square, stroke)
+        mark = _mark(segments, shapes, pairs, first, last, stroke, x, y, True)
+        value = tl.load(stroke + 2) * mark[0]
         change = tl.load(stroke + 3 + channel, mask=known, other=0.0)[:, None] - beneath
         if tl.load(trainable + id) != 0:
             here = grad * tl.load(shade + (number - begin) * PIXELS)[None, :]
-            colour = records + tl.load(slots + first) * size + 9 + channel
+            colour = records + tl.load(slots + first) * size + RECORD + channel
             tl.store(colour, tl.sum(here * value[None, :], axis=1), mask=known)
             grad_value = tl.sum(here * change, axis=0)
-            _add_gradients(
-                records,
-                size,
-                slots,
-                segments,
-                pairs,
-                first,
-                last,
-                stroke,
-                x,
-                y,
-                owner,
-                value,
-                ratio,
-                base,
-                log,
-                grad_value,
-            )
+            _add_gradients(records, size, slots, segments, pairs, first, last, stroke, x, y, mark, grad_value)
         beneath += value[None, :] * change

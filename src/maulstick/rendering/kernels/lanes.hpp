@@ -13,9 +13,13 @@ typedef int32_t Ints __attribute__((vector_size(4 * LANES)));
 inline Floats all(float x) { return Floats{} + x; }
 inline Ints all(int32_t x) { return Ints{} + x; }
 inline Floats load(const float* p) { Floats x; std::memcpy(&x, p, sizeof x); return x; }
+inline Ints load(const int32_t* p) { Ints x; std::memcpy(&x, p, sizeof x); return x; }
+inline void store(int32_t* p, Ints x) { std::memcpy(p, &x, sizeof x); }
 inline void store(float* p, Floats x) { std::memcpy(p, &x, sizeof x); }
 inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
 inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }
+
+inline Floats absolute(Floats x) { return (Floats)((Ints)x & 0x7fffffff); }
 
 inline float smaller(float a, float b) { return a < b ? a : b; }
 inline float larger(float a, float b) { return a > b ? a : b; }
@@ -35,11 +39,25 @@ inline float sum(Floats x) {
 }
 
 inline bool any(Ints mask) {
+#if defined(__AVX__) && LANES == 8
+  return !__builtin_ia32_ptestz256((long long __attribute__((vector_size(32))))mask, (long long __attribute__((vector_size(32))))mask);
+#else
   typedef int64_t Words __attribute__((vector_size(4 * LANES)));
   Words w = (Words)mask;
   int64_t or_all = 0;
   for (int i = 0; i < LANES / 2; ++i) or_all |= w[i];
   return or_all != 0;
+#endif
+}
+
+inline uint32_t bits_of(Ints mask) {
+#if defined(__AVX__) && LANES == 8
+  return uint32_t(__builtin_ia32_movmskps256((Floats)mask));
+#else
+  uint32_t bits = 0;
+  for (int i = 0; i < LANES; ++i) bits |= uint32_t(mask[i] & 1) << i;
+  return bits;
+#endif
 }
 
 inline Floats lane_numbers() {

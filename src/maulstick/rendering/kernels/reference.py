@@ -1,15 +1,22 @@
 """Reference renderer: every pixel against every segment. It is slow; all tests compare with it (docs/equations.md)."""
 
+import math
+
 import torch
 from torch import Tensor
 
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
+from maulstick.rendering.kernels.nearest import HALF_DIAGONAL, Nearest, fade, turn_between, two_nearest
+
+_CLOSE = 1.25  # pixels from a point beyond which its mark is a line's whose edge is bent
+_SLIMMEST = 0.1  # pixels: the least width that a part of a pixel is given
+_WIDE, _ALIGNED = 2.0, 0.125  # pixels inside a mark's edge; of a pixel, across a stroke that lies along the grid
 
 
 def darkness(
     points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor, *, height: int, width: int
 ) -> Tensor:
-    """Draw each stroke on an image of its own (paper: Traj2Stroke Model; docs/equations.md).
+    """Draw each stroke on an image of its own, each pixel the mean over its square (docs/equations.md, Ink on a grid).
 
     points: (N, n, 2) pixels from the upper left corner; the centre of the first pixel is (0.5, 0.5).
     thickness: (N, n) half-width in pixels; where it is 0 or less there is no mark.
@@ -38,24 +45,75 @@ def _darkness_of_one(
 ) -> Tensor:
     if xy.shape[0] == 1:  # a dot is a segment without length
         xy, thickness = xy.expand(2, 2), thickness.expand(2)
-    u, w = xy[:-1, None, None], (xy[1:] - xy[:-1])[:, None, None]  # (n-1, 1, 1, 2)
-    squared_length = w.square().sum(-1)
-    has_length = squared_length > 0
-    projection = ((grid - u) * w).sum(-1) / torch.where(has_length, squared_length, 1.0)
-    between = (projection > 0) & (projection < 1)  # at an end T is constant
-    T = torch.where(between, projection, projection.detach().clamp(0, 1))  # (n-1, H, W), the signed projection
-    offset = grid - (u + T[..., None] * w)
-    squared_distance = offset.square().sum(-1)
-    apart = squared_distance > 0  # the square root has no slope at 0
-    distance = torch.where(apart, torch.where(apart, squared_distance, 1.0).sqrt(), 0.0)
-    at_pixel = thickness[:-1, None, None] * (1 - T) + thickness[1:, None, None] * T
-    marks = at_pixel > 0
-    ratio = torch.where(marks, distance / torch.where(marks, at_pixel, 1.0), 2.0)  # 1 and more: no mark
-    nearest = ratio.argmin(dim=0, keepdim=True)  # the maximum of darkness; the first segment wins a tie
-    ramp = (1 - ratio.gather(0, nearest)[0]) / (1 - plateau)
-    base = torch.where(ramp < 1, ramp, 1.0)
+    near, second = two_nearest(xy, thickness, grid)
+    with torch.no_grad():
+        apart = near.towards - second.towards
+        rate, turn = apart.norm(dim=-1), turn_between(near, second)
+        meets = near.marks & second.marks & (rate > 0)
+        opens = torch.where(meets, rate.minimum(turn), 1.0)  # by how much the one gets nearer than the other, per pixel
+        gap = (torch.where(meets, second.ratio, 0) - torch.where(meets, near.ratio, 0)) * near.thickness
+        share = torch.where(meets, (0.5 - gap / opens).clamp(0, 0.5) * fade(turn), 0.0)
+    mean = (1 - share) * _mean_darkness(near, falloff, plateau, rate / 2, share)
+    mean = mean + share * _mean_darkness(second, falloff, plateau, rate / 2, 1 - share)
+    within = near.marks & (near.distance + HALF_DIAGONAL <= plateau * near.thickness)
+    return opacity * torch.where(within, 1.0, mean)
+
+
+def _mean_darkness(near: Nearest, falloff: Tensor, plateau: Tensor, slant: Tensor, lost: Tensor) -> Tensor:
+    """Return the mean, (H, W), over the part of each pixel that is nearest to these, before the opacity.
+
+    lost: (H, W) share of the pixel beyond a crease.  slant: (H, W) cosine between the way across and to the point.
+    """
+    away = near.towards.abs().sort(dim=-1, descending=True).values
+    away = torch.where((away > 0).any(-1, keepdim=True), away, away.new_tensor([1.0, 0.0]))
+    a, b = (away * (1 - slant**2 * lost * (2 - lost)).clamp(min=_SLIMMEST**2).sqrt()[..., None]).unbind(-1)
+    close = near.distance < _CLOSE
+    around, _ = _around_a_point(near.distance.detach())
+    bend = torch.where(close, 0.0, near.rounded * (around - near.distance)).detach()
+    distance = near.distance + bend - slant * lost / 2
+    line = _mean_across(distance, near.thickness, falloff, plateau, a, b)
+    around, spread = _around_a_point(distance)
+    point = _mean_across(around, near.thickness, falloff, plateau, spread * a, spread * b)
+    mean = torch.where(close, torch.lerp(line, point, near.rounded), line)
+    return torch.where(near.marks, mean, 0.0)
+
+
+def _around_a_point(distance: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the mean distance from a point to a pixel whose centre is so far from it, and its spread beside a line's.
+
+    The bulge is fitted. Over a square of side 1 the mean of the squared distance is 1/6 more than its centre's.
+    """
+    square = distance.square()
+    bulge = 1 / 12 + 0.06305 / (1 + 5.12 * square + 23.6 * square.square())
+    return (square + bulge).sqrt(), (2 - 12 * bulge).sqrt()
+
+
+def _mean_across(distance: Tensor, h: Tensor, c: Tensor, q: Tensor, a: Tensor, b: Tensor) -> Tensor:
+    """Return the mean darkness of a straight stroke over pixels at some distance from its middle.
+
+    Across the stroke a pixel is a trapezoid: a box of width a blurred by a box of width b, the larger and the smaller
+    of |cos| and |sin|. So the mean is a second difference of the profile's second integral, or, where
+    that would lose digits, a difference of its first integral.
+    """
+    exact = (b > _ALIGNED) & (h - distance < _WIDE)
+    step = b * torch.where(exact, 0.5, 0.5 / math.sqrt(3))  # else Gauss's two places
+    x = torch.stack([distance + i * a / 2 + j * step for i in (-1, 1) for j in (-1, 1)])
+    ramp = h * (1 - q)
+    flat = torch.relu(q * h - x.abs())
+    base = torch.where(flat > 0, 1.0, (1 - x.abs() / h) / (1 - q))
     inside = base > 0
-    return torch.where(inside, opacity * torch.where(inside, base, 1.0) ** falloff, 0.0)
+    base = torch.where(inside, base, 1.0)
+    first = torch.where(inside, ramp / (c + 1) * base ** (c + 1), 0.0)  # the profile's ink from |x| outwards
+    second = ramp / (c + 2) * base * first + flat * ramp / (c + 1) + flat.square() / 2
+    whole = 2 * (q * h + ramp / (c + 1))
+    first = torch.where(x < 0, whole - first - flat, first + flat)
+    second = second + whole * (-x).clamp(min=0)
+    mean = torch.where(
+        exact,
+        (second[0] - second[1] - second[2] + second[3]) / torch.where(exact, a * b, 1.0),
+        (first[0] + first[1] - first[2] - first[3]) / (2 * a),
+    )
+    return torch.where(distance + (a + b) / 2 <= q * h, 1.0, mean)
 
 
 def composite(

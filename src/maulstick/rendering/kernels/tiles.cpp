@@ -1,368 +1,398 @@
-// Coverage, composition and their gradients on one tile. Every operation works on blocks of LANES pixels of a row.
-//
-// Per stroke a tile keeps, for each pixel, the square of distance / thickness of the nearest segment (the maximum of
-// darkness over segments, docs/equations.md, is the minimum of that ratio) and the index of that segment. Blocks that
-// no segment comes near are neither touched nor initialised.
-#include "tiles.hpp"
-#include "lanes.hpp"
+// Composition of strokes on one tile, and gradients. Every operation works on blocks of LANES pixels, or on LANES samples
+// of a stroke. Blocks that no segment comes near are neither touched nor initialised.
+#include <initializer_list>
+#include <type_traits>
+
+#include "samples.hpp"
+#include "tight.hpp"
 
 namespace maulstick {
 namespace {
 
-constexpr int tile_pixels = tile_height * tile_width;
-constexpr int tile_blocks = tile_pixels / LANES;
+inline Profile profile_of(const Strokes& s, int64_t id) { return {s.c[id], s.q[id], s.o[id]}; }
 
-struct Coverage {                     // of one stroke over one tile
-  alignas(64) float square[tile_pixels];   // (distance / thickness)^2
-  alignas(64) int32_t segment[tile_pixels];
-  uint32_t touched[tile_height];      // one bit per block of LANES pixels
+// What is kept of LANES samples for the way back: where they are, and their weight times the slopes of their darkness.
+struct Slope {
+  Floats x, y, by_distance, by_thickness, by_c, by_q;
+  Ints owner, at;
 };
 
-// Finds the columns [left, right] in which the segment, widened by its reach, crosses the row at y.
-inline bool crossing(const Segment& s, float y, float* left, float* right) {
-  float from = 0, to = 1;
-  if (s.wy != 0) {
-    float a = (y - s.reach - s.uy) / s.wy, b = (y + s.reach - s.uy) / s.wy;
-    from = larger(0.0f, smaller(a, b));
-    to = smaller(1.0f, larger(a, b));
-    if (from > to) return false;
-  }
-  float a = s.ux + from * s.wx, b = s.ux + to * s.wx;
-  *left = smaller(a, b) - s.reach;
-  *right = larger(a, b) + s.reach;
-  return true;
+template <int Slopes>
+inline Slope slope_of(const Samples& samples, int first, const Mean& mean) {
+  Slope slope{load(samples.x + first), load(samples.y + first), mean.by_distance, mean.by_thickness, {}, {},
+              load(samples.owner + first), load(samples.at + first)};
+  if (Slopes > 1) slope.by_c = mean.by_c, slope.by_q = mean.by_q;
+  return slope;
 }
 
-inline void cover_row(Coverage& cover, const Segment& s, int32_t number, Tile tile, int row, float left, float right) {
-  float low = larger(left - tile.x, 0.0f), high = smaller(right - tile.x, tile.width - 0.5f);
-  if (!(low <= high)) return;
-  const int first = int(low) / LANES, last = int(high) / LANES;
-  const Floats dy = all(tile.y + row + 0.5f - s.uy);
-  for (int block = first; block <= last; ++block) {
-    const int at = row * tile_width + block * LANES;
-    Floats dx = lane_numbers() + (tile.x + block * LANES + 0.5f - s.ux);
-    Floats t = (dx * s.wx + dy * s.wy) * s.inverse_squared_length;
-    t = smaller(larger(t, all(0.0f)), all(1.0f));
-    Floats ex = dx - t * s.wx, ey = dy - t * s.wy;
-    Floats thickness = s.thickness + t * s.growth;
-    Floats square = (ex * ex + ey * ey) / (thickness * thickness);
-    square = thickness > all(0.0f) ? smaller(square, all(2.0f)) : all(2.0f);   // 2: no mark, also for NaN
-    if (cover.touched[row] >> block & 1) {
-      Floats before = load(cover.square + at);
-      Ints nearer = square < before;
-      Ints owner;
-      std::memcpy(&owner, cover.segment + at, sizeof owner);
-      owner = nearer ? all(number) : owner;
-      store(cover.square + at, nearer ? square : before);
-      std::memcpy(cover.segment + at, &owner, sizeof owner);
-    } else {
-      Ints owner = all(number);
-      store(cover.square + at, square);
-      std::memcpy(cover.segment + at, &owner, sizeof owner);
-      cover.touched[row] |= 1u << block;
-    }
-  }
-}
+// And of a sample whose weight grows or falls as an end of the stroke moves outwards.
+struct EndSlope {
+  float by_start, by_end;
+  int32_t owner, at;
+};
 
-void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile) {
-  std::memset(cover.touched, 0, sizeof cover.touched);
-  const Segment* segments = strokes.segment + id * strokes.segments;
-  const float x0 = tile.x, x1 = tile.x + tile.width, y0 = tile.y, y1 = tile.y + tile.height;
-  for (int64_t k = 0; k < strokes.segments; ++k) {
-    const Segment& s = segments[k];
-    if (!(s.reach > 0)) continue;
-    const float left = smaller(s.ux, s.ux + s.wx) - s.reach, right = larger(s.ux, s.ux + s.wx) + s.reach;
-    const float top = smaller(s.uy, s.uy + s.wy) - s.reach, bottom = larger(s.uy, s.uy + s.wy) + s.reach;
-    if (left > x1 || right < x0 || top > y1 || bottom < y0) continue;
-    const int first = int(larger(top - y0, 0.0f)), last = int(smaller(bottom - y0, tile.height - 0.5f));
-    const bool narrow = __builtin_fabsf(s.wx) < 2 * LANES;       // its box is as tight as its outline
-    for (int row = first; row <= last; ++row) {
-      float a = left, b = right;
-      const float y = y0 + row + 0.5f;
-      if (narrow || crossing(s, y, &a, &b)) cover_row(cover, s, int32_t(k), tile, row, a, b);
-    }
-  }
-}
-
-struct Darkness { Floats value, ratio, base, log_base; };
-
-// Darkness of a block from the squared ratio; `log_base` is 0 on the plateau, where no gradient flows.
-inline Darkness darken(Floats square, float c, float inverse_ramp, float o) {
-  Darkness d;
-  Ints inside = square < all(1.0f);
-  d.ratio = root(inside ? square : all(1.0f));
-  d.base = smaller((1.0f - d.ratio) * inverse_ramp, all(1.0f));
-  inside &= d.base > all(1e-30f);
-  d.log_base = natural_log(inside ? d.base : all(1.0f));
-  d.value = inside ? exponential(d.log_base * c) * o : all(0.0f);
-  return d;
-}
-
-inline bool reaches(Floats square) { return any(square < all(1.0f)); }
-
-template <class Visit>   // visit(row, offset in the tile) for each block that the stroke reaches
-inline void each_block(const Coverage& cover, int rows, Visit visit) {
-  for (int row = 0; row < rows; ++row)
-    for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1) {
-      const int at = row * tile_width + __builtin_ctz(bits) * LANES;
-      if (reaches(load(cover.square + at))) visit(row, at);
-    }
-}
-
-// Gradients of one stroke over one tile, summed over pixels in a fixed order.
+// Gradients of one stroke over one tile, summed in a fixed order.
+template <int Slopes>
 class StrokeGradient {
  public:
-  StrokeGradient(const Strokes& strokes, int64_t id, Tile tile, float* record)
-      : strokes_(strokes), segments_(strokes.segment + id * strokes.segments), tile_(tile), points_(record),
-        rest_(record + 3 * strokes.points), c_(strokes.c[id]), inverse_ramp_(1 / (1 - strokes.q[id])),
-        o_(strokes.o[id]), grad_c_{}, grad_q_{}, grad_o_{} {}
+  // sums: 6 vectors for each segment, all 0 before and after.
+  StrokeGradient(const Strokes& strokes, int64_t id, Floats* sums, float* record)
+      : strokes_(strokes), segments_(strokes.segment + id * strokes.segments),
+        shapes_(strokes.shape + id * strokes.segments), sums_(sums), points_(record),
+        rest_(record + 3 * strokes.points), o_(strokes.o[id]), first_(INT32_MAX), last_(-1), grad_c_{}, grad_q_{},
+        grad_o_{} {}
 
-  // Adds the gradients of a block; grad: gradient of the loss with respect to its darkness.
-  void add(int at, Floats grad, const Darkness& d, Ints owner) {
-    Floats weighted = grad * d.value;
-    grad_o_ += weighted;
-    grad_c_ += weighted * d.log_base;
-    Ints ramp = (d.value > all(0.0f)) & (d.base < all(1.0f));
-    Floats grad_base = ramp ? weighted * c_ / d.base : all(0.0f);
-    grad_q_ += grad_base * d.base;
-    Floats grad_ratio = grad_base * -inverse_ramp_;
-    Ints pending = grad_ratio != all(0.0f);
-    const Floats x = lane_numbers() + (tile_.x + at % tile_width + 0.5f);
-    const Floats y = all(tile_.y + at / tile_width + 0.5f);
+  // grad: gradient of the loss by the darkness of LANES pixels; value: that before the opacity.
+  void add_opacity(Floats grad, Floats value) { grad_o_ += grad * value; }
+
+  // Adds the gradients of LANES samples. grads: gradient of the loss by the darkness of each pixel of the tile.
+  void add(const Slope& slope, const float* grads) {
+    Floats grad;
+    for (int i = 0; i < LANES; ++i) grad[i] = grads[slope.at[i]];
+    grad *= o_;
+    if (Slopes > 1) {
+      grad_c_ += grad * slope.by_c;
+      grad_q_ += grad * slope.by_q;
+    }
+    const Floats by_distance = grad * slope.by_distance, by_thickness = grad * slope.by_thickness;
+    const Ints pending = (by_distance != all(0.0f)) | (by_thickness != all(0.0f));
     int32_t owners[LANES], waits[LANES];
-    std::memcpy(owners, &owner, sizeof owners);
+    std::memcpy(owners, &slope.owner, sizeof owners);
     std::memcpy(waits, &pending, sizeof waits);
-    for (int lane = 0; lane < LANES; ++lane) {             // once per segment that owns a pixel of the block
+    for (int lane = 0; lane < LANES; ++lane) {             // once per segment that owns a sample
       if (!waits[lane]) continue;
       const int32_t k = owners[lane];
       for (int i = lane; i < LANES; ++i) waits[i] = owners[i] == k ? 0 : waits[i];
-      Ints mine = pending & (owner == all(k));
-      add_segment(k, x, y, mine ? grad_ratio : all(0.0f), d.ratio);
+      const Ints mine = pending & (slope.owner == all(k));
+      add_segment(k, slope.x, slope.y, mine ? by_distance : all(0.0f), mine ? by_thickness : all(0.0f));
     }
   }
 
+  // Adds those of a sample whose weight changes as the stroke grows.
+  void add(const EndSlope& slope, const float* grads) {
+    const Shape& shape = shapes_[slope.owner];
+    const float grad = o_ * grads[slope.at];
+    float* last = points_ + 3 * (strokes_.points - 1);
+    points_[0] += grad * slope.by_start * shape.direction_x, points_[1] += grad * slope.by_start * shape.direction_y;
+    last[0] -= grad * slope.by_end * shape.direction_x, last[1] -= grad * slope.by_end * shape.direction_y;
+  }
+
   void finish() {
+    for (int32_t k = first_; k <= last_; ++k) {
+      Floats* here = sums_ + 6 * k;
+      float* u = points_ + 3 * k;
+      float* v = points_ + 3 * (strokes_.points > 1 ? k + 1 : k);
+      for (int i = 0; i < 3; ++i) {
+        u[i] += sum(here[i]);
+        v[i] += sum(here[3 + i]);
+      }
+      std::memset(here, 0, 6 * sizeof(Floats));
+    }
     float* tail = rest_ + strokes_.channels;
     tail[0] += sum(grad_c_);
-    tail[1] += sum(grad_q_) * inverse_ramp_;
-    tail[2] += sum(grad_o_) / o_;
+    tail[1] += sum(grad_q_);
+    tail[2] += sum(grad_o_);
   }
 
   float* colour() { return rest_; }
 
  private:
-  void add_segment(int32_t k, Floats x, Floats y, Floats grad_ratio, Floats ratio) {
+  void add_segment(int32_t k, Floats x, Floats y, Floats by_distance, Floats by_thickness) {
     const Segment& s = segments_[k];
-    Floats dx = x - s.ux, dy = y - s.uy;
-    Floats free = (dx * s.wx + dy * s.wy) * s.inverse_squared_length;
-    Floats t = smaller(larger(free, all(0.0f)), all(1.0f));
-    Floats ex = dx - t * s.wx, ey = dy - t * s.wy;
-    Floats thickness = s.thickness + t * s.growth;
-    // ratio = distance / thickness; in the distance to the foot of the perpendicular, the derivative by t is 0 ...
-    Floats per_distance = ratio > all(0.0f) ? grad_ratio / (ratio * thickness * thickness) : all(0.0f);
-    Floats foot_x = -per_distance * ex, foot_y = -per_distance * ey;
-    Floats grad_thickness = thickness > all(0.0f) ? -grad_ratio * ratio / thickness : all(0.0f);
+    const Foot foot = foot_on(s, x, y);
+    const Floats squared = foot.offset_x * foot.offset_x + foot.offset_y * foot.offset_y;
+    const Floats per_pixel = squared > all(0.0f) ? by_distance / root(squared) : all(0.0f);
+    // In the distance to the foot of the perpendicular, the derivative by t is 0 ...
+    const Floats foot_x = -per_pixel * foot.offset_x, foot_y = -per_pixel * foot.offset_y, t = foot.t;
     // ... but the thickness depends on t wherever t is not clamped
-    Ints moves = (free > all(0.0f)) & (free < all(1.0f));
-    Floats grad_t = moves ? grad_thickness * (s.growth * s.inverse_squared_length) : all(0.0f);
-    Floats end_x = grad_t * (dx - 2 * t * s.wx), end_y = grad_t * (dy - 2 * t * s.wy);
-    float* u = points_ + 3 * k;
-    float* v = points_ + 3 * (strokes_.points > 1 ? k + 1 : k);
-    u[0] += sum(foot_x * (1.0f - t) - grad_t * s.wx - end_x);
-    u[1] += sum(foot_y * (1.0f - t) - grad_t * s.wy - end_y);
-    u[2] += sum(grad_thickness * (1.0f - t));
-    v[0] += sum(foot_x * t + end_x);
-    v[1] += sum(foot_y * t + end_y);
-    v[2] += sum(grad_thickness * t);
+    const Ints moves = (foot.free > all(0.0f)) & (foot.free < all(1.0f));
+    const Floats by_t = moves ? by_thickness * (s.growth * s.inverse_squared_length) : all(0.0f);
+    const Floats end_x = by_t * (x - s.ux - 2 * t * s.wx), end_y = by_t * (y - s.uy - 2 * t * s.wy);
+    Floats* here = sums_ + 6 * k;
+    here[0] += foot_x * (1.0f - t) - by_t * s.wx - end_x;
+    here[1] += foot_y * (1.0f - t) - by_t * s.wy - end_y;
+    here[2] += by_thickness * (1.0f - t);
+    here[3] += foot_x * t + end_x;
+    here[4] += foot_y * t + end_y;
+    here[5] += by_thickness * t;
+    first_ = k < first_ ? k : first_;
+    last_ = k > last_ ? k : last_;
   }
 
   const Strokes& strokes_;
   const Segment* segments_;
-  Tile tile_;
+  const Shape* shapes_;
+  Floats* sums_;
   float *points_, *rest_;
-  float c_, inverse_ramp_, o_;
+  float o_;
+  int32_t first_, last_;
   Floats grad_c_, grad_q_, grad_o_;
 };
 
+template <class Copy>   // copy(pixel, offset in an image, count) for each piece of a row that lies in one block
+inline void each_piece(Tile tile, int64_t width, Copy copy) {
+  for (int row = 0; row < tile.height; ++row) {
+    const int64_t offset = (tile.y + row) * width + tile.x;
+    int column = 0;
+    for (; column + block_width <= tile.width; column += block_width)
+      copy(pixel_at(row, column), offset + column, std::integral_constant<int, block_width>());
+    if (column < tile.width) copy(pixel_at(row, column), offset + column, tile.width - column);
+  }
+}
+
 void copy_in(float* tile_image, const float* image, Tile tile, int64_t channels, int64_t height, int64_t width) {
-  for (int64_t k = 0; k < channels; ++k)
-    for (int row = 0; row < tile.height; ++row)
-      std::memcpy(tile_image + k * tile_pixels + row * tile_width,
-                  image + (k * height + tile.y + row) * width + tile.x, sizeof(float) * tile.width);
+  for (int64_t k = 0; k < channels; ++k, tile_image += tile_pixels, image += height * width)
+    each_piece(tile, width, [&](int at, int64_t offset, auto count) {
+      std::memcpy(tile_image + at, image + offset, sizeof(float) * count);
+    });
 }
 
 void copy_out(const float* tile_image, float* image, Tile tile, int64_t channels, int64_t height, int64_t width) {
-  for (int64_t k = 0; k < channels; ++k)
-    for (int row = 0; row < tile.height; ++row)
-      std::memcpy(image + (k * height + tile.y + row) * width + tile.x,
-                  tile_image + k * tile_pixels + row * tile_width, sizeof(float) * tile.width);
+  for (int64_t k = 0; k < channels; ++k, tile_image += tile_pixels, image += height * width)
+    each_piece(tile, width, [&](int at, int64_t offset, auto count) {
+      std::memcpy(image + offset, tile_image + at, sizeof(float) * count);
+    });
 }
 
-inline Darkness darken_at(const Coverage& cover, const Strokes& s, int64_t id, int at) {
-  return darken(load(cover.square + at), s.c[id], 1 / (1 - s.q[id]), s.o[id]);
-}
-
-void paint(float* canvas, Coverage& cover, const Strokes& s, int64_t id, Tile tile) {
-  cover_stroke(cover, s, id, tile);
-  each_block(cover, tile.height, [&](int, int at) {
-    Floats d = darken_at(cover, s, id, at).value;
-    for (int64_t k = 0; k < s.channels; ++k) {
-      float* pixel = canvas + k * tile_pixels + at;
-      Floats beneath = load(pixel);
-      store(pixel, beneath + d * (s.colours[id * s.channels + k] - beneath));
-    }
-  });
-}
-
-// Layout of a thread's scratch: a tile of the canvas and of its gradient, the coverage of one stroke, and for the
-// strokes of one chunk one record per block with what the backward pass needs: darkness, owners, the canvas beneath.
+// A thread's scratch: a tile of the canvas, of its gradient and of a stroke's darkness; the coverage and samples of one
+// stroke; and for the strokes of one chunk what the way back needs: slopes of samples, and of each block its darkness and
+// in each channel the canvas beneath.
 struct Room {
   Coverage* cover;
-  float *canvas, *gradient, *checkpoints, *records;
-  int32_t *offsets, *begins;
-  int64_t record_floats;
+  Samples* samples;
+  Parts* parts;
+  Floats* sums;
+  Slope* slopes;
+  EndSlope* ends;
+  float *shade, *canvas, *gradient, *kept, *checkpoints;
+  int32_t *blocks, *starts;           // starts: of each chunk, its first stroke
+  int64_t *block_begins, *slope_begins, *end_begins;
 
   static int64_t aligned(int64_t bytes) { return (bytes + 63) / 64 * 64; }
+  static int64_t image_floats(int64_t channels) { return tile_pixels * channels; }
 
-  static int64_t bytes(int64_t channels, int64_t chunk, int64_t checkpoints) {
-    return aligned(sizeof(Coverage)) + aligned(4 * tile_pixels * channels) * (2 + checkpoints) +
-           aligned(4 * LANES * (5 + channels)) * tile_blocks * chunk + aligned(4 * tile_blocks * chunk) +
-           aligned(4 * (chunk + 1)) + 64;
+  // Calls take(bytes) for each part and returns the sum; the least likely to be used come last.
+  template <class Take>
+  static int64_t each_part(int64_t segments, int64_t channels, int64_t strokes, bool backward, Take take) {
+    const int64_t kept_strokes = backward ? strokes : 0, kept = backward ? kept_slopes + most_slopes : 0;
+    int64_t total = 0;
+    for (int64_t bytes :
+         {int64_t(sizeof(Coverage)), int64_t(sizeof(Samples)), int64_t(sizeof(Parts)),
+          4 * tile_blocks * runs_of(segments), runs_of(segments), int64_t(6 * sizeof(Floats)) * segments,
+          int64_t(4 * tile_pixels), 4 * image_floats(channels),
+          4 * image_floats(channels), int64_t(sizeof(Slope)) * kept, int64_t(sizeof(EndSlope)) * LANES * kept, 4 * kept,
+          4 * LANES * (1 + channels) * kept, 8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 8 * (kept_strokes + 1), 4 * (kept_strokes + 1),
+          4 * image_floats(channels) * kept_strokes}) {
+      take(bytes);
+      total += aligned(bytes);
+    }
+    return total;
   }
 
-  Room(Scratch scratch, int64_t channels, int64_t checkpoint_count) {
-    char* p = scratch.bytes + (64 - reinterpret_cast<uintptr_t>(scratch.bytes) % 64) % 64;
-    auto take = [&p](int64_t size) { char* taken = p; p += aligned(size); return taken; };
-    record_floats = aligned(4 * LANES * (5 + channels)) / 4;
-    cover = reinterpret_cast<Coverage*>(take(sizeof(Coverage)));
-    canvas = reinterpret_cast<float*>(take(4 * tile_pixels * channels));
-    gradient = reinterpret_cast<float*>(take(4 * tile_pixels * channels));
-    checkpoints = reinterpret_cast<float*>(take(aligned(4 * tile_pixels * channels) * checkpoint_count));
-    records = reinterpret_cast<float*>(take(4 * record_floats * tile_blocks * scratch.chunk));
-    offsets = reinterpret_cast<int32_t*>(take(4 * tile_blocks * scratch.chunk));
-    begins = reinterpret_cast<int32_t*>(take(4 * (scratch.chunk + 1)));
+  static int64_t bytes(int64_t segments, int64_t channels, int64_t strokes, bool backward) {
+    return 64 + each_part(segments, channels, strokes, backward, [](int64_t) {});
+  }
+
+  Room(char* bytes, int64_t segments, int64_t channels, int64_t strokes, bool backward) {
+    char *p = bytes + (64 - reinterpret_cast<uintptr_t>(bytes) % 64) % 64, *places[20];
+    int n = 0;
+    each_part(segments, channels, strokes, backward, [&](int64_t size) { places[n++] = p; p += aligned(size); });
+    n = 0;
+    const auto place = [&](auto*& pointer) {
+      pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(places[n++]);
+    };
+    place(cover), place(samples), place(parts), place(cover->reaching), place(cover->comes_near), place(sums);
+    place(shade), place(canvas), place(gradient), place(slopes), place(ends), place(blocks), place(kept);
+    place(block_begins), place(slope_begins), place(end_begins), place(starts), place(checkpoints);
+    samples->count = parts->count = 0;
+    std::memset(static_cast<void*>(sums), 0, 6 * sizeof(Floats) * segments);
+  }
+
+  static constexpr int64_t most_slopes = 5 * tile_blocks;      // of one stroke: pixels or four parts of each, and padding
+  static constexpr int64_t kept_slopes = (4 << 20) / sizeof(Slope);                   // after which a chunk ends
+
+  // Finds the darkness of a stroke before its opacity, into `shade`; keep(slope) gets what the way back needs.
+  template <int Slopes, class Keep>
+  void shade_stroke(const Strokes& s, int64_t id, Tile tile, Keep keep) {
+    const Profile profile = profile_of(s, id);
+    cover_stroke(*cover, s, id, tile);
+    each_block(*cover, [&](int block) {
+      store(shade + block * LANES, on_plateau(cover->near[block], profile) ? all(1.0f) : all(0.0f));
+    });
+    const auto across = [](const Samples& samples, int first) {
+      return across_pixels(load(samples.offset_x + first), load(samples.offset_y + first));
+    };
+    each_batch(
+        *samples, *parts, *cover, profile, tile,
+        [&](const Samples& batch) {
+          for (int first = 0; first < batch.count; first += LANES) {
+            const Mean mean = mean_across<Slopes, false>(across(batch, first), load(batch.thickness + first), profile);
+            for (int i = 0; i < LANES; ++i) shade[batch.at[first + i]] += mean.value[i];
+            if constexpr (Slopes > 0) keep(slope_of<Slopes>(batch, first, mean));
+          }
+        },
+        [&](const Parts& batch) {
+          for (int first = 0; first < batch.count; first += LANES) {
+            const Floats weight = load(batch.weight + first);
+            Mean mean = mean_of_parts<Slopes>(across(batch, first), load(batch.thickness + first),
+                                              load(batch.shift + first), load(batch.scale + first),
+                                              load(batch.point + first), profile);
+            for (int i = 0; i < LANES; ++i) {
+              shade[batch.at[first + i]] += weight[i] * mean.value[i];
+              if (const int32_t end = batch.ends[first + i]; Slopes > 0 && end) {
+                const float by = batch.share[first + i] * (end & 4 ? -mean.value[i] : mean.value[i]);
+                keep(EndSlope{end & 1 ? by : 0, end & 2 ? by : 0, batch.owner[first + i], batch.at[first + i]});
+              }
+            }
+            mean.by_distance *= weight, mean.by_thickness *= weight, mean.by_c *= weight, mean.by_q *= weight;
+            if constexpr (Slopes > 0) keep(slope_of<Slopes>(batch, first, mean));
+          }
+        });
+  }
+
+  // Lays a stroke of the darkness in `shade` onto a block of the canvas.
+  void lay(const Strokes& s, int64_t id, int block) {
+    const int at = block * LANES;
+    const Floats d = s.o[id] * load(shade + at);
+    for (int64_t k = 0; k < s.channels; ++k) {
+      float* pixel = canvas + k * tile_pixels + at;
+      const Floats beneath = load(pixel);
+      store(pixel, beneath + d * (s.colours[id * s.channels + k] - beneath));
+    }
   }
 };
 
 void composite(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height, int64_t width,
-               const float* canvas, float* out, Scratch scratch) {
-  Room room(scratch, s.channels, 0);
+               const float* canvas, float* out, char* scratch) {
+  Room room(scratch, s.segments, s.channels, count, false);
   copy_in(room.canvas, canvas, tile, s.channels, height, width);
-  for (int64_t k = 0; k < count; ++k) paint(room.canvas, *room.cover, s, ids[k], tile);
+  for (int64_t k = 0; k < count; ++k) {
+    room.shade_stroke<0>(s, ids[k], tile, [](const auto&) {});
+    each_block(*room.cover, [&](int block) { room.lay(s, ids[k], block); });
+  }
   copy_out(room.canvas, out, tile, s.channels, height, width);
 }
 
-// Paints strokes [0, count) of a chunk forwards, keeping a record per block.
-void paint_and_record(Room& room, const Strokes& s, const int32_t* ids, int64_t count, Tile tile) {
-  int32_t n = 0;
-  for (int64_t k = 0; k < count; ++k) {
-    const int64_t id = ids[k];
-    room.begins[k] = n;
-    cover_stroke(*room.cover, s, id, tile);
-    each_block(*room.cover, tile.height, [&](int, int at) {
-      const Darkness d = darken_at(*room.cover, s, id, at);
-      float* record = room.records + n * room.record_floats;
-      room.offsets[n++] = at;
-      store(record, d.value);
-      store(record + LANES, d.ratio);
-      store(record + 2 * LANES, d.base);
-      store(record + 3 * LANES, d.log_base);
-      std::memcpy(record + 4 * LANES, room.cover->segment + at, 4 * LANES);
-      for (int64_t j = 0; j < s.channels; ++j) {
-        float* pixel = room.canvas + j * tile_pixels + at;
-        Floats beneath = load(pixel);
-        store(record + (5 + j) * LANES, beneath);
-        store(pixel, beneath + d.value * (s.colours[id * s.channels + j] - beneath));
-      }
+// Paints strokes from `begin` on and keeps what the way back needs, until `end` or until there is much of it. Returns the
+// first stroke that is not painted.
+template <int Slopes>
+int64_t paint_and_keep(Room& room, const Strokes& s, const int32_t* ids, int64_t begin, int64_t end, Tile tile) {
+  int64_t blocks = 0, slopes = 0, ends = 0, k = begin;
+  for (; k < end && slopes < Room::kept_slopes && blocks < Room::kept_slopes; ++k) {
+    const int64_t id = ids[k], first_block = blocks;
+    room.block_begins[k] = blocks, room.slope_begins[k] = slopes, room.end_begins[k] = ends;
+    room.shade_stroke<Slopes>(s, id, tile, [&](const auto& slope) {
+      if constexpr (std::is_same_v<decltype(slope), const EndSlope&>)
+        room.ends[ends++] = slope;
+      else
+        room.slopes[slopes++] = slope;
     });
+    each_block(*room.cover, [&](int block) { room.blocks[blocks++] = block; });
+    for (int64_t n = first_block; n < blocks; ++n) {
+      const int at = room.blocks[n] * LANES;
+      float* kept = room.kept + n * LANES * (1 + s.channels);
+      store(kept, load(room.shade + at));
+      for (int64_t j = 0; j < s.channels; ++j)
+        store(kept + (1 + j) * LANES, load(room.canvas + j * tile_pixels + at));
+      room.lay(s, id, room.blocks[n]);
+    }
   }
-  room.begins[count] = n;
+  room.block_begins[k] = blocks, room.slope_begins[k] = slopes, room.end_begins[k] = ends;
+  return k;
 }
 
-void walk_back(Room& room, const Strokes& s, const int32_t* ids, int64_t count, Tile tile, float* gradients,
+template <int Slopes>
+void walk_back(Room& room, const Strokes& s, const int32_t* ids, int64_t begin, int64_t end, float* gradients,
                const int64_t* record_of) {
-  for (int64_t k = count - 1; k >= 0; --k) {
+  for (int64_t k = end - 1; k >= begin; --k) {
     const int64_t id = ids[k];
     const bool trainable = !s.trainable || s.trainable[id];
-    if (room.begins[k] == room.begins[k + 1]) continue;
-    StrokeGradient stroke(s, id, tile, trainable ? gradients + record_of[k] : nullptr);
-    for (int32_t n = room.begins[k]; n < room.begins[k + 1]; ++n) {
-      const float* record = room.records + n * room.record_floats;
-      const int at = room.offsets[n];
-      Darkness d{load(record), load(record + LANES), load(record + 2 * LANES), load(record + 3 * LANES)};
+    if (room.block_begins[k] == room.block_begins[k + 1]) continue;
+    StrokeGradient<Slopes> stroke(s, id, room.sums, trainable ? gradients + record_of[k] : nullptr);
+    for (int64_t n = room.block_begins[k]; n < room.block_begins[k + 1]; ++n) {
+      const float* kept = room.kept + n * LANES * (1 + s.channels);
+      const int at = room.blocks[n] * LANES;
+      const Floats value = load(kept), darkness = s.o[id] * value;
       Floats grad_darkness{};
       for (int64_t j = 0; j < s.channels; ++j) {
         float* pixel = room.gradient + j * tile_pixels + at;
-        Floats grad = load(pixel);
+        const Floats grad = load(pixel);
         if (trainable) {
-          grad_darkness += grad * (s.colours[id * s.channels + j] - load(record + (5 + j) * LANES));
-          stroke.colour()[j] += sum(grad * d.value);
+          grad_darkness += grad * (s.colours[id * s.channels + j] - load(kept + (1 + j) * LANES));
+          stroke.colour()[j] += sum(grad * darkness);
         }
-        store(pixel, grad * (1.0f - d.value));
+        store(pixel, grad * (1.0f - darkness));
       }
-      if (!trainable) continue;
-      Ints owner;
-      std::memcpy(&owner, record + 4 * LANES, sizeof owner);
-      stroke.add(at, grad_darkness, d, owner);
+      stroke.add_opacity(grad_darkness, value);
+      store(room.shade + at, grad_darkness);
     }
-    if (trainable) stroke.finish();
+    if (!trainable) continue;
+    for (int64_t n = room.slope_begins[k]; n < room.slope_begins[k + 1]; ++n) stroke.add(room.slopes[n], room.shade);
+    for (int64_t n = room.end_begins[k]; n < room.end_begins[k + 1]; ++n) stroke.add(room.ends[n], room.shade);
+    stroke.finish();
   }
 }
 
-void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height, int64_t width,
-                        const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
-                        const int64_t* record, Scratch scratch) {
-  const int64_t chunks = (count + scratch.chunk - 1) / scratch.chunk;
-  const int64_t image = Room::aligned(4 * tile_pixels * s.channels) / 4;
-  Room room(scratch, s.channels, chunks);
+template <int Slopes>
+void composite_backward_with(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height,
+                             int64_t width, const float* canvas, const float* grad_out, float* grad_canvas,
+                             float* gradients, const int64_t* record, char* scratch) {
+  Room room(scratch, s.segments, s.channels, count, true);
+  const int64_t image = Room::image_floats(s.channels);
   // Unused lanes at the right and lower edge of the canvas stay 0, so that they add nothing to the sums.
-  std::memset(room.canvas, 0, 4 * tile_pixels * s.channels);
-  std::memset(room.gradient, 0, 4 * tile_pixels * s.channels);
+  std::memset(room.canvas, 0, 4 * image);
+  std::memset(room.gradient, 0, 4 * image);
   copy_in(room.canvas, canvas, tile, s.channels, height, width);
   copy_in(room.gradient, grad_out, tile, s.channels, height, width);
-  for (int64_t c = 0; c < chunks; ++c) {
-    std::memcpy(room.checkpoints + c * image, room.canvas, 4 * image);
-    for (int64_t k = c * scratch.chunk; c + 1 < chunks && k < (c + 1) * scratch.chunk; ++k)
-      paint(room.canvas, *room.cover, s, ids[k], tile);
-  }
-  for (int64_t c = chunks - 1; c >= 0; --c) {
-    const int64_t first = c * scratch.chunk, size = count - first < scratch.chunk ? count - first : scratch.chunk;
-    std::memcpy(room.canvas, room.checkpoints + c * image, 4 * image);
-    paint_and_record(room, s, ids + first, size, tile);
-    walk_back(room, s, ids + first, size, tile, gradients, record + first);
+  int64_t chunks = 0, end = 0;
+  do {
+    if (end) std::memcpy(room.checkpoints + chunks * image, room.canvas, 4 * image);   // else it is the canvas itself
+    room.starts[chunks++] = int32_t(end);
+    end = paint_and_keep<Slopes>(room, s, ids, end, count, tile);
+  } while (end < count);
+  walk_back<Slopes>(room, s, ids, room.starts[chunks - 1], count, gradients, record);
+  for (int64_t c = chunks - 2; c >= 0; --c) {
+    if (c)
+      std::memcpy(room.canvas, room.checkpoints + c * image, 4 * image);
+    else
+      copy_in(room.canvas, canvas, tile, s.channels, height, width);
+    end = paint_and_keep<Slopes>(room, s, ids, room.starts[c], room.starts[c + 1], tile);
+    walk_back<Slopes>(room, s, ids, room.starts[c], end, gradients, record);
   }
   if (grad_canvas) copy_out(room.gradient, grad_canvas, tile, s.channels, height, width);
 }
 
-void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out, Scratch scratch) {
-  Room room(scratch, 1, 0);
-  cover_stroke(*room.cover, s, id, tile);
-  each_block(*room.cover, tile.height, [&](int row, int at) {
-    alignas(64) float values[LANES];
-    store(values, darken_at(*room.cover, s, id, at).value);
-    const int column = at % tile_width, n = tile.width - column < LANES ? tile.width - column : LANES;
-    std::memcpy(out + (tile.y + row) * width + tile.x + column, values, sizeof(float) * n);
-  });
+void composite_backward(const Strokes& s, const int32_t* ids, int64_t count, Tile tile, int64_t height, int64_t width,
+                        const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
+                        const int64_t* record, char* scratch) {
+  const auto backward = s.shapes ? composite_backward_with<2> : composite_backward_with<1>;
+  backward(s, ids, count, tile, height, width, canvas, grad_out, grad_canvas, gradients, record, scratch);
+}
+
+// Alone on black with white paint, a stroke is its darkness.
+void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out, char* scratch) {
+  Room room(scratch, s.segments, 1, 1, false);
+  std::memset(room.canvas, 0, 4 * tile_pixels);
+  room.shade_stroke<0>(s, id, tile, [](const auto&) {});
+  each_block(*room.cover, [&](int block) { store(room.canvas + block * LANES, s.o[id] * load(room.shade + block * LANES)); });
+  copy_out(room.canvas, out, tile, 1, 0, width);
 }
 
 void darkness_backward(const Strokes& s, int64_t id, Tile tile, int64_t width, const float* grad_out, float* gradient,
-                       Scratch scratch) {
-  Room room(scratch, 1, 0);
-  cover_stroke(*room.cover, s, id, tile);
-  StrokeGradient stroke(s, id, tile, gradient);
-  each_block(*room.cover, tile.height, [&](int row, int at) {
-    alignas(64) float grad[LANES] = {};
-    const int column = at % tile_width, n = tile.width - column < LANES ? tile.width - column : LANES;
-    std::memcpy(grad, grad_out + (tile.y + row) * width + tile.x + column, sizeof(float) * n);
-    Ints owner;
-    std::memcpy(&owner, room.cover->segment + at, sizeof owner);
-    stroke.add(at, load(grad), darken_at(*room.cover, s, id, at), owner);
+                       char* scratch) {
+  Room room(scratch, s.segments, 1, 1, true);
+  std::memset(room.gradient, 0, 4 * tile_pixels);
+  copy_in(room.gradient, grad_out, tile, 1, 0, width);
+  StrokeGradient<2> stroke(s, id, room.sums, gradient);
+  room.shade_stroke<2>(s, id, tile, [&](const auto& slope) { stroke.add(slope, room.gradient); });
+  each_block(*room.cover, [&](int block) {
+    stroke.add_opacity(load(room.gradient + block * LANES), load(room.shade + block * LANES));
   });
   stroke.finish();
 }
 
 }  // namespace
 
-extern const Kernel KERNEL = {INSTRUCTION_SET, Room::bytes, composite, composite_backward, darkness, darkness_backward};
+extern const Kernel KERNEL = {INSTRUCTION_SET, find_tight, places_floats, Room::bytes, composite, composite_backward, darkness, darkness_backward};
 
 }  // namespace maulstick

@@ -10,19 +10,36 @@ namespace maulstick {
 constexpr int tile_height = 16;   // pixels; also the rows of a band
 constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `touched` has bits for
 
+constexpr float half_diagonal = 0.70710678f;
+
+// As in nearest.py and reference.py: _THINNEST, _TURN, _FADE, _ROOM, _LONG, _CLOSE.
+constexpr float thinnest = 1e-6f, sharp_turn = 0.8f, turn_fade = 0.3f, crease_room = 1.0f, long_segment = 4.0f, close_by = 1.25f;
+
 struct Segment {
   float ux, uy, wx, wy;           // starts at u, ends at u + w (pixels)
   float inverse_squared_length;   // 0 for a segment without length
   float thickness, growth;        // half-width at u, and its increase towards the end
-  float reach;                    // the larger half-width of the two ends; no mark where it is 0 or less
+  float reach;                    // half the diagonal more than the larger half-width of the two ends; 0 for no mark
+};
+
+// How a stroke goes on around a segment (nearest.py, _Segments).
+struct Shape {
+  float direction_x, direction_y, length;
+  float before, after;                       // pixels along the stroke, on either side
+  float turned_before, turned, turned_after; // by how much it has turned up to the segments before, here and after
+  float sharp_start, sharp_end;              // from 0 to 1: how round the outer sides of its corners are
+  float tight_from;                          // pixels from it from which on another part may be as near
+  bool may_round;                            // whether pixels near it may lie around an end or a corner
 };
 
 struct Strokes {
   int64_t count, points, segments, channels;
   const Segment* segment;         // (count, segments)
+  const Shape* shape;             // (count, segments)
   const float* colours;           // (count, channels)
   const float *c, *q, *o;         // (count,): falloff, plateau, opacity
   const uint8_t* trainable;       // (count,), or null for all
+  bool shapes;                    // whether c and q get gradients
 };
 
 // One gradient record per stroke (and band): x, y, thickness of each point, then the colour, c, q, o.
@@ -30,27 +47,25 @@ inline int64_t gradient_size(const Strokes& s) { return 3 * s.points + s.channel
 
 struct Tile { int x, y, width, height; };   // pixels; at most tile_width x tile_height
 
-// Memory of one thread, reused for every tile.
-struct Scratch {
-  char* bytes;
-  int64_t chunk;                  // number of strokes whose records are kept at once
-};
-
 struct Kernel {
   const char* name;
-  int64_t (*scratch_bytes)(int64_t channels, int64_t chunk, int64_t checkpoints);
+  // Finds `tight_from` of one stroke's shapes; places: places_floats(count) numbers of scratch.
+  void (*find_tight)(const Segment*, Shape*, int64_t count, float* places);
+  int64_t (*places_floats)(int64_t segments);
+  // Bytes of the memory of one thread, which is reused for every tile; most of it is hardly ever touched.
+  int64_t (*scratch_bytes)(int64_t segments, int64_t channels, int64_t strokes, bool backward);
   // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
   void (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
-                    const float* canvas, float* out, Scratch);
+                    const float* canvas, float* out, char* scratch);
   // Backward pass: reads the gradient of `out`, writes that of `canvas` (unless null), and adds to the record of each
   // stroke, which begins at gradients + record[k].
   void (*composite_backward)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                              const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
-                             const int64_t* record, Scratch);
+                             const int64_t* record, char* scratch);
   // Draws one stroke's own darkness image (H, W), and adds its gradient to the stroke's record.
-  void (*darkness)(const Strokes&, int64_t id, Tile, int64_t width, float* out, Scratch);
+  void (*darkness)(const Strokes&, int64_t id, Tile, int64_t width, float* out, char* scratch);
   void (*darkness_backward)(const Strokes&, int64_t id, Tile, int64_t width, const float* grad_out, float* gradient,
-                            Scratch);
+                            char* scratch);
 };
 
 extern const Kernel kernel_baseline;

@@ -1,0 +1,117 @@
+"""How a stroke goes on around each of its segments, in Triton's language (nearest.py, _Segments and _free_radius).
+
+shapes: (S, SHAPE) direction x and y, length; pixels along the stroke before and after it; by how much the stroke has
+turned up to the segments before, here and after; from 0 to 1 how much its corners at the start and at the end count;
+from how far on another part may be as near; whether it is the stroke's first, and its last.
+"""
+
+import triton
+import triton.language as tl
+
+from maulstick.rendering.kernels.gpu_tiles import LANES, ends
+
+SHAPE = tl.constexpr(13)
+LENGTH, BEFORE, AFTER = tl.constexpr(2), tl.constexpr(3), tl.constexpr(4)
+TURNED_BEFORE, TURNED, TURNED_AFTER = tl.constexpr(5), tl.constexpr(6), tl.constexpr(7)
+SHARP_START, SHARP_END, TIGHT_FROM = tl.constexpr(8), tl.constexpr(9), tl.constexpr(10)
+FIRST, LAST = tl.constexpr(11), tl.constexpr(12)
+
+# As in nearest.py: _TURN, _FADE, _ROOM, _LONG.
+SHARP_TURN, TURN_FADE = tl.constexpr(0.8), tl.constexpr(0.3)
+_ROOM, _LONG = tl.constexpr(1.0), tl.constexpr(4.0)
+_NOWHERE = tl.constexpr(1e15)
+
+
+@triton.jit
+def clamped(share):
+    """Return what lies in [0, 1]; 0 for NaN."""
+    return tl.where(share > 0, tl.where(share < 1, share, 1.0), 0.0)
+
+
+@triton.jit
+def fade(turn):
+    """Return from 0 to 1 how much a turn counts."""
+    return clamped((turn - SHARP_TURN) / TURN_FADE)
+
+
+@triton.jit
+def _course(segments, segment):
+    """Return the direction of segments, a unit or 0, and their length, in float64."""
+    ux, uy, _, vx, vy, _ = ends(segments, segment)
+    wx, wy = vx.to(tl.float64) - ux.to(tl.float64), vy.to(tl.float64) - uy.to(tl.float64)
+    length = tl.sqrt(wx * wx + wy * wy)
+    some = tl.where(length > 0, length, 1.0)
+    return wx / some, wy / some, length
+
+
+@triton.jit
+def find_shapes(segments, shapes, count, each):
+    """Write all but `tight from` of the shapes of strokes with so many segments each; count: of strokes."""
+    stroke = tl.program_id(0) * LANES + tl.arange(0, LANES)
+    known = stroke < count
+    at = tl.minimum(stroke, count - 1) * each
+    whole = tl.zeros([LANES], tl.float64)
+    for k in range(each):
+        _, _, length = _course(segments, at + k)
+        whole += length
+    before, turned = tl.zeros([LANES], tl.float64), tl.zeros([LANES], tl.float64)
+    heading_x, heading_y = tl.zeros([LANES], tl.float64), tl.zeros([LANES], tl.float64)
+    for k in range(each):
+        x, y, length = _course(segments, at + k)
+        across = tl.abs(heading_x * y - heading_y * x)
+        along = heading_x * x + heading_y * y + 1  # a corner counts as twice the tangent of half its turn
+        turn = tl.where(across < 4 * along, 2 * across / tl.where(along > 0, along, 1.0), 8.0)
+        moves = length > 0
+        turn = tl.where(moves & ((heading_x != 0) | (heading_y != 0)), turn, 0.0)
+        heading_x, heading_y = tl.where(moves, x, heading_x), tl.where(moves, y, heading_y)
+        shape = shapes + (at + k) * SHAPE
+        tl.store(shape, x.to(tl.float32), mask=known)
+        tl.store(shape + 1, y.to(tl.float32), mask=known)
+        tl.store(shape + LENGTH, tl.minimum(length, _NOWHERE).to(tl.float32), mask=known)
+        tl.store(shape + BEFORE, tl.minimum(before, _NOWHERE).to(tl.float32), mask=known)
+        before += length
+        tl.store(shape + AFTER, tl.minimum(whole - before, _NOWHERE).to(tl.float32), mask=known)
+        tl.store(shape + TURNED_BEFORE, turned.to(tl.float32), mask=known)
+        turned += turn
+        tl.store(shape + TURNED, turned.to(tl.float32), mask=known)
+        tl.store(shape + SHARP_START, fade(turn).to(tl.float32), mask=known)
+        later = known & (k > 0)
+        tl.store(shape - SHAPE + TURNED_AFTER, turned.to(tl.float32), mask=later)
+        tl.store(shape - SHAPE + SHARP_END, fade(turn).to(tl.float32), mask=later)
+        ending = tl.zeros([LANES], tl.float32)
+        tl.store(shape + FIRST, ending + (k == 0), mask=known)
+        tl.store(shape + LAST, ending + (k == each - 1), mask=known)
+    final = shapes + (at + each - 1) * SHAPE
+    tl.store(final + TURNED_AFTER, turned.to(tl.float32), mask=known)
+    tl.store(final + SHARP_END, tl.zeros([LANES], tl.float32), mask=known)
+
+
+@triton.jit
+def _radius(x, y, direction_x, direction_y, length):
+    """Return the radius of the disc that touches a segment and a point, given from the segment's start."""
+    along, across = x * direction_x + y * direction_y, tl.abs(x * direction_y - y * direction_x)
+    beside = along - tl.minimum(tl.maximum(along, 0.0), length)
+    return (beside * beside + across * across) / (2 * tl.maximum(across, 1e-6))
+
+
+@triton.jit
+def find_tight(segments, shapes, count, each):
+    """Write from how far on another part of the stroke may be as near; count: of segments."""
+    segment = tl.program_id(0) * LANES + tl.arange(0, LANES)
+    known = tl.minimum(segment, count - 1)
+    ux, uy, _, _, _, _ = ends(segments, known)
+    shape = shapes + known * SHAPE
+    dx, dy, length, turned = tl.load(shape), tl.load(shape + 1), tl.load(shape + LENGTH), tl.load(shape + TURNED)
+    radius = tl.full([LANES], _NOWHERE, tl.float32)
+    for k in range(each):
+        other = known // each * each + k
+        ax, ay, _, bx, by, _ = ends(segments, other)
+        ax, ay, bx, by = ax - ux, ay - uy, bx - ux, by - uy
+        its_length = tl.load(shapes + other * SHAPE + LENGTH)
+        middle = _radius((ax + bx) / 2, (ay + by) / 2, dx, dy, length)
+        middle = tl.where(its_length > _LONG, 0.0, tl.where(its_length > 1, middle, _NOWHERE))
+        its = tl.minimum(_radius(ax, ay, dx, dy, length), _radius(bx, by, dx, dy, length))
+        its = tl.minimum(its, middle)
+        turns = tl.abs(tl.load(shapes + other * SHAPE + TURNED) - turned) > SHARP_TURN
+        radius = tl.where(turns & (its < radius), its, radius)
+    tl.store(shape + TIGHT_FROM, radius - _ROOM, mask=segment < count)

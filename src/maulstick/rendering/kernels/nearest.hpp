@@ -1,0 +1,214 @@
+// The nearest part of a stroke to pixels, and another one that may meet it in a crease (nearest.py).
+#pragma once
+#include "average.hpp"
+#include "tiles.hpp"
+
+namespace maulstick {
+namespace {
+
+constexpr float no_mark = 1e30f;      // square of the distance of a pixel that no segment reaches
+
+// The nearest segment to each of LANES pixels.
+struct Nearest {
+  Floats squared;                     // of the distance
+  Floats offset_x, offset_y;          // from its nearest point to the pixel's centre
+  Floats thickness;
+  Ints owner;                         // index of the segment
+};
+
+inline Nearest nothing_near() { return {all(no_mark), all(0.0f), all(0.0f), all(1.0f), all(0)}; }
+
+inline Ints marks(const Nearest& near) { return near.squared < all(no_mark); }
+
+inline Nearest chosen(Ints mask, const Nearest& a, const Nearest& b) {
+  return {mask ? a.squared : b.squared, mask ? a.offset_x : b.offset_x, mask ? a.offset_y : b.offset_y,
+          mask ? a.thickness : b.thickness, mask ? a.owner : b.owner};
+}
+
+inline Ints nearer(const Nearest& a, const Nearest& b) {   // by distance / thickness
+  return a.squared * (b.thickness * b.thickness) < b.squared * (a.thickness * a.thickness);
+}
+
+inline Floats clamped(Floats x) { return smaller(larger(x, all(0.0f)), all(1.0f)); }
+
+struct Foot { Floats free, t, offset_x, offset_y; };   // t: `free` clamped to [0, 1]
+
+inline Foot foot_on(const Segment& s, Floats x, Floats y) {
+  const Floats dx = x - s.ux, dy = y - s.uy;
+  const Floats free = (dx * s.wx + dy * s.wy) * s.inverse_squared_length;
+  const Floats t = smaller(larger(free, all(0.0f)), all(1.0f));
+  return {free, t, dx - t * s.wx, dy - t * s.wy};
+}
+
+inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
+  const Floats thickness = s.thickness + foot.t * s.growth, reach = thickness + half_diagonal;
+  const Floats squared = foot.offset_x * foot.offset_x + foot.offset_y * foot.offset_y;
+  const Ints touches = (thickness > all(thinnest)) & (squared < reach * reach);
+  return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
+}
+
+// Segments that reach a block, while there is room for them, and how near they are to its pixels.
+struct Seen {
+  static constexpr int most = 64;
+  int count = 0;
+  int32_t segment[most];
+  Floats squared[most], thickness[most];
+};
+
+// A part of a stroke that may meet the nearest one in a crease.
+struct Second {
+  Nearest part;
+  Floats turn;                        // between the two
+};
+
+// Whether a part is so near beside the nearest one that they meet within the pixel. inverse: of the nearest thickness.
+inline Ints within(Floats squared, Floats thickness, Floats distance, Floats inverse, Floats turn) {
+  const Floats reach = (distance + 0.5f * smaller(turn, all(2.0f))) * inverse * thickness;
+  return squared < reach * reach;
+}
+
+// Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
+class SecondSearch {
+ public:
+  SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
+      : segments_(segments), shapes_(shapes), x_(x), y_(y), distance_(root(near.squared)),
+        inverse_(1.0f / near.thickness), tight_(tight), second_{nothing_near(), {}} {
+    for (int lane = 0; lane < LANES; ++lane) {
+      const Segment& s = segments[near.owner[lane]];
+      const Shape& p = shapes[near.owner[lane]];
+      const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
+      const float start = smaller(larger(2 * free * p.length, 0.0f), 1.0f);
+      const float end = smaller(larger(2 * (1 - free) * p.length, 0.0f), 1.0f);
+      from_[lane] = p.turned_before + (p.turned - p.turned_before) * start;
+      to_[lane] = p.turned_after + (p.turned - p.turned_after) * end;
+    }
+  }
+
+  void look_at(int32_t k) {
+    const Shape& p = shapes_[k];
+    const Foot foot = foot_on(segments_[k], x_, y_);
+    const Nearest here = nearest_on(segments_[k], foot, k);
+    const Floats start = clamped(2 * p.length * foot.free), end = clamped(2 * p.length * (1.0f - foot.free));
+    const Floats from = p.turned_before + (p.turned - p.turned_before) * start;
+    const Floats to = p.turned_after + (p.turned - p.turned_after) * end;
+    const Floats turn = larger(from - to_, from_ - to);
+    const Ints meets = tight_ & (turn > all(sharp_turn)) & within(here.squared, here.thickness, distance_, inverse_, turn);
+    const Ints takes = meets & nearer(here, second_.part);
+    second_ = {chosen(takes, here, second_.part), takes ? turn : second_.turn};
+  }
+
+  const Second& found() const { return second_; }
+
+ private:
+  const Segment* segments_;
+  const Shape* shapes_;
+  Floats x_, y_, distance_, inverse_; // inverse_: of the nearest thickness
+  Floats from_, to_;                  // turned up to the nearest points, and from them on
+  Ints tight_;
+  Second second_;
+};
+
+// Pixels in which another part may be as near.
+inline Ints tight_pixels(const Nearest& near, const Shape* shapes) {
+  Floats from;
+  for (int lane = 0; lane < LANES; ++lane) from[lane] = larger(shapes[near.owner[lane]].tight_from, 0.0f);
+  return marks(near) & (near.squared >= from * from);
+}
+
+// Chooses those that may be as near, and turned, as a crease demands; returns their number.
+inline int choose_seconds(int32_t* chosen, const Seen& seen, const Nearest& near, Ints tight, const Shape* shapes) {
+  const Floats distance = root(near.squared), inverse = 1.0f / near.thickness;
+  Floats before, after;
+  for (int lane = 0; lane < LANES; ++lane) {
+    const Shape& p = shapes[near.owner[lane]];
+    before[lane] = p.turned_before, after[lane] = p.turned_after;
+  }
+  int count = 0;
+  for (int i = 0; i < seen.count; ++i) {
+    const Shape& p = shapes[seen.segment[i]];
+    const Floats turn = larger(p.turned_after - before, after - p.turned_before);    // at most
+    if (any(tight & (turn > all(sharp_turn)) & within(seen.squared[i], seen.thickness[i], distance, inverse, turn)))
+      chosen[count++] = seen.segment[i];
+  }
+  return count;
+}
+
+// Of a block of pixels in some of which a stroke is not straight.
+struct Bent {
+  Nearest second;
+  Floats slant, share;                // cosine between the way across the crease and to the stroke; of the second part
+  Floats rounded, second_rounded;     // share of each part that lies around a point
+  Ints ends, second_ends;             // bits: 1 while that share grows with the stroke's start, 2 with its end
+};
+
+
+// Finds how the crease between two parts cuts the pixels; returns whether it cuts any.
+inline bool cut(Bent& bent, const Nearest& near, const Nearest& second, Floats turn) {
+  const Ints both = marks(near) & marks(second);
+  if (!any(both)) return false;
+  const Floats distance = root(near.squared), further = root(second.squared);
+  const Floats unit = 1.0f / (distance > all(0.0f) ? distance : all(1.0f));
+  const Floats unit_second = 1.0f / (further > all(0.0f) ? further : all(1.0f));
+  const Floats x = near.offset_x * unit - second.offset_x * unit_second;
+  const Floats y = near.offset_y * unit - second.offset_y * unit_second;
+  const Floats rate = root(x * x + y * y), gap = further / second.thickness * near.thickness - distance;
+  const Ints meets = both & (rate > all(0.0f));
+  const Floats opens = meets ? smaller(rate, turn) : all(1.0f);   // side by side they part no faster than they turn
+  const Floats share = smaller(larger(0.5f - gap / opens, all(0.0f)), all(0.5f));
+  bent.share = meets ? share * clamped((turn - sharp_turn) * (1 / turn_fade)) : all(0.0f);
+  bent.slant = 0.5f * rate;
+  bent.second = second;
+  return any(bent.share > all(0.0f));
+}
+
+inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
+
+// Finds the share of LANES pixels that lies around an end or a corner (nearest.py, _nearest_on), or bends the edge by
+// which they lie where that is further off; returns whether any pixel has such a share. count: number of the stroke's segments.
+inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment* segments, const Shape* shapes,
+                      int64_t count, Floats x, Floats y) {
+  rounded = Floats{}, ends = Ints{};
+  bool may = false;
+  for (int lane = 0; lane < LANES; ++lane) may |= shapes[near.owner[lane]].may_round;
+  if (!may) return false;
+  Ints pending = marks(near);
+  for (int lane = 0; lane < LANES; ++lane) {
+    if (!pending[lane]) continue;
+    const int32_t k = near.owner[lane];
+    const Ints mine = pending & (near.owner == all(k));
+    pending &= ~mine;
+    const Shape& p = shapes[k];
+    if (!p.may_round) continue;
+    const Segment& s = segments[k];
+    const Floats since = (x - s.ux) * p.direction_x + (y - s.uy) * p.direction_y, until = p.length - since;
+    const Floats start = share_beyond(k == 0 ? since : p.before + larger(since, all(0.0f)));
+    const Floats end = share_beyond(k == count - 1 ? until : p.after + larger(until, all(0.0f)));
+    Floats share = start + end, wedge{};
+    if (p.sharp_start > 0) {
+      const Shape& other = shapes[k - 1];
+      const Floats theirs = (s.ux - x) * other.direction_x + (s.uy - y) * other.direction_y;
+      wedge = p.sharp_start * larger(share_beyond(since) + share_beyond(theirs) - 1.0f, all(0.0f));
+    }
+    if (p.sharp_end > 0) {
+      const Shape& other = shapes[k + 1];
+      const Floats theirs = (x - s.ux - s.wx) * other.direction_x + (y - s.uy - s.wy) * other.direction_y;
+      wedge = larger(wedge, p.sharp_end * larger(share_beyond(until) + share_beyond(theirs) - 1.0f, all(0.0f)));
+    }
+    const Ints grows = mine & (share <= all(1.0f)) & (share >= wedge);
+    ends |= grows & (((start > all(0.0f)) & (start < all(1.0f)) & 1) | ((end > all(0.0f)) & (end < all(1.0f)) & 2));
+    rounded = mine ? smaller(larger(share, wedge), all(1.0f)) : rounded;
+  }
+  if (!any(rounded > all(0.0f))) return false;
+  const Ints far = near.squared >= all(close_by * close_by);
+  if (any(far)) {
+    const Floats fall = fall_around(near.squared), square = far ? near.squared : all(1.0f);
+    const Floats bend = far ? 1.0f + rounded * (root((square + bulge_around(fall)) / square) - 1.0f) : all(1.0f);
+    near.offset_x *= bend, near.offset_y *= bend;
+    rounded = far ? all(0.0f) : rounded;
+    ends &= ~far;
+  }
+  return any(rounded > all(0.0f));
+}
+
+}  // namespace
+}  // namespace maulstick

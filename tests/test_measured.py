@@ -1,0 +1,36 @@
+"""The tables in docs are those of the rows that were kept."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def paper(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    spec = importlib.util.spec_from_file_location("paper_tables", ROOT / "benchmarks" / "paper.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "paper_tables", module)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_table_in_docs_is_as_it_was_measured(paper: ModuleType) -> None:
+    marked = []
+    for document in sorted((ROOT / "docs").glob("*.md")):
+        text = document.read_text(encoding="utf-8")
+        assert paper.filled(text) == text, f"{document.name}: run benchmarks/paper.py --tables"
+        marked += [found[2] for found in paper.MARKED.finditer(text)]
+    assert set(marked) == set(paper.TABLES) == {path.stem for path in (ROOT / "measured").iterdir()}
+
+
+def test_a_table_whose_figure_was_changed_by_hand_is_found(paper: ModuleType) -> None:
+    text = (ROOT / "docs" / "measured.md").read_text(encoding="utf-8")
+    assert paper.filled(text.replace(" dB", "9 dB")) == text
