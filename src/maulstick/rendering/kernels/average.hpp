@@ -1,4 +1,4 @@
-// Mean darkness of a straight stroke over square cells (reference.py, _mean_across), and its slopes.
+// Mean darkness over pixels, of a straight stroke and around points (reference.py, _mean_across), and its slopes.
 #pragma once
 #include "lanes.hpp"
 

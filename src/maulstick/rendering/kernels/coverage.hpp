@@ -13,8 +13,6 @@ constexpr int tile_blocks = tile_pixels / LANES;
 constexpr int block_width = 4, block_height = LANES / block_width, blocks_across = tile_width / block_width;
 constexpr int block_rows = tile_height / block_height;
 
-inline int column_of(int at) { return at / LANES % blocks_across * block_width + at % block_width; }
-inline int row_of(int at) { return at / LANES / blocks_across * block_height + at % LANES / block_width; }
 inline int pixel_at(int row, int column) {
   return (row / block_height * blocks_across + column / block_width) * LANES + row % block_height * block_width +
          column % block_width;

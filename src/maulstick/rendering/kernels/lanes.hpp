@@ -50,22 +50,6 @@ inline bool any(Ints mask) {
 #endif
 }
 
-inline uint32_t bits_of(Ints mask) {
-#if defined(__AVX__) && LANES == 8
-  return uint32_t(__builtin_ia32_movmskps256((Floats)mask));
-#else
-  uint32_t bits = 0;
-  for (int i = 0; i < LANES; ++i) bits |= uint32_t(mask[i] & 1) << i;
-  return bits;
-#endif
-}
-
-inline Floats lane_numbers() {
-  Floats x;
-  for (int i = 0; i < LANES; ++i) x[i] = i;
-  return x;
-}
-
 // Natural logarithm of positive, normal x, to about one unit in the last place: the exponent apart, a polynomial in the
 // mantissa (with the coefficients of Cephes' logf).
 inline Floats natural_log(Floats x) {
