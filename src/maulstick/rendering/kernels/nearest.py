@@ -16,7 +16,7 @@ _ROOM, _LONG = 1.0, 4.0  # pixels from a crease within which it may cut a pixel;
 class _Segments:
     """A stroke's n - 1 segments; what has no gradient is about its shape.
 
-    start, along: (n - 1, 2) where each begins, and how far it goes.  direction: (n - 1, 2) its unit, 0 without length.
+    xy: (n, 2) points.  along: (n - 1, 2) from each to the next.  direction: (n - 1, 2) its unit, 0 without length.
     length, before, after: (n - 1,) pixels along the stroke, of it and on either side of it.
     turned: (n + 1,) by how much the stroke has turned up to it, to either side, with the first and the last twice.
     """
