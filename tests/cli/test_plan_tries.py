@@ -1,14 +1,20 @@
 import os
+import signal
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.synchronize import Event
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
+from rich.console import Console
 
 from maulstick.cli.plan import tries
-from maulstick.jobs.plan.request import state_files
+from maulstick.cli.progress import stop_on_interrupt
+from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.painting.painting import Painting, Provenance, read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 
@@ -71,6 +77,27 @@ def test_tries_that_are_stopped_while_they_begin_keep_the_better_one_and_what_to
     painting = read_painting(out / "painting.json")
     assert painting.strokes
     assert painting.provenance.options["tries"] == 2
+
+
+def test_an_interrupt_while_processes_are_started_is_heard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Pool(ThreadPoolExecutor):
+        def __init__(self, processes: int, _context: object, _prepare: object, shared: tuple[object, Event]) -> None:
+            super().__init__(processes)
+            self._stop = shared[1]
+
+        def submit(self, *_: object) -> Future[SimpleNamespace]:  # type: ignore[override]
+            signal.raise_signal(signal.SIGINT)
+            return super().submit(self._planned)
+
+        def _planned(self) -> SimpleNamespace:
+            stopped = self._stop.wait(20)
+            return SimpleNamespace(stopped=stopped, provenance=SimpleNamespace(metrics={"loss": 0.0}))
+
+    monkeypatch.setattr(tries, "ProcessPoolExecutor", Pool)
+    request = PlanRequest(None, tries=2)
+    with stop_on_interrupt(Console(quiet=True)) as wanted:
+        chosen = tries.plan_in_processes(request, tmp_path, lambda *_: None, wanted)
+    assert cast("SimpleNamespace", chosen).stopped
 
 
 def test_a_process_that_is_killed_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -61,12 +61,15 @@ def plan_in_processes(
 
 @contextmanager
 def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes within that ignore Ctrl-C, which the terminal sends to all of them; their parent stops them."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Start processes within that do not hear Ctrl-C, which the terminal sends to all of them; their parent stops them.
+
+    The parent hears afterwards what it was sent meanwhile.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 _reports: "Queue[tuple[int, float, float]]"
