@@ -8,107 +8,33 @@ docs/*.md between `<!-- measured NAME -->` and `<!-- end -->`, and a test compar
 """
 
 import argparse
-import json
 import re
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
-import numpy as np
-from intervals import interval, mean
+import tables_of_brushes as brushes
+import tables_of_plans as plans
+from kept import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 COMMANDS = {
     "plan": ["benchmarks/plan.py"],
     "kernel": ["benchmarks/kernel.py"],
+    "scaling": ["benchmarks/plan.py", "--scaling"],
+    "faces": ["benchmarks/faces.py"],
+    "clip_size": ["benchmarks/clip_size.py"],
     "stroke_models": ["experiments/stroke_models.py", "--models", "brushes"],
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
-Row = dict[str, Any]
-
-
-def rows_of(name: str) -> list[Row]:
-    """The rows that were kept."""
-    return [json.loads(line) for line in (ROOT / "measured" / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()]
-
-
-def with_range(values: list[float], digits: int) -> str:
-    """Their mean, the least and the most."""
-    return f"{np.mean(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
-
-
-def table(head: list[str], lines: list[list[str]]) -> str:
-    """A table in Markdown."""
-    return "".join(f"| {' | '.join(line)} |\n" for line in (head, ["---"] * len(head), *lines))
-
-
-def plan_table() -> str:
-    """Photographs planned here and in the published way, over seeds; the mean of all."""
-    rows = [row for row in rows_of("plan") if "seed" in row]
-    lines, gains = [], []
-    for image in dict.fromkeys(row["image"] for row in rows):
-        plans, published = (
-            [row for row in rows if (row["image"], row["name"]) == (image, name)] for name in ("plan", "paper")
-        )
-        of = {(key, i): [row[key] for row in each] for i, each in enumerate((plans, published)) for key in rows[0]}
-        gains.append(np.array(of["psnr", 0]) - np.array(of["psnr", 1]))
-        line = [image]
-        for i in (0, 1):
-            line += [f"{with_range(of['psnr', i], 1)} dB", f"{np.mean(of['psnr_planned', i]):.1f} dB"]
-            line += [f"{np.mean(of['ssim', i]):.2f}", f"{np.mean(of['paint_changes', i]):.0f}"]
-        lines.append([*line, f"{gains[-1].mean():.1f} dB"])
-    low, high = interval(gains, mean)
-    head = ["photograph", "PSNR", "as planned", "SSIM", "paint changes"]
-    head += ["published: PSNR", "as planned", "SSIM", "paint changes", "gain"]
-    overall = f"{np.concatenate(gains).mean():.2f} ({low:.2f} to {high:.2f}) dB"
-    return table(head, [*lines, ["all", *[""] * 8, overall]])
-
-
-def kernel_table() -> str:
-    """The renderer, forward and backward."""
-    lines = []
-    for row in rows_of("kernel"):
-        if row["name"] != "composite":
-            continue
-        dense = row["dense_ms_per_stroke"]
-        lines.append(
-            [
-                f"{row['strokes']:,}",
-                f"{row['px']}²",
-                f"{row['half_width_px']:.2f} px",
-                f"{row['ms_forward']:.1f} + {row['ms_backward']:.1f} ms",
-                "not timed" if dense is None else f"{dense:.0f} ms",
-                "" if dense is None else f"{row['speedup']:,.0f}",
-                f"{row['extra_mib']:.0f} MiB",
-            ]
-        )
-    return table(
-        ["strokes", "canvas", "half-width", "forward + backward", "dense, one stroke", "times faster", "extra memory"],
-        lines,
-    )
-
-
-def stroke_models_table() -> str:
-    """Errors out of distribution, as executed and registered."""
-    ratios = [row for row in rows_of("stroke_models") if row["name"] == "extended_over_seven"]
-    lines = []
-    for dataset in dict.fromkeys(row["dataset"] for row in ratios):
-        line = [dataset]
-        for metric in ("l1_out_of_distribution", "l1_out_of_distribution_registered"):
-            (row,) = (row for row in ratios if (row["dataset"], row["metric"]) == (dataset, metric))
-            low, high = row["interval"]
-            line += [f"{row['seven']:.4f}", f"{row['extended']:.4f}", f"{row['ratio']:.3f} ({low:.3f} to {high:.3f})"]
-        lines.append(line)
-    head = ["", "seven, as executed", "extended", "ratio", "seven, registered", "extended", "ratio"]
-    return table(head, lines)
-
 
 TABLES: dict[str, Callable[[], str]] = {
-    "plan": plan_table,
-    "kernel": kernel_table,
-    "stroke_models": stroke_models_table,
+    "plan": plans.plan_table,
+    "likeness": plans.likeness_table,
+    "kernel": plans.kernel_table,
+    "scaling": plans.scaling_table,
+    "faces": plans.faces_table,
+    "clip_size": plans.clip_size_table,
+    "stroke_models": brushes.stroke_models_table,
 }
 
 

@@ -1,0 +1,25 @@
+"""Rows that were kept of a measurement, and Markdown made of them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+Row = dict[str, Any]
+
+
+def rows_of(name: str) -> list[Row]:
+    """The rows that were kept."""
+    return [json.loads(line) for line in (ROOT / "measured" / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()]
+
+
+def with_range(values: list[float], digits: int) -> str:
+    """Their mean, the least and the most."""
+    return f"{np.mean(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
+
+
+def table(head: list[str], lines: list[list[str]]) -> str:
+    """A table in Markdown."""
+    return "".join(f"| {' | '.join(line)} |\n" for line in (head, ["---"] * len(head), *lines))

@@ -1,0 +1,116 @@
+"""Tables of plans and of the renderer, from rows that were kept."""
+
+import numpy as np
+from intervals import interval, mean
+from kept import Row, rows_of, table, with_range
+
+
+def plans_of(rows: list[Row], image: str, name: str) -> list[Row]:
+    """The plans of an image by one way, a seed each."""
+    return [row for row in rows if (row["image"], row["name"]) == (image, name)]
+
+
+def plan_table() -> str:
+    """Photographs planned here and in the published way, over seeds; the mean of all."""
+    rows = [row for row in rows_of("plan") if "seed" in row]
+    lines, gains = [], []
+    for image in dict.fromkeys(row["image"] for row in rows):
+        plans, published = (plans_of(rows, image, name) for name in ("plan", "paper"))
+        of = {(key, i): [row[key] for row in each] for i, each in enumerate((plans, published)) for key in rows[0]}
+        gains.append(np.array(of["psnr", 0]) - np.array(of["psnr", 1]))
+        line = [image]
+        for i in (0, 1):
+            line += [f"{with_range(of['psnr', i], 1)} dB", f"{np.mean(of['psnr_planned', i]):.1f} dB"]
+            line += [f"{np.mean(of['ssim', i]):.2f}", f"{np.mean(of['paint_changes', i]):.0f}"]
+        lines.append([*line, f"{gains[-1].mean():.1f} dB"])
+    low, high = interval(gains, mean)
+    head = ["photograph", "PSNR", "as planned", "SSIM", "paint changes"]
+    head += ["published: PSNR", "as planned", "SSIM", "paint changes", "gain"]
+    overall = f"{np.concatenate(gains).mean():.2f} ({low:.2f} to {high:.2f}) dB"
+    return table(head, [*lines, ["all", *[""] * 8, overall]])
+
+
+def kernel_table() -> str:
+    """The renderer, forward and backward."""
+    lines = []
+    for row in rows_of("kernel"):
+        if row["name"] != "composite":
+            continue
+        dense = row["dense_ms_per_stroke"]
+        lines.append(
+            [
+                f"{row['strokes']:,}",
+                f"{row['px']}²",
+                f"{row['half_width_px']:.2f} px",
+                f"{row['ms_forward']:.1f} + {row['ms_backward']:.1f} ms",
+                "not timed" if dense is None else f"{dense:.0f} ms",
+                "" if dense is None else f"{row['speedup']:,.0f}",
+                f"{row['extra_mib']:.0f} MiB",
+            ]
+        )
+    return table(
+        ["strokes", "canvas", "half-width", "forward + backward", "dense, one stroke", "times faster", "extra memory"],
+        lines,
+    )
+
+
+def likeness_table() -> str:
+    """What a network brings, and costs, beside tones alone."""
+    rows = [row for row in rows_of("plan") if "seed" in row]
+    lines = []
+    for image in dict.fromkeys(row["image"] for row in rows):
+        tones, likeness = (plans_of(rows, image, name) for name in ("plan", "likeness"))
+        line = [image]
+        for key, digits, unit in (("psnr", 1, " dB"), ("ssim", 2, "")):
+            before, after = (np.array([row[key] for row in each]) for each in (tones, likeness))
+            line += [with_range(each.tolist(), digits) + unit for each in (before, after)]
+            line.append(f"{(after - before).mean():+.{digits + 1}f}{unit}")
+        lines.append(line)
+    head = ["PSNR: tones", "with likeness", "more", "SSIM: tones", "with likeness", "more"]
+    return table(["photograph", *head], lines)
+
+
+def scaling_table() -> str:
+    """What a step costs."""
+    lines = [
+        [
+            f"{row['strokes']:,}",
+            f"{row['px']}",
+            f"{row['covered_mpx']:.2f} Mpx",
+            f"{row['step_ms']:.0f} ms",
+            f"{row['ns_a_pixel']:.0f} ns",
+        ]
+        for row in rows_of("scaling")
+    ]
+    return table(["strokes", "pixels high", "covered", "per step", "per pixel, covered or of the canvas"], lines)
+
+
+def faces_table() -> str:
+    """What it changes that faces count more."""
+    lines, rows = [], rows_of("faces")
+    for image in dict.fromkeys(row["image"] for row in rows):
+        for faces in (1, 0):
+            plans = [row for row in rows if "seed" in row and (row["image"], row["faces"]) == (image, faces)]
+            of = {key: [row[key] for row in plans] for key in ("psnr", "ssim", "face_psnr")}
+            psnrs = [with_range(of[key], 2) for key in ("psnr", "face_psnr")]
+            lines.append([image, f"{faces}", psnrs[0], f"{np.mean(of['ssim']):.3f}", psnrs[1]])
+        (gain,) = (row["gain"] for row in rows if "gain" in row and row["image"] == image)
+        bounds = {key: f"{each['mean']:+.2f} ({each['low']:+.2f} to {each['high']:+.2f})" for key, each in gain.items()}
+        lines.append([image, "gain", bounds["psnr"], bounds["ssim"], bounds["face_psnr"]])
+    return table(["photograph", "`faces`", "PSNR", "SSIM", "PSNR of the face"], lines)
+
+
+def clip_size_table() -> str:
+    """How long a plan takes with a network of CLIP's size."""
+    lines = [
+        [
+            row["model"],
+            f"{row['parameters']} million",
+            f"{row['ask_every']}",
+            f"{row['steps']:,}",
+            f"{row['seconds']:.0f} s",
+            f"{row['step_ms']:.0f} ms",
+        ]
+        for row in rows_of("clip_size")
+    ]
+    return table(["network", "parameters", "evaluated every … steps", "steps", "the command", "per step"], lines)
