@@ -70,6 +70,18 @@ def likeness_table() -> str:
     return table(["photograph", *head], lines)
 
 
+def other_renderer_table() -> str:
+    """Ours and splender, forward and backward."""
+    lines = []
+    for row in rows_of("other_renderer"):
+        line = [f"{row['strokes']}", f"{row['px']}²", f"{row['half_width_px']:.2f} px"]
+        line += [f"{row['ms_ours']:.2f} ms", f"{row['ms_splender']:,.1f} ms"]
+        line += [f"{row['ms_splender'] / row['ms_ours']:.0f}", f"{row['compile_s']:.0f} s"]
+        lines.append(line + [f"{row[f'mean_{name}']:.4f}, {row[f'worst_{name}']:.2f}" for name in ("ours", "splender")])
+    head = ["strokes", "canvas", "half-width", "ours", "splender", "times faster", "splender compiles"]
+    return table([*head, "off its truth (mean, worst): ours", "splender"], lines)
+
+
 def scaling_table() -> str:
     """What a step costs."""
     lines = [
