@@ -24,6 +24,7 @@ COMMANDS = {
     "plan": ["benchmarks/plan.py"],
     "kernel": ["benchmarks/kernel.py"],
     "stroke_models": ["experiments/stroke_models.py", "--models", "brushes"],
+    "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 Row = dict[str, Any]
@@ -105,10 +106,23 @@ def stroke_models_table() -> str:
     return table(head, lines)
 
 
+def other_renderer_table() -> str:
+    """Ours and splender, forward and backward."""
+    lines = []
+    for row in rows_of("other_renderer"):
+        line = [f"{row['strokes']}", f"{row['px']}²", f"{row['half_width_px']:.2f} px"]
+        line += [f"{row['ms_ours']:.2f} ms", f"{row['ms_splender']:,.1f} ms"]
+        line += [f"{row['ms_splender'] / row['ms_ours']:.0f}", f"{row['compile_s']:.0f} s"]
+        lines.append(line + [f"{row[f'mean_{name}']:.4f}, {row[f'worst_{name}']:.2f}" for name in ("ours", "splender")])
+    head = ["strokes", "canvas", "half-width", "ours", "splender", "times faster", "splender compiles"]
+    return table([*head, "off its truth (mean, worst): ours", "splender"], lines)
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "plan": plan_table,
     "kernel": kernel_table,
     "stroke_models": stroke_models_table,
+    "other_renderer": other_renderer_table,
 }
 
 
