@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ COMMANDS = {
     "plan": ["benchmarks/plan.py"],
     "kernel": ["benchmarks/kernel.py"],
     "stroke_models": ["experiments/stroke_models.py", "--models", "brushes"],
+    "published": ["benchmarks/published.py"],
+    "few_shot": ["benchmarks/style.py", "few_shot"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -106,6 +109,44 @@ def stroke_models_table() -> str:
     return table(head, lines)
 
 
+def published_table() -> str:
+    """The sweep of the paper's recipe: of each row the steps of fine-tuning that serve best; means over trainings."""
+    rows = [row for row in rows_of("published") if row["name"] == "sweep"]
+    sessions = [key for key in rows[0] if isinstance(rows[0][key], list)]
+    lines, recipe = [], ("width", "rate", "weight")
+    for number, each in groupby(rows, lambda row: [row[key] for key in recipe]):
+        best = min(each, key=lambda row: np.mean([row[session] for session in sessions]))
+        trainings = np.mean([best[session] for session in sessions], axis=0).tolist()
+        line = [*(f"{value:g}" for value in number), f"{best['steps_fine']:,}"]
+        lines.append([*line, *(f"{np.mean(best[session]):.2f}" for session in sessions), with_range(trainings, 2)])
+    return table(
+        ["width", "rate", "weight of the KL", "steps", *sessions, "all (least, most of five trainings)"], lines
+    )
+
+
+def few_shot_table() -> str:
+    """Likeness of twenty strokes' styles, over sessions; then session by session."""
+    rows = [row | {"model": row["model"].replace("_", " ")} for row in rows_of("few_shot")]
+    hands = {"mocap": "5 mocap, pure test", "mouse": "4 mouse, pure test", "wacom": "15 Wacom, chosen on"}
+    lines = []
+    for row in sorted((row for row in rows if row["session"] == "all"), key=lambda row: list(hands).index(row["kind"])):
+        line = [hands[row["kind"]], row["model"], f"{row['energy']:.2f}"]
+        for key in ("normalised", "one_nn"):
+            low, high = row[f"{key}_interval"]
+            line.append(f"{row[key]:.2f} ({low:.2f} to {high:.2f})")
+        by_seed = row["normalised_by_seed"]
+        lines.append([*line, f"{min(by_seed):.2f} to {max(by_seed):.2f}", f"{row['novelty']:.2f}"])
+    head = ["sessions", "drawn by", "energy", "normalised", "1-NN", "normalised, by seed", "novelty"]
+    tested = {(row["session"], row["model"]): row for row in rows if row["kind"] != "wacom" and row["session"] != "all"}
+    sessions = list(dict.fromkeys(session for session, _ in tested))
+    each = [
+        [f"{model}: {title}", *(f"{row[key]:.2f}" if (row := tested.get((at, model))) else "" for at in sessions)]
+        for model in ("exemplar", "trajvae", "paper")
+        for key, title in (("normalised", "normalised"), ("one_nn", "1-NN"), ("novelty", "novelty"))
+    ]
+    return table(head, lines) + "\nSession by session:\n\n" + table(["", *sessions], each)
+
+
 def other_renderer_table() -> str:
     """Ours and splender, forward and backward."""
     lines = []
@@ -122,6 +163,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "plan": plan_table,
     "kernel": kernel_table,
     "stroke_models": stroke_models_table,
+    "published": published_table,
+    "few_shot": few_shot_table,
     "other_renderer": other_renderer_table,
 }
 
