@@ -63,17 +63,20 @@ def native_calls() -> dict[str, Callable[[], None]]:
     everyone = torch.ones(400, dtype=torch.uint8).numpy()
     first = cpu.INSTRUCTION_SETS[0], 1
     stroke, coloured = (points, thickness, *numbers), (points, thickness, colours, *numbers)
+    traced = partial(_cpu.composite_traced, *first, cpu.TRACES, canvas, *coloured, everyone, True, out)
+    back = (canvas, points, colours, *numbers, everyone, True, traced(), canvas, out, records)
     return {
         "composite": partial(_cpu.composite, *first, canvas, *coloured, out),
-        "composite_backward": partial(
-            _cpu.composite_backward, *first, canvas, *coloured, everyone, True, canvas, out, records
-        ),
+        "composite_traced": traced,
+        "composite_backward": partial(_cpu.composite_backward, *first, *back),
         "darkness": partial(_cpu.darkness, *first, *stroke, images),
         "darkness_backward": partial(_cpu.darkness_backward, *first, *stroke, images, alone),
     }
 
 
-@pytest.mark.parametrize("name", ["composite", "composite_backward", "darkness", "darkness_backward"])
+@pytest.mark.parametrize(
+    "name", ["composite", "composite_traced", "composite_backward", "darkness", "darkness_backward"]
+)
 def test_another_python_thread_runs_while_a_kernel_does(name: str) -> None:
     call = native_calls()[name]
     started, done, steps = threading.Event(), threading.Event(), [0]
@@ -107,6 +110,8 @@ import torch
 from maulstick.rendering.kernels import cpu
 from tests.rendering.kernels.conftest import Renderer, composite_with_gradients, random_scene
 
+cpu.TRACES = 20
+
 def peak():
     status = pathlib.Path("/proc/self/status").read_text()
     return int(status.split("VmHWM:")[1].split()[0]) / 1024
@@ -131,14 +136,17 @@ libc = ctypes.CDLL(None)
 libc.malloc.restype = ctypes.c_void_p
 libc.mallopt(-3, 2**30)  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD: what is given back is used again
 libc.mallopt(-1, 2**30)
-for seed in range(20):
+for seed in range(40):
     arguments = [x.numpy() for x in random_scene(seed, strokes=3, points=5, height=60, width=130)]
     gradients = np.empty((3, 5 * 3 + 6), np.float32)
     everyone, weights = np.ones(3, np.uint8), np.ones_like(arguments[0])
     dirty = libc.malloc(2**26)
     ctypes.memset(dirty, 255, 2**26)  # every number of it is not one
     libc.free(ctypes.c_void_p(dirty))
-    _cpu.composite_backward("baseline", 1, *arguments, everyone, True, weights, np.empty_like(weights), gradients)
+    how, flags = ("baseline", 1), (everyone, True)
+    traces = _cpu.composite_traced(*how, seed % 2, *arguments, *flags, np.empty_like(weights))
+    canvas, xy, _, *rest = arguments
+    _cpu.composite_backward(*how, canvas, xy, *rest, *flags, traces, weights, np.empty_like(weights), gradients)
     assert np.isfinite(gradients).all(), seed
 """
 
@@ -170,6 +178,15 @@ def output_of(script: str, folder: Path) -> str:
 @linux_only
 def test_gradients_do_not_come_from_memory_that_nobody_wrote(pytestconfig: pytest.Config) -> None:
     assert output_of(MEMORY_OF_OTHERS, pytestconfig.rootpath) == ""
+
+
+def test_strokes_without_traces_are_painted_again_with_the_same_gradients(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene, fast = random_scene(7, strokes=60, height=90, width=150), Renderer(cpu.darkness, cpu.composite)
+    traced = composite_with_gradients(fast, scene)
+    monkeypatch.setattr(cpu, "TRACES", 0)
+    assert same_bits(composite_with_gradients(fast, scene), traced)
 
 
 @linux_only

@@ -12,24 +12,32 @@ constexpr int tile_blocks = tile_pixels / LANES;
 // would fill rows of LANES pixels. Pixels are numbered block by block.
 constexpr int block_width = 4, block_height = LANES / block_width, blocks_across = tile_width / block_width;
 constexpr int block_rows = tile_height / block_height;
+constexpr int lane_bits = LANES == 8 ? 3 : 2, width_bits = 2, across_bits = 4;
+static_assert(LANES == 1 << lane_bits && block_width == 1 << width_bits && blocks_across == 1 << across_bits);
 
 inline int pixel_at(int row, int column) {
   return (row / block_height * blocks_across + column / block_width) * LANES + row % block_height * block_width +
          column % block_width;
 }
 
-constexpr int run = 32;               // segments that one mask has bits for
+constexpr int run_length = 32;               // segments that one mask has bits for
 
-inline int64_t runs_of(int64_t segments) { return (segments + run - 1) / run; }
+inline int64_t runs_of(int64_t segments) { return (segments + run_length - 1) / run_length; }
+
+inline Profile profile_of(const Strokes& s, int64_t id) { return {s.c[id], s.q[id], s.o[id]}; }
+
+struct Run {                          // of segments
+  bool near;                          // whether any may reach the tile
+  uint32_t tight, round;              // bits: beside which another part may be as near; near which a pixel may be round
+};
 
 struct Coverage {                     // of one stroke over one tile
   Nearest near[tile_blocks];
   Bent bent[tile_blocks];             // of blocks that are `odd`
   uint32_t touched[block_rows];       // one bit per block; others are not initialised
   uint32_t odd[block_rows];
-  // Of each run of segments that comes near the tile, and of each block: one bit per segment that may reach it.
-  uint32_t* reaching;                 // (runs, tile_blocks)
-  uint8_t* comes_near;                // (runs,)
+  Run* run;                           // (runs,)
+  uint32_t* reaching;                 // (runs, tile_blocks): one bit per segment that may reach the block
 };
 
 // Finds the columns [left, right] in which the segment, widened by its reach, crosses the rows from top to bottom.
@@ -59,6 +67,17 @@ inline Floats block_y(Tile tile, int block) {
   return y + (tile.y + block / blocks_across * block_height + 0.5f);
 }
 
+// Centres of pixels of a tile.
+inline Floats pixels_x(Tile tile, Ints pixel) {
+  const Ints column = ((pixel >> lane_bits) & (blocks_across - 1)) * block_width + (pixel & (block_width - 1));
+  return __builtin_convertvector(column + tile.x, Floats) + 0.5f;
+}
+
+inline Floats pixels_y(Tile tile, Ints pixel) {
+  const Ints row = (pixel >> (lane_bits + across_bits)) * block_height + ((pixel & (LANES - 1)) >> width_bits);
+  return __builtin_convertvector(row + tile.y, Floats) + 0.5f;
+}
+
 // Notes in which blocks a segment may leave a mark.
 inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s, uint32_t bit, Tile tile) {
   const float x0 = tile.x, x1 = tile.x + tile.width, y0 = tile.y, y1 = tile.y + tile.height;
@@ -85,45 +104,36 @@ inline bool note_reached(uint32_t* reaching, uint32_t* touched, const Segment& s
 template <class Visit>
 inline void each_reaching(const Coverage& cover, int64_t count, int block, Visit visit) {
   for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
-    if (!cover.comes_near[r]) continue;
+    if (!cover.run[r].near) continue;
     for (uint32_t bits = cover.reaching[r * tile_blocks + block]; bits; bits &= bits - 1)
-      visit(r * run + __builtin_ctz(bits));
+      visit(r * run_length + __builtin_ctz(bits));
   }
 }
 
-inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x, Floats y,
-                          Seen& seen) {
+inline Nearest nearest_of(const Coverage& cover, const Segment* segments, int64_t count, int block, Floats x,
+                          Floats y) {
   Nearest near = nothing_near();
   each_reaching(cover, count, block, [&](int64_t k) {
     const Nearest here = nearest_on(segments[k], foot_on(segments[k], x, y), int32_t(k));
-    if (seen.count < Seen::most) {
-      seen.segment[seen.count] = int32_t(k), seen.squared[seen.count] = here.squared;
-      seen.thickness[seen.count] = here.thickness;
-    }
-    ++seen.count;
     near = chosen(nearer(here, near), here, near);
   });
   return near;
 }
 
-// Finds the parts that may meet the nearest ones; returns whether there are any.
-inline bool find_second(Second& second, const Seen& seen, const Coverage& cover, const Nearest& near,
-                        const Segment* segments, const Shape* shapes, int64_t count, int block, Floats x, Floats y) {
-  const Ints tight = tight_pixels(near, shapes);
-  if (!any(tight)) return false;
-  if (seen.count > Seen::most) {
-    SecondSearch search(near, tight, segments, shapes, x, y);
-    each_reaching(cover, count, block, [&](int64_t k) { search.look_at(int32_t(k)); });
-    second = search.found();
-    return true;
-  }
-  int32_t chosen[Seen::most];
-  const int found = choose_seconds(chosen, seen, near, tight, shapes);
-  if (found == 0) return false;
+// Pixels that lie on the plateau altogether.
+inline Ints on_plateau(const Nearest& near, const Profile& profile) {
+  const Floats flat = profile.q * near.thickness - half_diagonal;
+  return marks(near) & (flat >= all(0.0f)) & (near.squared <= flat * flat);
+}
+
+// Where a pixel is on the plateau, what else is near does not matter.
+inline Second second_of(const Coverage& cover, const Nearest& near, const Segment* segments, const Shape* shapes,
+                        int64_t count, int block, Floats x, Floats y, const Profile& profile) {
+  const Ints tight = tight_pixels(near, shapes) & ~on_plateau(near, profile);
+  if (!any(tight)) return {nothing_near(), Floats{}};
   SecondSearch search(near, tight, segments, shapes, x, y);
-  for (int i = 0; i < found; ++i) search.look_at(chosen[i]);
-  second = search.found();
-  return true;
+  each_reaching(cover, count, block, [&](int64_t k) { search.look_at(int32_t(k)); });
+  return search.found();
 }
 
 inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile, int block) {
@@ -131,33 +141,48 @@ inline void cover_block(Coverage& cover, const Strokes& strokes, int64_t id, Til
   const Shape* shapes = strokes.shape + id * strokes.segments;
   const int64_t count = strokes.segments;
   const Floats x = block_x(tile, block), y = block_y(tile, block);
+  uint32_t tight = 0, round = 0;
+  for (int64_t r = 0, runs = runs_of(count); r < runs; ++r) {
+    if (!cover.run[r].near) continue;
+    tight |= cover.reaching[r * tile_blocks + block] & cover.run[r].tight;
+    round |= cover.reaching[r * tile_blocks + block] & cover.run[r].round;
+  }
   Nearest& near = cover.near[block];
   Bent& bent = cover.bent[block];
-  Seen seen;
-  near = nearest_of(cover, segments, count, block, x, y, seen);
-  Second second;
-  const bool cuts = find_second(second, seen, cover, near, segments, shapes, count, block, x, y) &&
-                    cut(bent, near, second.part, second.turn);
-  bool odd = round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
-  if (cuts)
-    round_off(bent.second_rounded, bent.second_ends, bent.second, segments, shapes, count, x, y);
-  else if (odd)
+  near = nearest_of(cover, segments, count, block, x, y);
+  bool cuts = false;
+  if (tight) {
+    const Second second = second_of(cover, near, segments, shapes, count, block, x, y, profile_of(strokes, id));
+    cuts = cut(bent, near, second.part, second.turn);
+  }
+  const bool odd = round && round_off(bent.rounded, bent.ends, near, segments, shapes, count, x, y);
+  if (!cuts && !odd) return;
+  cover.odd[block / blocks_across] |= 1u << block % blocks_across;
+  if (!odd) bent.rounded = Floats{}, bent.ends = Ints{};
+  if (!cuts)
     bent.share = bent.slant = Floats{};
-  if (cuts || odd) cover.odd[block / blocks_across] |= 1u << block % blocks_across;
+  else if (!(round && round_off(bent.second_rounded, bent.second_ends, bent.second, segments, shapes, count, x, y)))
+    bent.second_rounded = Floats{}, bent.second_ends = Ints{};
 }
 
 void cover_stroke(Coverage& cover, const Strokes& strokes, int64_t id, Tile tile) {
   const Segment* segments = strokes.segment + id * strokes.segments;
+  const Shape* shapes = strokes.shape + id * strokes.segments;
   std::memset(cover.touched, 0, sizeof cover.touched);
   std::memset(cover.odd, 0, sizeof cover.odd);
   for (int64_t r = 0, runs = runs_of(strokes.segments); r < runs; ++r) {
     uint32_t* reaching = cover.reaching + r * tile_blocks;
-    const int64_t first = r * run, last = strokes.segments < first + run ? strokes.segments : first + run;
+    const int64_t first = r * run_length;
+    const int64_t last = strokes.segments < first + run_length ? strokes.segments : first + run_length;
     std::memset(reaching, 0, sizeof(uint32_t) * tile_blocks);
-    bool near = false;
-    for (int64_t k = first; k < last; ++k)
-      near |= note_reached(reaching, cover.touched, segments[k], 1u << (k - first), tile);
-    cover.comes_near[r] = near;
+    Run& here = cover.run[r] = {};
+    for (int64_t k = first; k < last; ++k) {
+      const uint32_t bit = 1u << (k - first);
+      if (!note_reached(reaching, cover.touched, segments[k], bit, tile)) continue;
+      here.near = true;
+      if (shapes[k].tight_from < segments[k].reach) here.tight |= bit;
+      if (shapes[k].may_round) here.round |= bit;
+    }
   }
   for (int row = 0; row < block_rows; ++row)
     for (uint32_t bits = cover.touched[row]; bits; bits &= bits - 1)
@@ -175,12 +200,6 @@ inline void each_block(const Coverage& cover, Visit visit) {
 
 inline bool is_odd(const Coverage& cover, int block) {
   return cover.odd[block / blocks_across] >> block % blocks_across & 1;
-}
-
-// Pixels that lie on the plateau altogether.
-inline Ints on_plateau(const Nearest& near, const Profile& profile) {
-  const Floats flat = profile.q * near.thickness - half_diagonal;
-  return marks(near) & (flat >= all(0.0f)) & (near.squared <= flat * flat);
 }
 
 }  // namespace

@@ -1,23 +1,15 @@
-// Native module: prepares segments and bands, distributes the bands over threads, and chooses the instruction set.
-//
-// The canvas is cut into bands of tile_height rows. A band belongs to one thread, walks its tiles from left to right
-// and keeps its own gradients for each stroke that crosses it; these are then summed in the order of the bands. So the
-// result does not depend on the number of threads or on their speed.
+// Native module: what Python calls. It prepares segments and bands, and chooses the instruction set.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <memory>
+#include <iterator>
+#include <mutex>
 #include <stdexcept>
 #include <string>
-#include <system_error>
-#include <thread>
-#include <vector>
 
-#include "tiles.hpp"
+#include "scene.hpp"
 
 namespace nb = nanobind;
 using namespace maulstick;
@@ -49,167 +41,6 @@ nb::list instruction_sets() {                // fastest first
   return names;
 }
 
-// Runs work(task, thread) for each task on up to `threads` threads.
-template <class Work>
-void share_out(int64_t tasks, int64_t threads, Work work) {
-  std::atomic<int64_t> next{0};
-  auto run = [&](int64_t thread) {
-    for (int64_t task; (task = next.fetch_add(1)) < tasks;) work(task, thread);
-  };
-  std::vector<std::thread> helpers;
-  try {
-    for (int64_t i = 1; i < std::min(threads, tasks); ++i) helpers.emplace_back(run, i);
-  } catch (const std::system_error&) {       // the system gives no more threads: go on with fewer
-  }
-  run(0);
-  for (std::thread& helper : helpers) helper.join();
-}
-
-struct Buffer {                              // uninitialised, so that unused pages are never touched
-  std::unique_ptr<char[]> bytes;
-  explicit Buffer(int64_t size) : bytes(new char[size]) {}
-};
-
-// Twice the tangent of half the turn from one direction to another, 8 at most (nearest.py, _turned).
-float turn_between(float ax, float ay, float bx, float by) {
-  const float across = std::abs(ax * by - ay * bx);
-  const float along = ax * bx + ay * by + std::sqrt((ax * ax + ay * ay) * (bx * bx + by * by));
-  return across < 4 * along ? 2 * across / along : 8;
-}
-
-// Wider than any canvas, while its square and differences stay finite.
-float bounded(float thickness) { return std::clamp(thickness, -1e9f, 1e9f); }
-
-float faded(float turn, float least) { return std::clamp((turn - least) / turn_fade, 0.0f, 1.0f); }
-
-struct Segments {
-  std::vector<Segment> segment;              // (count, segments)
-  std::vector<Shape> shape;                  // (count, segments)
-
-  Segments(const Kernel& kernel, const float* xy, const float* thickness, int64_t count, int64_t points) {
-    const int64_t each = std::max<int64_t>(points - 1, 1);
-    segment.resize(count * each), shape.resize(count * each);
-    std::vector<float> places(kernel.places_floats(each));
-    for (int64_t i = 0; i < count; ++i) {
-      for (int64_t k = 0; k < each; ++k) {
-        const int64_t u = i * points + k, v = points > 1 ? u + 1 : u;
-        Segment& s = segment[i * each + k];
-        s.ux = xy[2 * u], s.uy = xy[2 * u + 1];
-        s.wx = xy[2 * v] - s.ux, s.wy = xy[2 * v + 1] - s.uy;
-        const float squared_length = s.wx * s.wx + s.wy * s.wy;
-        s.inverse_squared_length = squared_length > 0 ? 1 / squared_length : 0;
-        const float at_u = bounded(thickness[u]), at_v = bounded(thickness[v]), widest = std::max(at_u, at_v);
-        s.thickness = at_u, s.growth = at_v - at_u;
-        s.reach = widest > 0 ? widest + half_diagonal : 0;
-      }
-      find_shape(segment.data() + i * each, shape.data() + i * each, each);
-      kernel.find_tight(segment.data() + i * each, shape.data() + i * each, each, places.data());
-    }
-  }
-
- private:
-  static void find_shape(const Segment* s, Shape* shape, int64_t count) {
-    float turned = 0, heading_x = 0, heading_y = 0, along = 0;
-    for (int64_t k = 0; k < count; ++k) {
-      Shape& p = shape[k];
-      p.length = std::sqrt(s[k].wx * s[k].wx + s[k].wy * s[k].wy);
-      if (!(p.length < INFINITY)) p.length = 0;
-      p.direction_x = p.length > 0 ? s[k].wx / p.length : 0;
-      p.direction_y = p.length > 0 ? s[k].wy / p.length : 0;
-      p.before = along;
-      along += p.length;
-      p.turned_before = turned;
-      if (s[k].wx != 0 || s[k].wy != 0) {
-        if (heading_x != 0 || heading_y != 0) turned += turn_between(heading_x, heading_y, s[k].wx, s[k].wy);
-        heading_x = s[k].wx, heading_y = s[k].wy;
-      }
-      p.turned = turned;
-    }
-    for (int64_t k = 0; k < count; ++k) {
-      Shape& p = shape[k];
-      p.after = k + 1 < count ? along - shape[k + 1].before : 0;
-      p.turned_after = k + 1 < count ? shape[k + 1].turned : p.turned;
-      p.sharp_start = faded(p.turned - p.turned_before, sharp_turn);
-      p.sharp_end = faded(p.turned_after - p.turned, sharp_turn);
-      p.may_round = p.before < 0.5f || p.after < 0.5f || p.sharp_start > 0 || p.sharp_end > 0;
-    }
-  }
-};
-
-struct Bands {                               // bands of rows, and the strokes that cross each, in order
-  std::vector<float> left, right;            // of each stroke: the range of its columns
-  std::vector<int32_t> first, last;          // of each stroke: the range of its bands; empty where last < first
-  std::vector<int64_t> slot;                 // of each stroke: its first gradient record; one more at the end
-  std::vector<int64_t> begin;                // of each band: its first entry in ids and record; one more at the end
-  std::vector<int32_t> ids;                  // strokes, band after band
-  std::vector<int64_t> record;               // of each of these: where its gradients of this band begin
-
-  Bands(const Strokes& s, int64_t height, int64_t width) {
-    const int64_t bands = (height + tile_height - 1) / tile_height;
-    left.assign(s.count, INFINITY), right.assign(s.count, -INFINITY);
-    first.resize(s.count), last.resize(s.count), slot.resize(s.count + 1), begin.assign(bands + 1, 0);
-    for (int64_t i = 0; i < s.count; ++i) {
-      float top = INFINITY, bottom = -INFINITY;
-      for (int64_t k = 0; k < s.segments; ++k) {
-        const Segment& g = s.segment[i * s.segments + k];
-        if (!(g.reach > 0)) continue;
-        left[i] = std::min(left[i], std::min(g.ux, g.ux + g.wx) - g.reach);
-        right[i] = std::max(right[i], std::max(g.ux, g.ux + g.wx) + g.reach);
-        top = std::min(top, std::min(g.uy, g.uy + g.wy) - g.reach);
-        bottom = std::max(bottom, std::max(g.uy, g.uy + g.wy) + g.reach);
-      }
-      const bool seen = left[i] <= width && right[i] >= 0 && top <= height && bottom >= 0;
-      first[i] = seen ? int32_t(std::max(top, 0.0f) / tile_height) : 0;
-      last[i] = seen ? int32_t(std::min<int64_t>(int64_t(std::min(bottom, float(height)) / tile_height), bands - 1)) : -1;
-      slot[i + 1] = slot[i] + std::max(last[i] - first[i] + 1, 0);
-      for (int32_t b = first[i]; b <= last[i]; ++b) ++begin[b + 1];
-    }
-    for (int64_t b = 0; b < bands; ++b) begin[b + 1] += begin[b];
-    ids.resize(begin[bands]), record.resize(begin[bands]);
-    std::vector<int64_t> at(begin.begin(), begin.end() - 1);
-    for (int64_t i = 0; i < s.count; ++i)
-      for (int32_t b = first[i]; b <= last[i]; ++b) {
-        ids[at[b]] = int32_t(i);
-        record[at[b]++] = (slot[i] + b - first[i]) * gradient_size(s);
-      }
-  }
-
-  int64_t count() const { return int64_t(begin.size()) - 1; }
-  int64_t most() const {
-    int64_t most = 0;
-    for (int64_t b = 0; b < count(); ++b) most = std::max(most, begin[b + 1] - begin[b]);
-    return most;
-  }
-};
-
-// Strokes of one tile, chosen from those of its band.
-struct TileStrokes {
-  std::vector<int32_t> ids;
-  std::vector<int64_t> record;
-
-  void choose(const Strokes& s, const Bands& bands, int64_t band, Tile tile) {
-    ids.clear(), record.clear();
-    for (int64_t n = bands.begin[band]; n < bands.begin[band + 1]; ++n) {
-      const int32_t id = bands.ids[n];
-      if (bands.left[id] > tile.x + tile.width || bands.right[id] < tile.x) continue;
-      const Segment* segment = s.segment + id * s.segments;
-      bool near = false;
-      for (int64_t k = 0; k < s.segments && !near; ++k) {
-        const Segment& g = segment[k];
-        near = g.reach > 0 && std::min(g.ux, g.ux + g.wx) - g.reach <= tile.x + tile.width &&
-               std::max(g.ux, g.ux + g.wx) + g.reach >= tile.x &&
-               std::min(g.uy, g.uy + g.wy) - g.reach <= tile.y + tile.height &&
-               std::max(g.uy, g.uy + g.wy) + g.reach >= tile.y;
-      }
-      if (near) ids.push_back(id), record.push_back(bands.record[n]);
-    }
-  }
-};
-
-Tile tile_at(int64_t x, int64_t y, int64_t height, int64_t width) {
-  return {int(x), int(y), int(std::min<int64_t>(tile_width, width - x)), int(std::min<int64_t>(tile_height, height - y))};
-}
-
 Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t channels,
                    const float* colours, Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
                    const uint8_t* trainable, bool shapes) {
@@ -218,27 +49,59 @@ Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t c
           segments.shape.data(), colours, c.data(), q.data(), o.data(), trainable, shapes};
 }
 
-// Calls visit(tile, strokes, scratch) for each tile of the canvas, band by band.
-template <class Visit>
-void each_tile(const Kernel& kernel, const Strokes& s, const Bands& bands, int64_t height, int64_t width,
-               int64_t threads, bool backward, Visit visit) {
-  const int64_t most = std::max<int64_t>(bands.most(), 1);
-  const int64_t size = kernel.scratch_bytes(s.segments, s.channels, most, backward);
-  const int64_t used = std::max<int64_t>(std::min(threads, bands.count()), 1);
-  std::vector<Buffer> buffers;
-  std::vector<TileStrokes> chosen(used);
-  for (int64_t i = 0; i < used; ++i) {
-    buffers.emplace_back(size);
-    chosen[i].ids.reserve(most), chosen[i].record.reserve(most);
+constexpr int64_t piece_bytes = 1 << 20;
+
+// Pieces of memory that are kept from one painting to the next: the system's cost as much as what is written into them.
+class Spare {
+ public:
+  Buffer take() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (buffers_.empty()) return Buffer(piece_bytes);
+    Buffer buffer = std::move(buffers_.back());
+    buffers_.pop_back();
+    return buffer;
   }
-  share_out(bands.count(), used, [&](int64_t band, int64_t thread) {
-    for (int64_t x = 0; x < width; x += tile_width) {
-      const Tile tile = tile_at(x, band * tile_height, height, width);
-      chosen[thread].choose(s, bands, band, tile);
-      visit(tile, chosen[thread], buffers[thread].bytes.get());
-    }
-  });
-}
+
+  void give_back(std::vector<Buffer> buffers, int64_t most) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (Buffer& buffer : buffers)
+      if (int64_t(buffers_.size()) < most) buffers_.push_back(std::move(buffer));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Buffer> buffers_;
+} spare;
+
+// Memory of one thread for traces.
+struct Pieces : Arena {
+  std::vector<Buffer> buffers;
+  std::atomic<int64_t>& left;                // of the pieces that all threads may take
+
+  explicit Pieces(std::atomic<int64_t>& left) : Arena{nullptr, nullptr, another}, left(left) {}
+
+  static bool another(Arena& arena, int64_t bytes) {
+    Pieces& self = static_cast<Pieces&>(arena);
+    if (bytes > piece_bytes || self.left.fetch_sub(1) <= 0) return false;
+    self.buffers.push_back(spare.take());
+    self.at = self.buffers.back().bytes.get(), self.end = self.at + piece_bytes;
+    return true;
+  }
+};
+
+// What the way back over a painted canvas needs.
+struct Traces {
+  Segments segments;
+  Bands bands;
+  int64_t most_pieces;
+  std::vector<const void*> last;             // of each tile
+  std::vector<Buffer> memory;
+
+  Traces(Segments&& segments, Bands&& bands, int64_t most_pieces, std::vector<const void*>&& last)
+      : segments(std::move(segments)), bands(std::move(bands)), most_pieces(most_pieces), last(std::move(last)) {}
+  Traces(const Traces&) = delete;            // they point into the memory
+  ~Traces() { spare.give_back(std::move(memory), most_pieces); }
+};
 
 void composite(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
                Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 2> colours,
@@ -248,34 +111,60 @@ void composite(const std::string& instructions, int64_t threads, Array<const flo
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
   const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, nullptr, false);
-  each_tile(kernel, s, Bands(s, height, width), height, width, threads, false,
-            [&](Tile tile, const TileStrokes& chosen, char* scratch) {
-              kernel.composite(s, chosen.ids.data(), chosen.ids.size(), tile, height, width, canvas.data(),
-                               out.data(), scratch);
-            });
+  const Bands bands(s, height, width);
+  each_tile(kernel, s, bands, height, width, threads_for(bands.count(), threads), false, [&](const Visit& at) {
+    kernel.composite(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width, canvas.data(),
+                     out.data(), nullptr, at.scratch);
+  });
 }
 
-// grad_canvas: as canvas, or empty where it is not needed. gradients: (count, 3 points + channels + 3), see
-// gradient_size.
-void composite_backward(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
-                        Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 2> colours,
-                        Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
-                        Array<const uint8_t, 1> trainable, bool shapes, Array<const float, 3> grad_out,
-                        Array<float, 3> grad_canvas, Array<float, 2> gradients) {
+// Paints as `composite` does, and returns what the way back needs, for a call with the same arrays. most_pieces: MiB that
+// traces may take; tiles that find no more of it are painted again on the way back.
+std::unique_ptr<Traces> composite_traced(const std::string& instructions, int64_t threads, int64_t most_pieces,
+                                         Array<const float, 3> canvas, Array<const float, 3> xy,
+                                         Array<const float, 2> thickness, Array<const float, 2> colours,
+                                         Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
+                                         Array<const uint8_t, 1> trainable, bool shapes, Array<float, 3> out) {
   nb::gil_scoped_release release;
   const Kernel& kernel = kernel_for(instructions);
   const int64_t height = canvas.shape(1), width = canvas.shape(2);
-  const Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
+  Segments segments(kernel, xy.data(), thickness.data(), xy.shape(0), xy.shape(1));
   const Strokes s = strokes_of(segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
-  const Bands bands(s, height, width);
+  Bands bands(s, height, width);
+  std::atomic<int64_t> left{most_pieces};
+  std::vector<Pieces> pieces;
+  const int64_t used = threads_for(bands.count(), threads);
+  for (int64_t i = 0; i < used; ++i) pieces.emplace_back(left);
+  std::vector<const void*> last(bands.count() * tiles_across(width));
+  each_tile(kernel, s, bands, height, width, used, true, [&](const Visit& at) {
+    last[at.number] = kernel.composite(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width,
+                                       canvas.data(), out.data(), &pieces[at.thread], at.scratch);
+  });
+  auto traces = std::make_unique<Traces>(std::move(segments), std::move(bands), most_pieces, std::move(last));
+  for (Pieces& each : pieces) std::move(each.buffers.begin(), each.buffers.end(), std::back_inserter(traces->memory));
+  return traces;
+}
+
+// traces: of `composite_traced`. grad_canvas: as canvas, or empty where it is not needed. gradients: (count, 3 points +
+// channels + 3), see gradient_size.
+void composite_backward(const std::string& instructions, int64_t threads, Array<const float, 3> canvas,
+                        Array<const float, 3> xy, Array<const float, 2> colours,
+                        Array<const float, 1> c, Array<const float, 1> q, Array<const float, 1> o,
+                        Array<const uint8_t, 1> trainable, bool shapes, const Traces& traces,
+                        Array<const float, 3> grad_out, Array<float, 3> grad_canvas, Array<float, 2> gradients) {
+  nb::gil_scoped_release release;
+  const Kernel& kernel = kernel_for(instructions);
+  const int64_t height = canvas.shape(1), width = canvas.shape(2);
+  const Bands& bands = traces.bands;
+  const Strokes s =
+      strokes_of(traces.segments, xy, canvas.shape(0), colours.data(), c, q, o, trainable.data(), shapes);
   const int64_t size = gradient_size(s);
   std::vector<float> partial(bands.slot.back() * size);
-  each_tile(kernel, s, bands, height, width, threads, true,
-            [&](Tile tile, const TileStrokes& chosen, char* scratch) {
-              kernel.composite_backward(s, chosen.ids.data(), chosen.ids.size(), tile, height, width, canvas.data(),
-                                        grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr,
-                                        partial.data(), chosen.record.data(), scratch);
-            });
+  each_tile(kernel, s, bands, height, width, threads_for(bands.count(), threads), true, [&](const Visit& at) {
+    kernel.composite_backward(s, at.strokes.ids.data(), at.strokes.ids.size(), at.tile, height, width, canvas.data(),
+                              grad_out.data(), grad_canvas.size() ? grad_canvas.data() : nullptr, partial.data(),
+                              at.strokes.record.data(), traces.last[at.number], at.scratch);
+  });
   for (int64_t i = 0; i < s.count; ++i) {
     float* total = gradients.data() + i * size;
     std::fill(total, total + size, 0.0f);
@@ -287,7 +176,7 @@ void composite_backward(const std::string& instructions, int64_t threads, Array<
 // Calls visit(stroke, tile, scratch) for each stroke and each tile of its own image, one stroke per thread.
 template <class Visit>
 void each_image(const Kernel& kernel, const Strokes& s, int64_t height, int64_t width, int64_t threads, Visit visit) {
-  const int64_t used = std::max<int64_t>(std::min(threads, s.count), 1);
+  const int64_t used = threads_for(s.count, threads);
   std::vector<Buffer> buffers;
   for (int64_t i = 0; i < used; ++i) buffers.emplace_back(kernel.scratch_bytes(s.segments, 1, 1, true));
   share_out(s.count, used, [&](int64_t i, int64_t thread) {
@@ -329,8 +218,11 @@ void darkness_backward(const std::string& instructions, int64_t threads, Array<c
 }  // namespace
 
 NB_MODULE(_cpu, m) {
+  nb::set_leak_warnings(false);              // a graph that is alive when Python ends holds its traces
   m.def("instruction_sets", &instruction_sets);
   m.def("composite", &composite);
+  nb::class_<Traces>(m, "Traces");
+  m.def("composite_traced", &composite_traced);
   m.def("composite_backward", &composite_backward);
   m.def("darkness", &darkness);
   m.def("darkness_backward", &darkness_backward);

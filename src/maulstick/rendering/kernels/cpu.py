@@ -4,7 +4,7 @@ from typing import Any
 
 import torch
 from torch import Tensor
-from torch.autograd.function import FunctionCtx, once_differentiable
+from torch.autograd.function import once_differentiable
 
 from maulstick.rendering.kernels import _cpu
 from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
@@ -14,6 +14,9 @@ INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
 
 THREADS = torch.get_num_threads()
 """Default number of threads: as many as torch uses at its start."""
+
+TRACES = 512
+"""Most memory, in MiB, for what strokes leave behind for the way back; what finds no room there is painted again."""
 
 
 def darkness(
@@ -68,6 +71,7 @@ def composite(
         trainable.to(torch.uint8).contiguous(),
         instructions,
         threads,
+        torch.is_grad_enabled(),
     )
     return result
 
@@ -112,12 +116,16 @@ class _Darkness(torch.autograd.Function):
 
 class _Composite(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: FunctionCtx, *args: Any) -> Tensor:
-        *tensors, trainable, instructions, threads = args
-        ctx.save_for_backward(*tensors, trainable)
-        ctx.how = instructions, threads  # type: ignore[attr-defined]
+    def forward(ctx: Any, *args: Any) -> Tensor:
+        *tensors, trainable, instructions, threads, with_gradients = args
         out = torch.empty_like(tensors[0])
-        _cpu.composite(instructions, threads, *_bare(*tensors, out))
+        if with_gradients and any(ctx.needs_input_grad):
+            ctx.save_for_backward(*tensors, trainable)
+            ctx.how = instructions, threads
+            ctx.shapes = any(ctx.needs_input_grad[4:6])  # of falloff and plateau, which few ask for
+            ctx.traces = _cpu.composite_traced(*ctx.how, TRACES, *_bare(*tensors, trainable), ctx.shapes, *_bare(out))
+        else:
+            _cpu.composite(instructions, threads, *_bare(*tensors, out))
         return out
 
     @staticmethod
@@ -126,13 +134,13 @@ class _Composite(torch.autograd.Function):
         canvas, xy, thickness, *rest = ctx.saved_tensors
         (count, points), channels = thickness.shape, canvas.shape[0]
         wanted = ctx.needs_input_grad[0]
-        shapes = any(ctx.needs_input_grad[4:6])  # of falloff and plateau, which few ask for
         grad_canvas = canvas.new_empty(canvas.shape if wanted else (0, 0, 0))
         gradients = canvas.new_empty(count, 3 * points + channels + 3)
         _cpu.composite_backward(
             *ctx.how,
-            *_bare(canvas, xy, thickness, *rest),
-            shapes,
+            *_bare(canvas, xy, *rest),
+            ctx.shapes,
+            ctx.traces,
             *_bare(grad_out.contiguous(), grad_canvas, gradients),
         )
-        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None, None
+        return grad_canvas if wanted else None, *_split(gradients, points, channels), None, None, None, None

@@ -50,6 +50,40 @@ inline bool any(Ints mask) {
 #endif
 }
 
+// One bit per lane that is true.
+inline uint32_t bits_of(Ints mask) {
+#if defined(__AVX__) && LANES == 8
+  return uint32_t(__builtin_ia32_movmskps256((Floats)mask));
+#else
+  uint32_t bits = 0;
+  for (int i = 0; i < LANES; ++i) bits |= uint32_t(mask[i] & 1) << i;
+  return bits;
+#endif
+}
+
+#if defined(__AVX2__) && LANES == 8
+struct Orders {                       // of each set of bits: the lanes that it holds, in order
+  alignas(64) int32_t lanes[256][8];
+  constexpr Orders() : lanes{} {
+    for (int bits = 0; bits < 256; ++bits)
+      for (int i = 0, n = 0; i < 8; ++i)
+        if (bits >> i & 1) lanes[bits][n++] = i;
+  }
+};
+constexpr Orders orders;
+#endif
+
+// Stores the lanes whose bits are set one after another; what follows them up to LANES is overwritten.
+template <class Number, class Lanes>
+inline void store_some(Number* p, Lanes x, uint32_t bits) {
+#if defined(__AVX2__) && LANES == 8
+  store(p, (Lanes)__builtin_ia32_permvarsi256((Ints)x, load(orders.lanes[bits])));
+#else
+  for (int i = 0; i < LANES; ++i)
+    if (bits >> i & 1) *p++ = x[i];
+#endif
+}
+
 // Natural logarithm of positive, normal x, to about one unit in the last place: the exponent apart, a polynomial in the
 // mantissa (with the coefficients of Cephes' logf).
 inline Floats natural_log(Floats x) {

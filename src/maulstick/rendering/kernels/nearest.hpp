@@ -47,13 +47,26 @@ inline Nearest nearest_on(const Segment& s, const Foot& foot, int32_t k) {
   return {touches ? squared : all(no_mark), foot.offset_x, foot.offset_y, touches ? thickness : all(1.0f), all(k)};
 }
 
-// Segments that reach a block, while there is room for them, and how near they are to its pixels.
-struct Seen {
-  static constexpr int most = 64;
-  int count = 0;
-  int32_t segment[most];
-  Floats squared[most], thickness[most];
-};
+// Calls visit(k, lanes) for each segment k that owns some of these lanes.
+template <class Visit>
+inline void each_owner(Ints owner, Ints lanes, Visit visit) {
+  int32_t owners[LANES];
+  store(owners, owner);
+  for (uint32_t pending = bits_of(lanes); pending;) {
+    const int32_t k = owners[__builtin_ctz(pending)];
+    const Ints mine = lanes & (owner == all(k));
+    pending &= ~bits_of(mine);
+    visit(k, mine);
+  }
+}
+
+// By how much a stroke has turned up to a point of a segment, and from it on (nearest.py, Nearest).
+struct Turned { Floats from, to; };
+
+inline Turned turned_at(const Shape& p, Floats free) {
+  const Floats start = clamped(2 * p.length * free), end = clamped(2 * p.length * (1.0f - free));
+  return {p.turned_before + (p.turned - p.turned_before) * start, p.turned_after + (p.turned - p.turned_after) * end};
+}
 
 // A part of a stroke that may meet the nearest one in a crease.
 struct Second {
@@ -61,38 +74,29 @@ struct Second {
   Floats turn;                        // between the two
 };
 
-// Whether a part is so near beside the nearest one that they meet within the pixel. inverse: of the nearest thickness.
-inline Ints within(Floats squared, Floats thickness, Floats distance, Floats inverse, Floats turn) {
-  const Floats reach = (distance + 0.5f * smaller(turn, all(2.0f))) * inverse * thickness;
-  return squared < reach * reach;
-}
-
 // Finds the nearest part to each pixel of those that go elsewhere than the nearest one, where that is tight.
 class SecondSearch {
  public:
   SecondSearch(const Nearest& near, Ints tight, const Segment* segments, const Shape* shapes, Floats x, Floats y)
-      : segments_(segments), shapes_(shapes), x_(x), y_(y), distance_(root(near.squared)),
-        inverse_(1.0f / near.thickness), tight_(tight), second_{nothing_near(), {}} {
-    for (int lane = 0; lane < LANES; ++lane) {
-      const Segment& s = segments[near.owner[lane]];
-      const Shape& p = shapes[near.owner[lane]];
-      const float free = ((x[lane] - s.ux) * s.wx + (y[lane] - s.uy) * s.wy) * s.inverse_squared_length;
-      const float start = smaller(larger(2 * free * p.length, 0.0f), 1.0f);
-      const float end = smaller(larger(2 * (1 - free) * p.length, 0.0f), 1.0f);
-      from_[lane] = p.turned_before + (p.turned - p.turned_before) * start;
-      to_[lane] = p.turned_after + (p.turned - p.turned_after) * end;
-    }
+      : segments_(segments), shapes_(shapes), x_(x), y_(y), ratio_(root(near.squared) / near.thickness),
+        half_pixel_(0.5f / near.thickness), tight_(tight), turned_{}, least_(1e30f), most_(-1e30f),
+        second_{nothing_near(), {}} {
+    each_owner(near.owner, tight, [&](int32_t k, Ints mine) {
+      const Turned here = turned_at(shapes[k], foot_on(segments[k], x, y).free);
+      turned_ = {mine ? here.from : turned_.from, mine ? here.to : turned_.to};
+      least_ = smaller(least_, shapes[k].turned_before), most_ = larger(most_, shapes[k].turned_after);
+    });
   }
 
   void look_at(int32_t k) {
     const Shape& p = shapes_[k];
+    if (!(p.turned_after - least_ > sharp_turn || most_ - p.turned_before > sharp_turn)) return;
     const Foot foot = foot_on(segments_[k], x_, y_);
     const Nearest here = nearest_on(segments_[k], foot, k);
-    const Floats start = clamped(2 * p.length * foot.free), end = clamped(2 * p.length * (1.0f - foot.free));
-    const Floats from = p.turned_before + (p.turned - p.turned_before) * start;
-    const Floats to = p.turned_after + (p.turned - p.turned_after) * end;
-    const Floats turn = larger(from - to_, from_ - to);
-    const Ints meets = tight_ & (turn > all(sharp_turn)) & within(here.squared, here.thickness, distance_, inverse_, turn);
+    const Turned turned = turned_at(p, foot.free);
+    const Floats turn = larger(turned.from - turned_.to, turned_.from - turned.to);
+    const Floats reach = (ratio_ + half_pixel_ * smaller(turn, all(2.0f))) * here.thickness;
+    const Ints meets = tight_ & (turn > all(sharp_turn)) & (here.squared < reach * reach);   // within the pixel
     const Ints takes = meets & nearer(here, second_.part);
     second_ = {chosen(takes, here, second_.part), takes ? turn : second_.turn};
   }
@@ -102,35 +106,21 @@ class SecondSearch {
  private:
   const Segment* segments_;
   const Shape* shapes_;
-  Floats x_, y_, distance_, inverse_; // inverse_: of the nearest thickness
-  Floats from_, to_;                  // turned up to the nearest points, and from them on
+  Floats x_, y_, ratio_, half_pixel_; // of the nearest: distance, and half a pixel, over thickness
   Ints tight_;
+  Turned turned_;                     // at the nearest points
+  float least_, most_;                // turned, around the segments that own them
   Second second_;
 };
 
 // Pixels in which another part may be as near.
 inline Ints tight_pixels(const Nearest& near, const Shape* shapes) {
-  Floats from;
-  for (int lane = 0; lane < LANES; ++lane) from[lane] = larger(shapes[near.owner[lane]].tight_from, 0.0f);
-  return marks(near) & (near.squared >= from * from);
-}
-
-// Chooses those that may be as near, and turned, as a crease demands; returns their number.
-inline int choose_seconds(int32_t* chosen, const Seen& seen, const Nearest& near, Ints tight, const Shape* shapes) {
-  const Floats distance = root(near.squared), inverse = 1.0f / near.thickness;
-  Floats before, after;
-  for (int lane = 0; lane < LANES; ++lane) {
-    const Shape& p = shapes[near.owner[lane]];
-    before[lane] = p.turned_before, after[lane] = p.turned_after;
-  }
-  int count = 0;
-  for (int i = 0; i < seen.count; ++i) {
-    const Shape& p = shapes[seen.segment[i]];
-    const Floats turn = larger(p.turned_after - before, after - p.turned_before);    // at most
-    if (any(tight & (turn > all(sharp_turn)) & within(seen.squared[i], seen.thickness[i], distance, inverse, turn)))
-      chosen[count++] = seen.segment[i];
-  }
-  return count;
+  Ints tight{};
+  each_owner(near.owner, marks(near), [&](int32_t k, Ints mine) {
+    const float from = larger(shapes[k].tight_from, 0.0f);
+    tight |= mine & (near.squared >= all(from * from));
+  });
+  return tight;
 }
 
 // Of a block of pixels in some of which a stroke is not straight.
@@ -168,17 +158,9 @@ inline Floats share_beyond(Floats pixels) { return clamped(0.5f - pixels); }
 inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment* segments, const Shape* shapes,
                       int64_t count, Floats x, Floats y) {
   rounded = Floats{}, ends = Ints{};
-  bool may = false;
-  for (int lane = 0; lane < LANES; ++lane) may |= shapes[near.owner[lane]].may_round;
-  if (!may) return false;
-  Ints pending = marks(near);
-  for (int lane = 0; lane < LANES; ++lane) {
-    if (!pending[lane]) continue;
-    const int32_t k = near.owner[lane];
-    const Ints mine = pending & (near.owner == all(k));
-    pending &= ~mine;
+  each_owner(near.owner, marks(near), [&](int32_t k, Ints mine) {
     const Shape& p = shapes[k];
-    if (!p.may_round) continue;
+    if (!p.may_round) return;
     const Segment& s = segments[k];
     const Floats since = (x - s.ux) * p.direction_x + (y - s.uy) * p.direction_y, until = p.length - since;
     const Floats start = share_beyond(k == 0 ? since : p.before + larger(since, all(0.0f)));
@@ -197,7 +179,7 @@ inline bool round_off(Floats& rounded, Ints& ends, Nearest& near, const Segment*
     const Ints grows = mine & (share <= all(1.0f)) & (share >= wedge);
     ends |= grows & (((start > all(0.0f)) & (start < all(1.0f)) & 1) | ((end > all(0.0f)) & (end < all(1.0f)) & 2));
     rounded = mine ? smaller(larger(share, wedge), all(1.0f)) : rounded;
-  }
+  });
   if (!any(rounded > all(0.0f))) return false;
   const Ints far = near.squared >= all(close_by * close_by);
   if (any(far)) {

@@ -8,37 +8,40 @@ namespace {
 
 constexpr int batch = 512;            // samples that are kept before they are shaded; a multiple of LANES
 
+// The pixel of a tile that a sample belongs to, and the segment that owns it, in one number.
+constexpr int pixel_bits = 10;
+static_assert(tile_pixels == 1 << pixel_bits && most_segments < 1 << (31 - pixel_bits));
+
+inline int32_t place_of(int32_t owner, int pixel) { return owner << pixel_bits | pixel; }
+template <class Places> inline Places pixel_of(Places places) { return places & (tile_pixels - 1); }
+template <class Places> inline Places owner_of(Places places) { return places >> pixel_bits; }
+
 struct Samples {
   int32_t count = 0;
-  alignas(64) float x[batch], y[batch], offset_x[batch], offset_y[batch], thickness[batch];
-  alignas(64) int32_t owner[batch], at[batch];
+  alignas(64) float offset_x[batch], offset_y[batch], thickness[batch];
+  alignas(64) int32_t place[batch];
 
-  // Appends those of LANES pixels that are `wanted`. pixels: their places in the tile.
-  void append(const Nearest& near, Ints wanted, Floats xs, Floats ys, int first) {
-    if (!any(~wanted)) {
-      store(x + count, xs), store(y + count, ys);
-      store(offset_x + count, near.offset_x), store(offset_y + count, near.offset_y);
-      store(thickness + count, near.thickness), store(owner + count, near.owner);
-      for (int i = 0; i < LANES; ++i) at[count + i] = first + i;
-      count += LANES;
-      return;
-    }
-    for (int i = 0; i < LANES; ++i)
-      if (wanted[i]) append_one(near, i, xs[i], ys[i], first + i);
+  // Appends the pixels of a block that are `wanted`.
+  void append(const Nearest& near, Ints wanted, int block) {
+    Ints pixel;
+    for (int i = 0; i < LANES; ++i) pixel[i] = i;
+    const uint32_t bits = bits_of(wanted);
+    store_some(offset_x + count, near.offset_x, bits), store_some(offset_y + count, near.offset_y, bits);
+    store_some(thickness + count, near.thickness, bits);
+    store_some(place + count, (near.owner << pixel_bits) + (pixel + block * LANES), bits);
+    count += __builtin_popcount(bits);
   }
 
-  void append_one(const Nearest& near, int lane, float xs, float ys, int pixel) {
-    x[count] = xs, y[count] = ys, at[count] = pixel;
+  void append_one(const Nearest& near, int lane, int pixel) {
     offset_x[count] = near.offset_x[lane], offset_y[count] = near.offset_y[lane];
-    thickness[count] = near.thickness[lane], owner[count++] = near.owner[lane];
+    thickness[count] = near.thickness[lane], place[count++] = place_of(near.owner[lane], pixel);
   }
 
   // Fills the last vector with samples that no mark reaches, of a pixel that has another one.
   void pad() {
     for (; count % LANES; ++count) {
-      x[count] = y[count] = offset_y[count] = 0;
-      offset_x[count] = 10, thickness[count] = 1;
-      owner[count] = 0, at[count] = at[count - 1];
+      offset_x[count] = 10, offset_y[count] = 0, thickness[count] = 1;
+      place[count] = pixel_of(place[count - 1]);
     }
   }
 };
@@ -50,8 +53,7 @@ struct Parts : Samples {
   alignas(64) int32_t ends[batch];    // bits as in Bent, and 4 if the weight falls as that share grows
   alignas(64) float share[batch];     // of the pixel, by which the weight grows or falls
 
-  void append(const Nearest& near, int lane, float xs, float ys, int pixel, float part, float slant, float rounded,
-              int32_t growing) {
+  void append(const Nearest& near, int lane, int pixel, float part, float slant, float rounded, int32_t growing) {
     const float lost = 1 - part;
     for (int around = 0; around < 2; ++around) {
       const float its = around ? rounded : 1 - rounded;
@@ -60,7 +62,7 @@ struct Parts : Samples {
       shift[count] = -0.5f * slant * lost;
       scale[count] = __builtin_sqrtf(larger(1 - slant * slant * lost * (2 - lost), slimmest * slimmest));
       ends[count] = growing ? growing | (around ? 0 : 4) : 0;
-      append_one(near, lane, xs, ys, pixel);
+      append_one(near, lane, pixel);
     }
   }
 
@@ -75,7 +77,7 @@ struct Parts : Samples {
 // Calls shade(samples) and shade_parts(parts) for batches of a stroke's samples off its plateau; their numbers are
 // multiples of LANES.
 template <class Shade, class ShadeParts>
-void each_batch(Samples& samples, Parts& parts, const Coverage& cover, const Profile& profile, Tile tile, Shade shade,
+void each_batch(Samples& samples, Parts& parts, const Coverage& cover, const Profile& profile, Shade shade,
                 ShadeParts shade_parts) {
   const auto flush = [](auto& list, int room, auto visit) {
     if (list.count + room <= batch || list.count == 0) return;
@@ -87,7 +89,6 @@ void each_batch(Samples& samples, Parts& parts, const Coverage& cover, const Pro
     flush(samples, LANES, shade);
     const Nearest& near = cover.near[block];
     Ints wanted = marks(near) & ~on_plateau(near, profile);
-    const Floats x = block_x(tile, block), y = block_y(tile, block);
     if (is_odd(cover, block)) {
       const Bent& bent = cover.bent[block];
       const Ints straight = (bent.rounded == all(0.0f)) & (bent.share == all(0.0f));
@@ -96,14 +97,13 @@ void each_batch(Samples& samples, Parts& parts, const Coverage& cover, const Pro
         if (!wanted[i] || straight[i]) continue;
         const int pixel = block * LANES + i;
         const float share = bent.share[i];
-        parts.append(near, i, x[i], y[i], pixel, 1 - share, bent.slant[i], bent.rounded[i], bent.ends[i]);
+        parts.append(near, i, pixel, 1 - share, bent.slant[i], bent.rounded[i], bent.ends[i]);
         if (share > 0)
-          parts.append(bent.second, i, x[i], y[i], pixel, share, bent.slant[i], bent.second_rounded[i],
-                       bent.second_ends[i]);
+          parts.append(bent.second, i, pixel, share, bent.slant[i], bent.second_rounded[i], bent.second_ends[i]);
       }
       wanted &= straight;
     }
-    if (any(wanted)) samples.append(near, wanted, x, y, block * LANES);
+    if (any(wanted)) samples.append(near, wanted, block);
   });
   flush(samples, batch, shade);
   flush(parts, batch, shade_parts);

@@ -10,6 +10,8 @@ namespace maulstick {
 constexpr int tile_height = 16;   // pixels; also the rows of a band
 constexpr int tile_width = 64;    // pixels: at most 32 blocks of LANES, which `touched` has bits for
 
+constexpr int64_t most_segments = 2'000'000;   // of a stroke, so that a segment and a pixel fit into one number
+
 constexpr float half_diagonal = 0.70710678f;
 
 // As in nearest.py and reference.py: _THINNEST, _TURN, _FADE, _ROOM, _LONG, _CLOSE.
@@ -47,21 +49,28 @@ inline int64_t gradient_size(const Strokes& s) { return 3 * s.points + s.channel
 
 struct Tile { int x, y, width, height; };   // pixels; at most tile_width x tile_height
 
+// Memory for traces of strokes, which the way back needs, piece after piece.
+struct Arena {
+  char *at, *end;
+  bool (*more)(Arena&, int64_t bytes);  // moves on to another piece of at least so many bytes, if there is one; or null
+};
+
 struct Kernel {
   const char* name;
   // Finds `tight_from` of one stroke's shapes; places: places_floats(count) numbers of scratch.
   void (*find_tight)(const Segment*, Shape*, int64_t count, float* places);
   int64_t (*places_floats)(int64_t segments);
   // Bytes of the memory of one thread, which is reused for every tile; most of it is hardly ever touched.
-  int64_t (*scratch_bytes)(int64_t segments, int64_t channels, int64_t strokes, bool backward);
-  // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W).
-  void (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
-                    const float* canvas, float* out, char* scratch);
+  int64_t (*scratch_bytes)(int64_t segments, int64_t channels, int64_t strokes, bool traced);
+  // Paints `ids` (in order) over the tile of `canvas` and writes the tile of `out`; both (C, H, W). Unless the arena is
+  // null or has not enough room, returns traces for the way back, which live in it.
+  const void* (*composite)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
+                           const float* canvas, float* out, Arena*, char* scratch);
   // Backward pass: reads the gradient of `out`, writes that of `canvas` (unless null), and adds to the record of each
-  // stroke, which begins at gradients + record[k].
+  // stroke, which begins at gradients + record[k]. Without traces it paints again.
   void (*composite_backward)(const Strokes&, const int32_t* ids, int64_t count, Tile, int64_t height, int64_t width,
                              const float* canvas, const float* grad_out, float* grad_canvas, float* gradients,
-                             const int64_t* record, char* scratch);
+                             const int64_t* record, const void* traces, char* scratch);
   // Draws one stroke's own darkness image (H, W), and adds its gradient to the stroke's record.
   void (*darkness)(const Strokes&, int64_t id, Tile, int64_t width, float* out, char* scratch);
   void (*darkness_backward)(const Strokes&, int64_t id, Tile, int64_t width, const float* grad_out, float* gradient,
