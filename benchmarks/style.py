@@ -107,6 +107,7 @@ def few_shot() -> None:
             bounds = {
                 "normalised_interval": interval(groups, _normalised),
                 "one_nn_interval": interval(groups, lambda rows: mean(rows[:, 1])),
+                "normalised_by_seed": [round(_normalised(rows), 3) for rows in np.stack(groups, axis=1)],
             }
             _show_likeness(model, kind, "all", np.concatenate(groups), **bounds)
 

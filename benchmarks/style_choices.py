@@ -166,7 +166,8 @@ def main() -> None:
 
         def by_network(session: Session, strokes: Strokes) -> Style:
             key = (session.name, strokes.trajectories.tobytes())
-            tuned.setdefault(key, fine_tune(network, Hand.of(strokes), seed=0))
+            if key not in tuned:
+                tuned[key] = fine_tune(network, Hand.of(strokes), seed=0)
             return trajvae.TrajVAE("hand", tuned[key].hand, tuned[key].weights)
 
         of_drawings = Hands.of(drawings, by_network)

@@ -34,3 +34,16 @@ def test_every_table_in_docs_is_as_it_was_measured(paper: ModuleType) -> None:
 def test_a_table_whose_figure_was_changed_by_hand_is_found(paper: ModuleType) -> None:
     text = (ROOT / "docs" / "measured.md").read_text(encoding="utf-8")
     assert paper.filled(text.replace(" dB", "9 dB")) == text
+
+
+def test_rows_stay_as_they_were_where_their_benchmark_fails(
+    paper: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    kept = tmp_path / "measured" / "plan.jsonl"
+    kept.parent.mkdir()
+    kept.write_text("kept", encoding="utf-8")
+    monkeypatch.setattr(paper, "ROOT", tmp_path)
+    monkeypatch.setitem(paper.COMMANDS, "plan", ["-c", "print('half a row'); raise SystemExit('no data')"])
+    with pytest.raises(SystemExit, match="plan is kept as it was"):
+        paper.measure("plan")
+    assert kept.read_text(encoding="utf-8") == "kept"

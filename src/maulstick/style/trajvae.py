@@ -37,7 +37,7 @@ HIDDEN = 256
 
 _NUMBERS = GIST + RESIDUAL  # of a stroke: the network's input and output
 _COARSE = 16  # latents of the coarse shape: training starts at the principal components, largest first, and keeps order
-_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.6, 0.2  # of samples (`Neighbours`); chosen on the mocap sessions
+_BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.2, 0.2  # of samples (`Neighbours`); chosen on human drawings
 _ACTIVE = 0.01  # variance of an active latent's mean (Burda et al.)
 _PREFIX = "net."  # of the names of a network's arrays in a style's file
 
