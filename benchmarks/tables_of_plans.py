@@ -97,21 +97,6 @@ def scaling_table() -> str:
     return table(["strokes", "pixels high", "covered", "per step", "per pixel, covered or of the canvas"], lines)
 
 
-def faces_table() -> str:
-    """What it changes that faces count more."""
-    lines, rows = [], rows_of("faces")
-    for image in dict.fromkeys(row["image"] for row in rows):
-        for faces in (1, 0):
-            plans = [row for row in rows if "seed" in row and (row["image"], row["faces"]) == (image, faces)]
-            of = {key: [row[key] for row in plans] for key in ("psnr", "ssim", "face_psnr")}
-            psnrs = [with_range(of[key], 2) for key in ("psnr", "face_psnr")]
-            lines.append([image, f"{faces}", psnrs[0], f"{np.mean(of['ssim']):.3f}", psnrs[1]])
-        (gain,) = (row["gain"] for row in rows if "gain" in row and row["image"] == image)
-        bounds = {key: f"{each['mean']:+.2f} ({each['low']:+.2f} to {each['high']:+.2f})" for key, each in gain.items()}
-        lines.append([image, "gain", bounds["psnr"], bounds["ssim"], bounds["face_psnr"]])
-    return table(["photograph", "`faces`", "PSNR", "SSIM", "PSNR of the face"], lines)
-
-
 def clip_size_table() -> str:
     """How long a plan takes with a network of CLIP's size."""
     lines = [
@@ -119,10 +104,9 @@ def clip_size_table() -> str:
             row["model"],
             f"{row['parameters']} million",
             f"{row['ask_every']}",
-            f"{row['steps']:,}",
-            f"{row['seconds']:.0f} s",
-            f"{row['step_ms']:.0f} ms",
+            f"{row['step_ms']:,.0f} ms",
+            f"{60 * row['hours']:.0f} minutes",
         ]
         for row in rows_of("clip_size")
     ]
-    return table(["network", "parameters", "evaluated every … steps", "steps", "the command", "per step"], lines)
+    return table(["network", "parameters", "steps between evaluations", "per step", "2,000 steps would take"], lines)
