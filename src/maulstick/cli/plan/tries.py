@@ -1,12 +1,11 @@
 """Planning from several seeds, each in a process of its own."""
 
 import os
-import signal
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import replace
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.queues import Queue
@@ -19,6 +18,7 @@ from maulstick.errors import OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.painting.painting import Painting
 from maulstick.planning.planner import PlanProgress
 
@@ -37,7 +37,7 @@ def plan_in_processes(
     reports, stop = context.Queue(), context.Event()
     said = dict.fromkeys(seeds, (0.0, float("inf")))
     with ProcessPoolExecutor(min(request.tries, os.cpu_count() or 1), context, _listen, (reports, stop)) as pool:
-        with _deaf_to_interrupts():
+        with deaf_to_interrupts():
             tries = [pool.submit(_try, request, out, seed) for seed in seeds]
         try:
             while not all(each.done() for each in tries):
@@ -57,19 +57,6 @@ def plan_in_processes(
                 process.terminate()
             raise
     return min(paintings, key=lambda painting: painting.provenance.metrics["loss"])
-
-
-@contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes within that do not hear Ctrl-C, which the terminal sends to all of them; their parent stops them.
-
-    The parent hears afterwards what it was sent meanwhile.
-    """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 _reports: "Queue[tuple[int, float, float]]"

@@ -20,7 +20,7 @@ inline int pixel_at(int row, int column) {
          column % block_width;
 }
 
-constexpr int run_length = 32;               // segments that one mask has bits for
+constexpr int run_length = 32;        // segments that one mask has bits for
 
 inline int64_t runs_of(int64_t segments) { return (segments + run_length - 1) / run_length; }
 

@@ -107,7 +107,7 @@ void walk_back(Room& room, const Strokes& s, const int32_t* ids, const Trace* la
                const int64_t* record_of) {
   using S = typename SlopeOf<Slopes>::type;
   for (; last; last = last->before) {
-    Trace& trace = const_cast<Trace&>(*last);
+    const Trace& trace = *last;
     const int64_t id = ids[trace.stroke];
     const bool trainable = !s.trainable || s.trainable[id];
     StrokeGradient<Slopes> stroke(s, id, tile, room.sums, trainable ? gradients + record_of[trace.stroke] : nullptr);
@@ -197,7 +197,9 @@ void darkness(const Strokes& s, int64_t id, Tile tile, int64_t width, float* out
   Room room(scratch, s.segments, 1, 1, false);
   std::memset(room.canvas, 0, 4 * tile_pixels);
   room.shade_stroke<0>(s, id, tile, [](const auto&) {});
-  each_block(*room.cover, [&](int block) { store(room.canvas + block * LANES, s.o[id] * load(room.shade + block * LANES)); });
+  each_block(*room.cover, [&](int block) {
+    store(room.canvas + block * LANES, s.o[id] * load(room.shade + block * LANES));
+  });
   copy_out(room.canvas, out, tile, 1, 0, width);
 }
 
@@ -216,6 +218,7 @@ void darkness_backward(const Strokes& s, int64_t id, Tile tile, int64_t width, c
 
 }  // namespace
 
-extern const Kernel KERNEL = {INSTRUCTION_SET, find_tight, places_floats, Room::bytes, composite, composite_backward, darkness, darkness_backward};
+extern const Kernel KERNEL = {INSTRUCTION_SET, find_tight, places_floats, Room::bytes, composite,
+                              composite_backward, darkness, darkness_backward};
 
 }  // namespace maulstick

@@ -44,15 +44,15 @@ struct alignas(64) Trace {
            tile_blocks * sizeof(float) * (beneath_floats(channels) + 1) + 64;
   }
 
-  template <class S> S* first_slope() { return reinterpret_cast<S*>(this + 1); }
-  template <class S> float* first_beneath() { return reinterpret_cast<float*>(first_slope<S>() + slopes); }
-  template <class S> EndSlope* first_end(int64_t channels) {
+  template <class S> S* first_slope() const { return reinterpret_cast<S*>(const_cast<Trace*>(this) + 1); }
+  template <class S> float* first_beneath() const { return reinterpret_cast<float*>(first_slope<S>() + slopes); }
+  template <class S> EndSlope* first_end(int64_t channels) const {
     return reinterpret_cast<EndSlope*>(first_beneath<S>() + blocks * beneath_floats(channels));
   }
-  template <class S> int32_t* first_block(int64_t channels) {
+  template <class S> int32_t* first_block(int64_t channels) const {
     return reinterpret_cast<int32_t*>(first_end<S>(channels) + ends);
   }
-  template <class S> char* end(int64_t channels) {
+  template <class S> char* end(int64_t channels) const {
     return reinterpret_cast<char*>(first_block<S>(channels) + blocks);
   }
 };
@@ -67,9 +67,8 @@ inline void prefetch(const Trace* before, const Trace* trace) {
 // Begins the trace of a stroke; null if the arena has no room for it.
 inline Trace* new_trace(Arena& arena, const Trace* before, int64_t stroke, int64_t channels) {
   const int64_t most = Trace::most_bytes(channels);
-  const auto misaligned = [&] { return (64 - reinterpret_cast<uintptr_t>(arena.at) % 64) % 64; };
   if (arena.end - arena.at < most && !(arena.more && arena.more(arena, most))) return nullptr;
-  arena.at += misaligned();
+  arena.at += (64 - reinterpret_cast<uintptr_t>(arena.at) % 64) % 64;
   return new (arena.at) Trace{before, stroke, 0, 0, 0};
 }
 

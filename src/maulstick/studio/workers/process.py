@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import signal
 import sys
 import threading
 import traceback
@@ -16,10 +15,10 @@ from queue import SimpleQueue
 from typing import Any, final
 
 from maulstick.errors import MaulstickError
+from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.studio.wording import error_text
 
 _SPAWN = get_context("spawn")
-_OF_THE_TERMINAL = {signal.SIGINT}  # Ctrl-C reaches every process of a terminal; here the studio alone acts on it
 
 
 @dataclass(frozen=True)
@@ -84,11 +83,10 @@ class Process:
         ours, theirs = _SPAWN.Pipe()
         self._connection, self._loop = ours, asyncio.get_running_loop()
         self._process = _SPAWN.Process(target=_begin, args=(work, theirs, niceness, arguments), daemon=True)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_THE_TERMINAL)
         try:
-            self._process.start()  # with what is blocked here
+            with deaf_to_interrupts():  # here the studio alone acts on Ctrl-C
+                self._process.start()
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
             theirs.close()
         self._words: SimpleQueue[memoryview | None] = SimpleQueue()
         threading.Thread(target=self._speak, daemon=True).start()
