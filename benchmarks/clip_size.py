@@ -9,7 +9,7 @@ model: as open_clip names it.  parameters: of what sees pictures, in millions.
 strokes, px: as published plans are made; px is the height of the planner's canvas.
 ask_every: steps between two evaluations of the network; 1 is the published way.
 steps: that were planned.  step_ms: of each of them after the first.
-hours: that 2,000 steps, as published, would take at that rate, with the command's start and end.
+minutes: that 2,000 steps, as published, would take at that rate, with the command's start and end.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def main() -> None:
                     "ask_every": ask_every,
                     "steps": steps,
                     "step_ms": round(1e3 * step, 1),
-                    "hours": round((begun + 1999 * step) / 3600, 3),
+                    "minutes": round((begun + 1999 * step) / 60, 1),
                 }
                 print(json.dumps(row), flush=True)
 

@@ -23,3 +23,8 @@ def with_range(values: list[float], digits: int) -> str:
 def table(head: list[str], lines: list[list[str]]) -> str:
     """A table in Markdown."""
     return "".join(f"| {' | '.join(line)} |\n" for line in (head, ["---"] * len(head), *lines))
+
+
+def table_of(rows: list[Row], columns: dict[str, str]) -> str:
+    """A table with a line for each row; columns: how a row's figures are written, by title."""
+    return table(list(columns), [[written.format(**row) for written in columns.values()] for row in rows])

@@ -2,7 +2,7 @@
 
 import numpy as np
 from intervals import interval, mean
-from kept import Row, rows_of, table, with_range
+from kept import Row, rows_of, table, table_of, with_range
 
 
 def plans_of(rows: list[Row], image: str, name: str) -> list[Row]:
@@ -84,29 +84,23 @@ def other_renderer_table() -> str:
 
 def scaling_table() -> str:
     """What a step costs."""
-    lines = [
-        [
-            f"{row['strokes']:,}",
-            f"{row['px']}",
-            f"{row['covered_mpx']:.2f} Mpx",
-            f"{row['step_ms']:.0f} ms",
-            f"{row['ns_a_pixel']:.0f} ns",
-        ]
-        for row in rows_of("scaling")
-    ]
-    return table(["strokes", "pixels high", "covered", "per step", "per pixel, covered or of the canvas"], lines)
+    columns = {
+        "strokes": "{strokes:,}",
+        "pixels high": "{px}",
+        "covered": "{covered_mpx:.2f} Mpx",
+        "per step": "{step_ms:.0f} ms",
+        "per pixel, covered or of the canvas": "{ns_a_pixel:.0f} ns",
+    }
+    return table_of(rows_of("scaling"), columns)
 
 
 def clip_size_table() -> str:
     """How long a plan takes with a network of CLIP's size."""
-    lines = [
-        [
-            row["model"],
-            f"{row['parameters']} million",
-            f"{row['ask_every']}",
-            f"{row['step_ms']:,.0f} ms",
-            f"{60 * row['hours']:.0f} minutes",
-        ]
-        for row in rows_of("clip_size")
-    ]
-    return table(["network", "parameters", "steps between evaluations", "per step", "2,000 steps would take"], lines)
+    columns = {
+        "network": "{model}",
+        "parameters": "{parameters} million",
+        "steps between evaluations": "{ask_every}",
+        "per step": "{step_ms:,.0f} ms",
+        "2,000 steps would take": "{minutes:.1f} minutes",
+    }
+    return table_of(rows_of("clip_size"), columns)
