@@ -19,6 +19,7 @@ from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
 from maulstick.style.free import FreeStyle
+from maulstick.style.traits import path_length
 from tests.planning.conftest import QUICK, mse, options, problem_for
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import exemplar_of, zigzag
@@ -327,6 +328,27 @@ def test_a_plan_in_a_hand_stays_within_the_hands_max_mean_cost(portrait: Picture
     assert mse(rendered(replace(problem, style=hand), bounded), problem.target) < 0.7 * mse(
         problem.paper, problem.target
     )
+
+
+@pytest.mark.parametrize("paints", [None, 4])
+def test_the_strokes_of_a_plan_in_a_hand_are_as_long_as_the_hands(
+    portrait: Picture, round_brush: Brush, paints: int | None
+) -> None:
+    hand = exemplar_of(zigzag)
+    problem = replace(problem_for(portrait, round_brush), style=hand)
+    found = plan(problem, options(paints=paints, exact=True))
+    lengths = path_length(hand.decode(found.strokes.codes)).sort().values
+    assert lengths.numpy() == pytest.approx(hand.lengths(len(lengths)).numpy(), rel=1e-4)
+
+
+def test_strokes_to_start_with_keep_the_lengths_that_they_have_together(portrait: Picture, round_brush: Brush) -> None:
+    hand = exemplar_of(zigzag)
+    problem = replace(problem_for(portrait, round_brush), style=hand)
+    start = plan(problem, options(paints=4, steps=8, exact=True)).strokes[torch.arange(10)]
+    found = plan(problem, options(paints=4, strokes=10, exact=True), start=start).strokes
+    both = (path_length(hand.decode(strokes.codes)).sort().values.numpy() for strokes in (start, found))
+    assert next(both) == pytest.approx(next(both), rel=1e-4)
+    assert not torch.allclose(found.codes[:, 0], start.codes[:, 0])
 
 
 def test_a_style_that_binds_nobody_never_weighs_more(

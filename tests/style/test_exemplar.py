@@ -202,17 +202,13 @@ def test_no_gradient_of_the_cost_flows_into_a_residual() -> None:
     assert (codes.grad[:, :GIST] != 0).any()
 
 
-def test_cost_grows_with_the_size_of_the_residual_and_not_with_its_direction() -> None:
+def test_cost_grows_as_the_residual_does_or_shrinks() -> None:
     codes = own(STYLE)
     numbers = codes * torch.from_numpy(HANDS.units)
-    mirrored, rougher, smoother = numbers.clone(), numbers.clone(), numbers.clone()
-    mirrored[:, GIST:] *= -1
-    rougher[:, GIST:] *= 3
-    smoother[:, GIST:] /= 3
-    unit = torch.from_numpy(HANDS.units)
-    assert costs(STYLE, mirrored / unit) == pytest.approx(costs(STYLE, codes), rel=1e-9)
-    for changed in (rougher, smoother):
-        assert (costs(STYLE, changed / unit) > costs(STYLE, codes) + 5).all()
+    for times in (3, 1 / 3):
+        changed = numbers.clone()
+        changed[:, GIST:] *= times
+        assert (costs(STYLE, changed / torch.from_numpy(HANDS.units)) > costs(STYLE, codes) + 5).all()
 
 
 def test_copies_of_one_stroke_cost_more_together_than_among_the_hands() -> None:
@@ -361,7 +357,7 @@ def test_a_hand_counts_in_what_is_pooled_by_its_strokes_up_to_sixty() -> None:
 
 
 def test_a_style_is_as_strict_as_it_was_made() -> None:
-    assert STYLE.max_mean_cost == 1.5
+    assert STYLE.max_mean_cost == 1.0
     assert replace(STYLE, max_mean_cost=float("inf")).max_mean_cost == float("inf")
     assert isinstance(STYLE, Style)
     assert STYLE.name == "circle"

@@ -16,7 +16,7 @@ from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
-from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.parameters import StrokeParameters, keep_lengths
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
@@ -25,6 +25,7 @@ from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Bools
+from maulstick.style.traits import path_length
 
 _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
 _STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
@@ -104,11 +105,14 @@ class _Planning:
         if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
-        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
         self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
+        self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         if start is None:
             start, self._spacing = self._initialiser.first()
+        elif self._lengths is not None:
+            self._lengths = path_length(self._style.decode(start.codes)).sort().values
+        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
         trained = {
             "codes": True,
             "centres": True,
@@ -205,6 +209,8 @@ class _Planning:
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)
         excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
         self._style_weight = max(self._style_weight * exp(_STYLE_WEIGHT_GROWTH * self._stride * excess), _STYLE_WEIGHT)
+        if self._lengths is not None:
+            keep_lengths(strokes.codes, self._style, self._lengths)
         strokes.keep_inside(self._style, self._canvas.width, self._canvas.height)
         return loss.item(), parts, canvas.detach()
 
@@ -221,6 +227,9 @@ class _Planning:
         """Return the mean cost in nats of as many strokes as are planned, when the style alone draws them."""
         torch_rng, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
         groups = [self._style.sample(count, torch_rng) for _ in range(max(1, _COST_SAMPLES // count))]
+        if self._lengths is not None:
+            for codes, _ in groups:
+                keep_lengths(codes, self._style, self._lengths)
         return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
 
     def _view(self) -> TargetView:

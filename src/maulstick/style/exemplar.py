@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 import torch
+from scipy.stats import ks_2samp
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
@@ -15,10 +16,11 @@ from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
-from maulstick.style.hand import Hand, by_length
+from maulstick.style.hand import Hand, by_length, quantiles
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
+from maulstick.style.traits import chord_and_turning, path_length
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
@@ -27,11 +29,13 @@ _BANDWIDTH = 0.3  # of samples (`Neighbours`): less copies strokes, more blurs k
 _BANDWIDTH_LENGTH = 0.9  # of samples: lengths mix freely
 _BANDWIDTH_ROUGHNESS = 0.1  # of samples: roughness is to stay the hand's
 _FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
-_TRIALS = 300  # samples that `fit` compares with the hand
-_SURE = 2.0  # standard errors of the hand's mean by which the samples' may differ
+_TRIALS = 1000  # samples that `fit` compares with the hand
+_APART = 0.08  # by so much may freedom take samples further from the hand, in `Exemplar.fit`
 _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost` is based on, in the hand's spreads
-# Narrow for length, which pays most; unlike the others chosen on the mocap sessions.
-_TOGETHER = torch.tensor([0.08] + [0.25] * GIST, dtype=torch.float64)
+# Narrow for length, which pays most, and for what the eye sees first; unlike the others chosen on the mocap sessions.
+_TOGETHER = torch.tensor([0.08] + [0.25] * GIST + [0.08, 0.08], dtype=torch.float64)
+_LEAST_SPREAD = 0.05  # of a chord's log odds, and of turning in radians: where all strokes of a hand are alike
+_LEAST_CHORD = 0.01  # over length: keeps the log odds of closed and of straight strokes finite
 _LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale in `cost`, which grows with the bend of its stroke
 
@@ -56,7 +60,7 @@ class PooledHands:
 class Exemplar(Style):
     """Style of a hand by its examples: a code is a stroke's gist and residual (`style.shape`) in `PooledHands.units`.
 
-    Its likelihood is that of the gist and of the residual's size; the residual's direction is free.
+    The likelihood of a stroke is that of its gist and of its residual's size; the residual's direction is free.
 
     name: as in the painting file.  hand: the strokes.  hands: statistics of many hands.
     max_mean_cost: as in `Style`.
@@ -68,21 +72,24 @@ class Exemplar(Style):
     hand: Hand
     hands: PooledHands
     freedom: float
-    max_mean_cost: float = 1.5
+    max_mean_cost: float = 1.0
 
     @classmethod
     def fit(cls, name: str, hand: Hand, hands: PooledHands) -> Self:
-        """Return the style with the most freedom whose samples are on average as bent, rough and wavy as the hand's."""
-        seen = describe(hand.paths)[:, CURVINESS]
-        allowed = _SURE * seen.std(axis=0, ddof=1) / np.sqrt(len(seen)) + 1e-9
-        style = cls(name, hand, hands, _FREEDOMS[-1])
+        """Return the style with the most freedom whose samples vary as the hand does in bends, roughness and waves."""
+        bound = cls(name, hand, hands, _FREEDOMS[-1])
+        allowed = bound._apart() + _APART
         for freedom in _FREEDOMS[:-1]:
-            freer = replace(style, freedom=freedom)
-            codes, _ = freer.sample(_TRIALS, torch.Generator().manual_seed(0))
-            drawn = describe(freer.decode(codes).double().numpy())[:, CURVINESS]
-            if (np.abs(drawn.mean(axis=0) - seen.mean(axis=0)) <= allowed).all():
+            freer = replace(bound, freedom=freedom)
+            if (freer._apart() <= allowed).all():
                 return freer
-        return style
+        return bound
+
+    def _apart(self) -> Floats:
+        """Kolmogorov-Smirnov distance of samples from the hand, (3,), in how bent, rough and wavy they are."""
+        codes, _ = self.sample(_TRIALS, torch.Generator().manual_seed(0))
+        both = [describe(paths)[:, CURVINESS].T for paths in (self.decode(codes).double().numpy(), self.hand.paths)]
+        return np.array([ks_2samp(drawn, seen).statistic for drawn, seen in zip(*both, strict=True)])
 
     @cached_property
     def hash(self) -> str:
@@ -169,20 +176,39 @@ class Exemplar(Style):
         numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 
         The first term compares the gist, the residual's size and the changes of pressure. The second keeps a plan's
-        strokes from all becoming long or flat: each number of the gist must be distributed as in the hand (squared
-        distance of sorted values, Wasserstein's in one dimension).
+        strokes from all becoming long, flat or curly: each of their `traits` must be distributed as in the hand
+        (squared distance of sorted values, Wasserstein's in one dimension).
         """
         points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
         alone = self._priced.cost(points)
-        together = (points - self._as_spread(points.detach())) / (_TOGETHER * self._covariance.diagonal().sqrt())
+        together = traits(numbers).double()
+        together = (together - self._as_spread(together.detach())) / (_TOGETHER * self._spreads)
         return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
 
-    def _as_spread(self, points: Tensor) -> Tensor:
-        """Points (N, 17) with the same ranks in each column, and the quantiles of the hand's strokes as values."""
-        ranks = points.argsort(dim=0, stable=True).argsort(dim=0)
-        quantiles = (torch.arange(len(points), dtype=torch.float64) + 0.5) / len(points)
-        return torch.quantile(self._centres, quantiles, dim=0).gather(0, ranks)
+    @cached_property
+    def _traits(self) -> Tensor:
+        return traits(self._numbers)
+
+    @cached_property
+    def _spreads(self) -> Tensor:
+        own = self._traits.std(dim=0)[GIST + 1 :].clamp(min=_LEAST_SPREAD)
+        return torch.cat([self._covariance.diagonal().sqrt(), own])
+
+    def _as_spread(self, values: Tensor) -> Tensor:
+        """Values (N, 19) with the same ranks in each column, and the quantiles of the hand's strokes as values."""
+        ranks = values.argsort(dim=0, stable=True).argsort(dim=0)
+        return torch.quantile(self._traits, quantiles(len(values)), dim=0).gather(0, ranks)
+
+    def lengths(self, count: int) -> Tensor:
+        """Lengths (count,), metres, ascending: the quantiles of the hand's."""
+        return self.hand.lengths(count)
+
+    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+        """Change codes (N, 63) in place, so that their strokes have these lengths (N,), metres, and the same shapes."""
+        codes[:, _LENGTH] += (lengths.to(codes) / path_length(self.decode(codes))).log() / self._units.to(codes)[
+            _LENGTH
+        ]
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
@@ -193,6 +219,17 @@ def gist_and_roughness(numbers: Tensor) -> Tensor:
     """Return what a stroke's likelihood depends on, (N, 17): its gist, and the logarithm of its residual's size."""
     residual = numbers[:, GIST:].square().sum(1, keepdim=True)
     return torch.cat([numbers[:, :GIST], (residual + _LEAST_RESIDUAL**2).log() / 2], dim=1)
+
+
+def traits(numbers: Tensor) -> Tensor:
+    """Return what a plan's strokes are to have in the hand's distribution, (N, 19): see `price`.
+
+    These are gist, roughness, the log odds of chord over length, whose hands of closed and of straight strokes differ
+    by little near 0 and 1, and absolute turning.
+    """
+    chord, turning = chord_and_turning(shape.decode(numbers)).unbind(dim=1)
+    odds = (chord + _LEAST_CHORD) / (1 - chord + _LEAST_CHORD)
+    return torch.cat([gist_and_roughness(numbers), odds.log()[:, None], turning[:, None]], dim=1)
 
 
 def pool(hands: list[Hand]) -> PooledHands:

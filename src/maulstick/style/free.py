@@ -15,6 +15,7 @@ from maulstick.strokes.strokes import POINTS
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
+from maulstick.style.traits import path_length
 
 CONTROL_POINTS = 8
 """Control points of a stroke's spline: enough for an S, too few for tremor."""
@@ -96,6 +97,13 @@ class FreeStyle(Style):
         drawn = self.decode(shapes).diff(dim=1).square().sum(-1).sqrt().sum(1, keepdim=True)
         wanted = lengths.to(drawn).clamp(self.shortest, self.longest)[:, None]
         return shapes * wanted / drawn, torch.rand(k, 1, generator=generator).expand(k, KNOTS).clone()
+
+    def lengths(self, count: int) -> None:
+        """Return None: strokes may have any length within the limits."""
+
+    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+        """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
+        codes *= (lengths.to(codes) / path_length(self.decode(codes)))[:, None]
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Return None: there is no hand whose speed could be used."""

@@ -12,6 +12,7 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes
 from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
+from maulstick.style.traits import path_length
 
 _SHORTEST = 1e-3  # metres; anything shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
@@ -46,6 +47,10 @@ class Hand:
     def __len__(self) -> int:
         return len(self.paths)
 
+    def lengths(self, count: int) -> Tensor:
+        """Lengths (count,), metres, ascending, of so many strokes of the hand: the quantiles of those it drew."""
+        return torch.quantile(path_length(torch.from_numpy(self.paths)), quantiles(count))
+
     def sample_pressure(self, rows: Tensor, generator: Generator) -> Tensor:
         """Pressure knots (k, 4) of the strokes `rows` (k,); constant and random where pressure was not recorded."""
         even = torch.rand(len(rows), 1, generator=generator).expand(-1, KNOTS)
@@ -72,6 +77,11 @@ class Hand:
             return None
         usual = np.exp(np.log(self.speeds[known]).mean(axis=0))
         return torch.from_numpy(np.where(known[:, None], self.speeds, usual))[rows]
+
+
+def quantiles(count: int) -> Tensor:
+    """Quantiles (count,) that so many values stand for, ascending."""
+    return (torch.arange(count, dtype=torch.float64) + 0.5) / count
 
 
 def by_length(lengths: Tensor, rooms: Tensor) -> Tensor:

@@ -47,6 +47,14 @@ class Style(ABC):
         """
 
     @abstractmethod
+    def lengths(self, count: int) -> "Tensor | None":
+        """Return the lengths (count,), metres, ascending, that so many strokes are to have; None for any."""
+
+    @abstractmethod
+    def resize(self, codes: "Tensor", lengths: "Tensor") -> None:
+        """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
+
+    @abstractmethod
     def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":
         """Negative log-likelihood of each stroke, (N,) nats, about 0 for the likeliest; differentiable."""
 

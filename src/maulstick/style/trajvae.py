@@ -25,6 +25,7 @@ from maulstick.style.hand import Hand, by_length
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.style import Style
+from maulstick.style.traits import path_length
 
 Weights = dict[str, Tensor]
 """Tensors of a network: layers, mean and unit of its input, and statistics of the hands that it was pretrained on."""
@@ -39,6 +40,7 @@ _NUMBERS = GIST + RESIDUAL  # of a stroke: the network's input and output
 _COARSE = 16  # latents of the coarse shape: training starts at the principal components, largest first, and keeps order
 _BANDWIDTH_COARSE, _BANDWIDTH_FINE = 0.2, 0.2  # of samples (`Neighbours`); chosen on human drawings
 _ACTIVE = 0.01  # variance of an active latent's mean (Burda et al.)
+_NEWTON_STEPS = 2  # towards a length: log length is nearly linear in the latents
 _PREFIX = "net."  # of the names of a network's arrays in a style's file
 
 
@@ -83,7 +85,7 @@ class TrajVAE(Style):
     name: str
     hand: Hand
     weights: Weights
-    max_mean_cost: float = 1.5
+    max_mean_cost: float = 1.0
 
     @cached_property
     def hash(self) -> str:
@@ -137,6 +139,19 @@ class TrajVAE(Style):
         codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(numbers_of(self.weights, codes)[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
+
+    def lengths(self, count: int) -> Tensor:
+        """Lengths (count,), metres, ascending: the quantiles of the hand's."""
+        return self.hand.lengths(count)
+
+    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+        """Change codes (N, 64) in place along the slope of their strokes' log length, so that it is these, (N,)."""
+        for _ in range(_NEWTON_STEPS):
+            with torch.enable_grad():
+                varied = codes.detach().clone().requires_grad_()
+                logs = path_length(self.decode(varied)).log()
+                (slope,) = torch.autograd.grad(logs.sum(), varied)
+            codes += ((lengths.to(codes).log() - logs) / slope.square().sum(1))[:, None].detach() * slope
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,), nats, of the decoded strokes in an `Exemplar` of the same hand."""

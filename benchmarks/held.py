@@ -1,0 +1,162 @@
+"""Whether a plan's strokes are still the hand's: eleven hands, three brushes, one ink or twelve paints.
+
+    .venv/bin/python benchmarks/held.py                # 66 rows, and 54 of three hands with other pictures and seeds
+    .venv/bin/python benchmarks/held.py lia hatching   # the rows of these hands
+
+Strokes of the finished painting are compared with all strokes that the style was fitted on; dots are left out.
+`ks_*` are Kolmogorov-Smirnov distances; 500 draws from the hand itself have about 0.03. Lengths are compared by their
+90 % quantile, by the mean of the longest tenth, and by the longest. `edge_ink_ratio` is the share of the ink within
+3 mm of the picture's edge less 2 %, over the share of the picture's darkness there. `novelty` is the mean distance of
+a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is after a blur of 2 mm.
+"""
+
+import json
+import multiprocessing
+import sys
+import time
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from photographs import load
+from recordings import LEAST, MOCAP, mocap_hands
+from scipy.ndimage import gaussian_filter
+from scipy.stats import ks_2samp
+from skimage.metrics import peak_signal_noise_ratio
+
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import Painting, Sheet
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
+from maulstick.planning.layout import Layout, lay_out_for
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlannerSettings
+from maulstick.rendering.preview import truth
+from maulstick.strokes.strokes import path_lengths
+from maulstick.style.cards import style_path
+from maulstick.style.compare import describe, distance_to_nearest
+from maulstick.style.exemplar import Exemplar
+from maulstick.style.hand import Hand
+from maulstick.style.store import load_hands, read_style
+
+Floats = NDArray[np.float64]
+BUILT_IN = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
+HANDS = MOCAP + BUILT_IN
+BRUSHES = ("fineliner", "marker", "round")
+PAINTS = (None, 12)
+SHEET, PX, STROKES = (0.24, 0.16), 320, 500
+MORE_HANDS, MORE_PICTURES, SEEDS = ("lia", "cat", "hatching"), ("astronaut", "coffee"), (0, 1, 2)
+COLUMNS = {"ks_chord": 1, "ks_turning": 2, "ks_roughness": 12}
+"""Columns of a description."""
+EDGE, BLUR = 3e-3, 2e-3
+"""Metres."""
+PROCESSES = 1
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """One row."""
+
+    hand: str
+    brush: str
+    paints: int | None
+    picture: str = "chelsea"
+    seed: int = 0
+
+
+def style_of(hand: str) -> Exemplar:
+    """A built-in style, or one of all strokes of a session."""
+    if hand in BUILT_IN:
+        style = read_style(style_path(hand))
+        assert isinstance(style, Exemplar)
+        return Exemplar.fit(hand, style.hand, load_hands())
+    return Exemplar.fit(hand, Hand.of(mocap_hands()[hand]), load_hands())
+
+
+def row(wanted: Wanted) -> dict[str, object]:
+    """Plan, and measure."""
+    torch.set_num_threads(1)
+    style, brush = style_of(wanted.hand), load_brush(wanted.brush)
+    layout = lay_out_for(load(wanted.picture), Sheet(width=SHEET[0], height=SHEET[1]), brush, "contain", PX)
+    options = PlannerSettings(strokes=STROKES, paints=wanted.paints, seed=wanted.seed)
+    started = time.perf_counter()
+    planned = plan(problem_of(layout, brush, style, options), options)
+    seconds = time.perf_counter() - started
+    painting = as_painting(planned, layout, brush, style, provenance_of(options))
+    paths = painting.trajectories()[..., :2].astype(np.float64)
+    return (
+        {**vars(wanted), "strokes": len(paths)}
+        | of_strokes(paths, style.hand.paths)
+        | {"novelty": novelty(paths, wanted.hand)}
+        | of_picture(painting, layout)
+        | {"seconds": seconds}
+    )
+
+
+def of_strokes(paths: Floats, hand: Floats) -> dict[str, object]:
+    """How far strokes (N, 32, 2) are from a hand's, (M, 32, 2)."""
+    paths = paths[path_lengths(paths) >= LEAST]
+    lengths, own = path_lengths(paths), path_lengths(hand)
+    described, of_hand = describe(paths), describe(hand)
+    return {
+        "ks_length": ks_2samp(lengths, own).statistic,
+        **{name: ks_2samp(described[:, at], of_hand[:, at]).statistic for name, at in COLUMNS.items()},
+        "p90_ratio": np.quantile(lengths, 0.9) / np.quantile(own, 0.9),
+        "top_tenth_ratio": longest_tenth(lengths) / longest_tenth(own),
+        "longest_ratio": lengths.max() / own.max(),
+    }
+
+
+def longest_tenth(lengths: Floats) -> float:
+    """Mean length of the longest tenth."""
+    return float(np.sort(lengths)[-max(1, len(lengths) // 10) :].mean())
+
+
+def novelty(paths: Floats, name: str) -> float:
+    """Mean distance to the hand's nearest stroke, in units of other hands'."""
+    described = {hand: describe(style_of(hand).hand.paths) for hand in HANDS}
+    together = np.concatenate(list(described.values()))
+    spread = together.std(axis=0)
+    own = described.pop(name) / spread
+    others = np.mean([distance_to_nearest(other / spread, own) for other in described.values()])
+    return distance_to_nearest(describe(paths) / spread, own) / float(others)
+
+
+def of_picture(painting: Painting, layout: Layout) -> dict[str, object]:
+    """Where the ink lies, and how near the painting is to its picture, in the picture's area."""
+    assert layout.target is not None
+    painted, picture, bare = (
+        layout.crop(image).astype(np.float64) for image in (truth(painting, layout.canvas), layout.target, layout.under)
+    )
+    resolution = layout.canvas.pixels_per_metre
+    depth = round(EDGE * resolution)
+    edge = np.ones(picture.shape[:2], dtype=bool)
+    edge[depth:-depth, depth:-depth] = False
+    ink, dark = (np.abs(bare - image).mean(axis=2) for image in (painted, picture))
+    shares = [each[edge].sum() / each.sum() for each in (ink, dark)]
+    blurred = [gaussian_filter(image, (BLUR * resolution, BLUR * resolution, 0)) for image in (picture, painted)]
+    return {
+        "edge_ink_ratio": (shares[0] - 0.02) / shares[1],
+        "psnr": peak_signal_noise_ratio(picture, painted, data_range=1.0),
+        "psnr_blurred": peak_signal_noise_ratio(*blurred, data_range=1.0),
+    }
+
+
+def main() -> None:
+    """Make the rows of the hands that are named, or all."""
+    names = sys.argv[1:] or HANDS
+    if unknown := set(names) - set(HANDS):
+        sys.exit(f"there is no hand {min(unknown)}; there are: {', '.join(HANDS)}")
+    wanted = [Wanted(*each) for each in product(names, BRUSHES, PAINTS)]
+    wanted += [
+        Wanted(*each)
+        for each in product([name for name in names if name in MORE_HANDS], BRUSHES, PAINTS, MORE_PICTURES, SEEDS)
+    ]
+    with multiprocessing.get_context("spawn").Pool(PROCESSES) as pool:
+        for found in pool.imap(row, wanted):
+            print(json.dumps({key: round(x, 3) if isinstance(x, float) else x for key, x in found.items()}), flush=True)
+
+
+if __name__ == "__main__":
+    main()
