@@ -12,7 +12,8 @@ from maulstick.errors import InputError, option
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
-from maulstick.rendering.traj2stroke import Traj2Stroke, paint
+from maulstick.rendering.kernels.render import composite
+from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Image
 
 _LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
@@ -91,10 +92,13 @@ class _Shown:
         for part in self.painting.parts():
             rows = slice(begin, begin := begin + len(part.strokes))
             brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
+            counts = torch.tensor([len(stroke.trajectory) for stroke in part.strokes])
             trajectories = torch.tensor(part.trajectories() - (0.0, top, 0.0), dtype=torch.float32)
             with torch.no_grad():
                 brushes = brushes.at_mean_pressure(self.pressures[rows])
-                image = paint(image, trajectories, self.colours[rows], brushes, pixels_per_metre)
+                marks = brushes.marks(trajectories, pixels_per_metre).evened(counts)
+                shape = marks.falloff, marks.plateau, marks.opacity
+                image = composite(image, marks.points, marks.thickness, self.colours[rows], *shape)
         return image
 
 

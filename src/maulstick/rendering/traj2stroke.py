@@ -34,6 +34,26 @@ class Marks:
     plateau: Tensor
     opacity: Tensor
 
+    def evened(self, counts: Tensor) -> Self:
+        """Return the same marks where strokes have `counts` (N,) points of their own, and the others repeat the last.
+
+        Those divide the longest step of their stroke evenly instead: a repeated point would draw a dot of its own.
+        """
+        if (most := self.points.shape[1]) == 1:
+            return self
+        longest = self.points.diff(dim=1).square().sum(dim=2).argmax(dim=1, keepdim=True)
+        missing, places = most - counts[:, None], torch.arange(most)
+        within = longest + (places - longest) / (missing + 1)
+        place = torch.minimum(places, torch.maximum(within, places - missing))
+        before = place.long().clamp(max=most - 2)
+        share = place - before
+
+        def at(values: Tensor) -> Tensor:
+            return values.gather(1, before).lerp(values.gather(1, before + 1), share)
+
+        x, y = self.points.unbind(-1)
+        return replace(self, points=torch.stack([at(x), at(y)], dim=-1), thickness=at(self.thickness))
+
 
 @dataclass(frozen=True)
 class Traj2Stroke:
