@@ -4,10 +4,10 @@ It is the centripetal Catmull-Rom spline; docs/equations.md has the equation, an
 """
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Self
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from maulstick.storage.arrays import Bools, Floats, Ints
 
@@ -27,36 +27,72 @@ def refine(strokes: Sequence[Floats]) -> list[Floats]:
     if sizes.sum() < 2:
         return list(strokes)
     points, lasts = np.concatenate(strokes), np.cumsum(sizes) - 1
-    steps = np.diff(points[:, :2], axis=0)
-    lengths = np.hypot(*steps.T)
-    moves = lengths > _STILL
+    moves = np.hypot(*np.diff(points[:, :2], axis=0).T) > _STILL
     moves[lasts[:-1]] = False
-    spans = np.sqrt(np.where(moves, lengths, 1.0))
-    along = np.concatenate([[0.0], np.cumsum(spans)])
-    spline = CubicHermiteSpline(along, points[:, :2], _slopes(steps / spans[:, None], spans, moves))
-    pieces = np.ones(len(steps), dtype=np.int64)
+    spline = _Spline.through(points[:, :2], moves)
+    pieces = np.ones(len(moves), dtype=np.int64)
     coarse = np.flatnonzero(moves)
     while len(coarse):
-        excess = np.sqrt(_sagittas(spline, coarse, pieces[coarse]) / SAGITTA)
+        excess = np.sqrt(spline.sagittas(coarse, pieces[coarse]) / SAGITTA)
         coarse, excess = coarse[excess > 1], excess[excess > 1]
         pieces[coarse] = np.maximum((pieces[coarse] * excess).astype(np.int64), pieces[coarse] + 1)
     step, share = _divided(pieces)
     finer = points[step] + share[:, None] * np.diff(points, axis=0)[step]
-    finer[:, :2] = spline(along[step] + share * spans[step])
+    finer[:, :2] = spline.at(step, share)
     begins = np.cumsum(pieces)[lasts[:-1]]
     return np.split(np.concatenate([finer, points[-1:]]), begins)
+
+
+@dataclass(frozen=True)
+class _Spline:
+    """Cubic over each step between two points: start + linear u + square u² + cube u³, (P - 1, 2), u in [0, 1]."""
+
+    start: Floats
+    linear: Floats
+    square: Floats
+    cube: Floats
+
+    @classmethod
+    def through(cls, points: Floats, moves: Bools) -> Self:
+        """Return the spline through points (P, 2); moves: (P - 1,) whether a step moves within a stroke."""
+        steps = np.diff(points, axis=0)
+        spans = np.where(moves, np.hypot(*steps.T) ** 0.5, 1.0)[:, None]
+        slopes = _slopes(steps / spans, spans, moves)
+        begin, end = spans * slopes[:-1], spans * slopes[1:]
+        return cls(points[:-1], begin, 3 * steps - 2 * begin - end, begin + end - 2 * steps)
+
+    def at(self, step: Ints, share: Floats) -> Floats:
+        """Return the places (k, 2) after these shares (k,) of steps (k,)."""
+        u = share[:, None]
+        return self.start[step] + u * (self.linear[step] + u * (self.square[step] + u * self.cube[step]))
+
+    def sagittas(self, steps: Ints, pieces: Ints) -> Floats:
+        """Return how far the spline departs, metres, over steps (k,), from equal pieces (k,) of each, made straight.
+
+        That is a bound: the distance of a cubic from its chord is at most 3/4 of that of its control points.
+        """
+        which, begin = _divided(pieces)
+        step, end = steps[which], begin + 1 / pieces[which]
+        chords = self.at(step, end) - self.at(step, begin)
+        directions = chords / np.maximum(np.hypot(*chords.T), _STILL)[:, None]
+        one, other = (np.abs(_cross(directions, self._slope(step, share))) for share in (begin, end))
+        return np.maximum.reduceat(np.maximum(one, other), np.cumsum(pieces) - pieces) / (4 * pieces)
+
+    def _slope(self, step: Ints, share: Floats) -> Floats:
+        """Return the derivatives (k, 2) by the share."""
+        u = share[:, None]
+        return self.linear[step] + u * (2 * self.square[step] + 3 * u * self.cube[step])
 
 
 def _slopes(speeds: Floats, spans: Floats, moves: Bools) -> Floats:
     """Return the spline's derivatives (P, 2) at points from the mean ones (P - 1, 2) over the steps between them.
 
-    spans, moves: (P - 1,) of the parameter over each step, and whether it moves. Between two steps that move, it is
-    the derivative of the parabola through three points; at the other end of a step, the second derivative is 0.
+    spans: (P - 1, 1) of the parameter over each step. Between two steps that move, it is the derivative of the parabola
+    through three points; at the other end of a step, the second derivative is 0.
     """
-    before, after = spans[:-1, None], spans[1:, None]
+    before, after = spans[:-1], spans[1:]
     inner = np.pad(moves[:-1] & moves[1:], 1)
     slopes = np.pad((after * speeds[:-1] + before * speeds[1:]) / (before + after), ((1, 1), (0, 0)))
-    slopes[~inner] = 0
     begins, ends = moves & ~inner[:-1], moves & ~inner[1:]
     at_begins = np.where(ends[:, None], speeds, 1.5 * speeds - 0.5 * slopes[1:])
     at_ends = np.where(begins[:, None], speeds, 1.5 * speeds - 0.5 * slopes[:-1])
@@ -65,25 +101,8 @@ def _slopes(speeds: Floats, spans: Floats, moves: Bools) -> Floats:
     return slopes
 
 
-def _sagittas(spline: CubicHermiteSpline, steps: Ints, pieces: Ints) -> Floats:
-    """Return how far the spline departs, metres, over steps (k,) from so many equal pieces (k,) of each, made straight.
-
-    That is a bound: the distance of a cubic from its chord is at most 3/4 of that of its control points.
-    """
-    step, share = _divided(pieces)
-    spans = np.diff(spline.x)[steps]
-    begins = spline.x[steps][step] + share * spans[step]
-    ends = begins + (spans / pieces)[step]
-    chords = spline(ends) - spline(begins)
-    directions = chords / np.maximum(np.hypot(*chords.T), _STILL)[:, None]
-    handles = (ends - begins)[:, None] / 3
-    one, other = (_across(directions, handles * spline(places, nu=1)) for places in (begins, ends))
-    return np.maximum.reduceat(0.75 * np.maximum(one, other), np.cumsum(pieces) - pieces)
-
-
-def _across(directions: Floats, arrows: Floats) -> Floats:
-    """Return the length (k,) of arrows (k, 2) across unit directions (k, 2)."""
-    return np.abs(directions[:, 0] * arrows[:, 1] - directions[:, 1] * arrows[:, 0])
+def _cross(one: Floats, other: Floats) -> Floats:
+    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 
 def _divided(pieces: Ints) -> tuple[Ints, Floats]:
