@@ -102,8 +102,8 @@ def test_all_pictures_of_a_painting_show_its_strokes_refined() -> None:
     columns, rows = (np.array(refined(painting).strokes[0].trajectory)[1:-1, :2].T * 10_000).astype(int)
     assert len(rows) > 10
     for picture in (preview(painting, fine), truth(painting, fine)):
-        assert picture[rows, columns] == pytest.approx(np.array([[0, 0, 1]] * len(rows)), abs=0.01)
-    assert coverage(painting, fine)[rows, columns] == pytest.approx(1, abs=0.01)
+        assert picture[rows, columns, 0].max() < 0.5
+    assert coverage(painting, fine)[rows, columns].min() > 0.5
 
 
 @pytest.mark.parametrize("brush", ["marker", "nib"])
