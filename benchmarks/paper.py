@@ -28,6 +28,7 @@ COMMANDS = {
     "brush": ["benchmarks/brush.py", "fit", "photographs"],
     "published": ["benchmarks/published.py"],
     "few_shot": ["benchmarks/style.py", "few_shot"],
+    "splines": ["benchmarks/splines.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -44,6 +45,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "brush": brushes.brush_table,
     "published": styles.published_table,
     "few_shot": styles.few_shot_table,
+    "splines": styles.splines_table,
 }
 
 

@@ -3,6 +3,7 @@
 from itertools import groupby
 
 import numpy as np
+from intervals import of_few
 from kept import rows_of, table, with_range
 
 
@@ -42,3 +43,19 @@ def few_shot_table() -> str:
         for key, title in (("normalised", "normalised"), ("one_nn", "1-NN"), ("novelty", "novelty"))
     ]
     return table(head, lines) + "\nSession by session:\n\n" + table(["", *sessions], each)
+
+
+def splines_table() -> str:
+    """How near each curve comes to what was drawn: means over drawings, and their 95 % intervals beside straight."""
+    rows = rows_of("splines")
+    of_curve = {name: [row for row in rows if row["curve"] == name] for name in dict.fromkeys(r["curve"] for r in rows)}
+    lines = []
+    for name, each in of_curve.items():
+        line = [name]
+        for key in ("worst", "mean"):
+            shares = np.array([row[key] / other[key] for row, other in zip(each, of_curve["straight"], strict=True)])
+            figure = f"{np.mean([row[key] for row in each]):.3f}"
+            low, high = of_few(shares)
+            line.append(figure if name == "straight" else f"{figure} ({low:.2f} to {high:.2f} of straight)")
+        lines.append([*line, f"{max(row['sideways'] for row in each):.2f}"])
+    return table(["curve", "worst", "mean", "furthest sideways, in a step's length"], lines)

@@ -18,6 +18,7 @@ from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.routine import Draw, routine
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.robot.simulated.easel import SimulatedEasel
 from maulstick.robot.simulated.sheets import ModelSheet
@@ -26,7 +27,7 @@ from maulstick.storage.arrays import Floats
 from maulstick.style import load_style
 from tests.support.nominal import nominal
 from tests.support.robot.mortal_painter import row_of
-from tests.support.robot.recorder import EASEL, Recorder
+from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import HEIGHT, SIX, WIDTH
 from tests.support.tolerances import EXECUTED_PATH, FOUND_OFFSET, FOUND_WIDTH, PHOTOGRAPH, ROUND_TRIP
 
@@ -210,6 +211,17 @@ def test_a_trial_is_cut_out_around_its_stroke_and_its_path_goes_with_it(tmp_path
         room = np.ptp(path[:, :2], axis=0) + 4e-3
         assert (size >= room - 1e-9).all()
         assert (size <= room + 2 / PER_METRE).all()
+
+
+def test_a_trial_s_path_is_refined_as_the_machine_drew_it(tmp_path: Path) -> None:
+    bow = SIX.strokes[0].model_copy(update={"trajectory": ((0.01, 0.01, 0.2), (0.03, 0.02, 0.2), (0.05, 0.01, 0.2))})
+    painting = SIX.model_copy(update={"strokes": (bow,)})
+    (drawn,) = (action.motion.path for action in routine(painting, EASEL, LIMITS) if isinstance(action, Draw))
+    trials = trials_of(painting, numbered(0, 1), tmp_path / "trials", medium="x", depth=(0, 0), room=2e-3)
+    (path,) = (trial.path for trial in trials)
+    assert len(path) == len(drawn) > 3
+    shift = path[0, :2] - drawn[0, :2] * (1, -1)
+    assert path[:, :2] - shift == pytest.approx(drawn[:, :2] * (1, -1), abs=2 * EXECUTED_PATH)
 
 
 def test_trials_without_a_photograph_of_the_end_are_refused(tmp_path: Path) -> None:

@@ -5,13 +5,15 @@ import pytest
 from torch import Tensor
 
 from maulstick.painting import painting as paintings
-from maulstick.painting.brush import Brush
+from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
+from maulstick.painting.refined import refined
 from maulstick.rendering import preview as rendering
-from maulstick.rendering.preview import coverage, preview
+from maulstick.rendering.preview import coverage, preview, truth
 from tests.support.nominal import nominal
+from tests.support.tolerances import BESIDE_A_POINT
 
 CANVAS = Canvas(0.08, 0.06, 1000)
 FLOAT32 = 1e-6
@@ -83,14 +85,42 @@ def test_a_painting_of_several_parts_looks_as_if_it_were_one(monkeypatch: pytest
 def test_one_long_stroke_is_rendered_apart_from_many_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes: list[int] = []
 
-    def sized(image: Tensor, trajectories: Tensor, *others: object) -> Tensor:
-        sizes.append(trajectories.numel())
+    def sized(image: Tensor, points: Tensor, *others: object) -> Tensor:
+        sizes.append(points.numel())
         return image
 
     long = tuple((0.01 + 1e-7 * i, 0.03, 0.5) for i in range(500_000))
-    monkeypatch.setattr(rendering, "paint", sized)
+    monkeypatch.setattr(rendering, "composite", sized)
     preview(a_painting([(0, across(0.01))] * 400 + [(1, long)] + [(0, across(0.02))] * 400), CANVAS)
-    assert max(sizes) <= 3 * 2**20
+    assert max(sizes) <= 2 * 2**20
+
+
+def test_all_pictures_of_a_painting_show_its_strokes_refined() -> None:
+    bow = ((0.01, 0.02, 0.5), (0.04, 0.045, 0.5), (0.07, 0.02, 0.5))
+    painting = a_painting([(1, bow)], brushes=BRUSHES | {"pen": nominal("fineliner")})
+    fine = Canvas(0.08, 0.06, 10_000)
+    columns, rows = (np.array(refined(painting).strokes[0].trajectory)[1:-1, :2].T * 10_000).astype(int)
+    assert len(rows) > 10
+    for picture in (preview(painting, fine), truth(painting, fine)):
+        assert picture[rows, columns, 0].max() < 0.5
+    assert coverage(painting, fine)[rows, columns].min() > 0.5
+
+
+@pytest.mark.parametrize("brush", ["marker", "nib"])
+def test_strokes_look_the_same_beside_one_of_many_more_points(brush: str) -> None:
+    brushes = {"marker": load_brush("marker"), "nib": nominal("round").model_copy(update={"nib": (0.4, 0.2)})}
+    paints = (Paint(colour=(0, 0, 1), brush="pen"),)
+    painting = a_painting(
+        [
+            (0, ((0.01, 0.012, 0.3), (0.07, 0.01, 0.1))),
+            (0, ((0.02, 0.022, 0.4), (0.02, 0.022, 0.4))),
+            (0, tuple((x, 0.05, 0.5) for x in np.linspace(0.01, 0.07, 50).tolist())),
+        ],
+        brushes={"pen": brushes[brush]},
+        paints=paints,
+    )
+    alone = preview(painting, CANVAS, 2)[:35]
+    assert np.abs(preview(painting, CANVAS)[:35] - alone).max() < BESIDE_A_POINT
 
 
 def test_a_later_stroke_lies_on_top() -> None:

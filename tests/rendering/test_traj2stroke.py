@@ -322,3 +322,19 @@ def test_every_stroke_takes_its_own_brush_and_colour() -> None:
     assert canvas[:, 60, 40].tolist() == pytest.approx([0, 0, 0.95], abs=1e-6)
     assert (canvas[0] > 0.5).sum() > 3 * (canvas[2] > 0.5).sum()
     assert torch.equal(canvas[1], torch.zeros(80, 80))
+
+
+def test_marks_of_few_points_are_evened_within_their_longest_step_and_others_stay() -> None:
+    points = torch.tensor([[[0, 0], [1, 0], [5, 4], [6, 4], [6, 4], [6, 4]], [[k, 0] for k in range(6)]]).float()
+    thickness = torch.tensor([[1, 2, 5, 6, 6, 6], [1, 2, 3, 4, 5, 6]]).float()
+    evened = Marks(points, thickness, *torch.ones(3, 2)).evened(torch.tensor([4, 6]))
+    divided = torch.tensor([[0, 0], [1, 0], [1 + 4 / 3, 4 / 3], [1 + 8 / 3, 8 / 3], [5, 4], [6, 4]])
+    torch.testing.assert_close(evened.points, torch.stack([divided, points[1]]))
+    torch.testing.assert_close(evened.thickness, torch.tensor([[1.0, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6]]))
+
+
+def test_opacity_can_be_that_of_another_mean_pressure_than_of_the_points() -> None:
+    pale, light = nominal("round").model_copy(update={"faint": 0.4, "solid": 0.5}), line(0.01, 0.1, (0.0, 0.0), 0.0)
+    assert brushes(pale).marks(light, 1000).opacity.item() == pytest.approx(pale.opacity * (0.4 + 0.6 * 0.2))
+    deep = brushes(pale).at_mean_pressure(torch.tensor([0.25])).marks(light, 1000)
+    assert deep.opacity.item() == pytest.approx(pale.opacity * (0.4 + 0.6 * 0.5))

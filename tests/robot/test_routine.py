@@ -7,6 +7,7 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
+from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, drawn_metres, routine, seconds_of
@@ -217,6 +218,30 @@ def test_where_a_stroke_ends_and_begins_the_tip_is_right_above() -> None:
     for action in draws(routine(SIX, EASEL, LIMITS)):
         assert np.array_equal(action.motion.start[:2], action.motion.path[0, :2])
         assert (action.motion.above, action.motion.after) == pytest.approx((0.005, 0.005))
+
+
+BOW = line(4, points=3).model_copy(
+    update={"trajectory": ((0.01, 0.01, 0.2), (0.03, 0.02, 0.8), (0.05, 0.01, 0.4)), "speed": (0.05, 0.1, 0.02)}
+)
+
+
+def test_a_machine_follows_a_stroke_refined_through_all_its_points() -> None:
+    (draw,) = draws(routine(painting_of([BOW]), EASEL, LIMITS))
+    (finer,) = refined(painting_of([BOW])).strokes
+    assert EASEL.machine_to_canvas(draw.motion.path)[:, :2] == pytest.approx(np.array(finer.trajectory)[:, :2])
+    assert draw.motion.speed == pytest.approx(np.array(finer.speed))
+    for point in BOW.trajectory:
+        assert np.abs(np.array(finer.trajectory) - point).max(axis=1).min() == 0
+    assert len(draw.motion.path) > len(BOW.trajectory)
+
+
+def test_what_is_left_of_a_painting_is_driven_as_it_would_have_been_from_the_beginning() -> None:
+    strokes = [line(1), BOW, line(3, (0.01, 0.03), (0.03, 0.03))]
+    whole, left = (draws(routine(painting_of(strokes), EASEL, LIMITS, done=done)) for done in ((), (1,)))
+    assert [draw.stroke for draw in left] == [4, 3]
+    for one, other in zip(whole[1:], left, strict=True):
+        assert one.motion.path == pytest.approx(other.motion.path, abs=1e-12)
+        assert one.motion.speed == pytest.approx(other.motion.speed, abs=1e-12)
 
 
 def test_a_point_that_is_repeated_is_sent_once() -> None:

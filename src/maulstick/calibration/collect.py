@@ -10,6 +10,7 @@ from maulstick.errors import InputError
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_png, read_picture
 from maulstick.painting.raster import Canvas
+from maulstick.painting.refined import refined
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write
@@ -91,7 +92,7 @@ def trials_of(
     depth: metres below first touch at pressure 0 and at pressure 1.  room: metres around each stroke that are cut out.
     Raises InputError where a photograph is missing, OutputError where the folder cannot be written.
     """
-    strokes = painting.strokes
+    strokes = refined(painting).strokes
     for number in (0, len(strokes)):
         if number not in photographs:
             raise InputError(f"there is no photograph of the sheet with {number} strokes on it; take one")

@@ -10,6 +10,7 @@ from maulstick.ordering.layers import runs
 from maulstick.ordering.tour import tour
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
+from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 _PRECISE = 1e-6  # metres: marks that differ by less are the same; a painting's file keeps no more
@@ -27,7 +28,7 @@ def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
     ends = np.array([[s.trajectory[0][:2], s.trajectory[-1][:2]] for s in painting.strokes]).reshape(-1, 2, 2)
     reversible = np.concatenate([_reversible(part) for part in painting.parts()])
     strokes: list[Stroke] = []
-    for run in runs(paint_of, _overlaps(painting, paint_of)):
+    for run in runs(paint_of, _overlaps(refined(painting), paint_of)):
         way = tour(ends[run], reversible[run], start)
         strokes += [
             _turned(painting.strokes[run[i]]) if turned else painting.strokes[run[i]]

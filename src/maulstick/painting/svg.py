@@ -8,6 +8,8 @@ import numpy as np
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Stroke, hex_colour
+from maulstick.painting.refined import refined
+from maulstick.storage.arrays import Floats
 
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
 _AXIDRAW_SPEED = 0.2  # metres per second that +S100 stands for
@@ -17,7 +19,8 @@ _AXIDRAW_TOUCH = 40  # per cent of the servo's way: the usual height at which a 
 def painting_svg(painting: Painting) -> str:
     """Return an SVG of the commanded centre lines in painting order, millimetres, each as wide as its mean mark.
 
-    There is one layer per run of strokes of one paint: as many layers as paints where each paint is taken up once.
+    The lines are `refined`. There is one layer per run of strokes of one paint: as many layers as paints where each is
+    taken up once.
     A layer's label begins with its number, by which vpype and plotters' drivers sort.
     """
     return _svg(painting, lambda number, paint, brush, run: f"{number} {paint.label} {paint.brush}")
@@ -61,6 +64,7 @@ def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke
             "style": f"background-color:{hex_colour(painting.sheet.paper)}",
         },
     )
+    lines = {stroke.id: np.array(stroke.trajectory)[:, :2] for stroke in refined(painting).strokes}
     for number, (index, strokes) in enumerate(groupby(painting.strokes, key=lambda stroke: stroke.paint), start=1):
         paint, run = painting.paints[index], tuple(strokes)
         brush = painting.brushes[paint.brush]
@@ -74,17 +78,16 @@ def _svg(painting: Painting, label: Callable[[int, Paint, Brush, Sequence[Stroke
             },
         )
         for stroke in run:
-            ElementTree.SubElement(layer, "path", _path(stroke, paint, brush))
+            ElementTree.SubElement(layer, "path", _path(stroke, lines[stroke.id], paint, brush))
     ElementTree.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def _path(stroke: Stroke, paint: Paint, brush: Brush) -> dict[str, str]:
-    trajectory = np.array(stroke.trajectory)
-    half_width = brush.half_width(trajectory[:, 2]).clip(min=0).mean()
-    points = [f"{1e3 * x:.3f},{1e3 * y:.3f}" for x, y in trajectory[:, :2].tolist()]
+def _path(stroke: Stroke, line: Floats, paint: Paint, brush: Brush) -> dict[str, str]:
+    half_width = brush.half_width(np.array(stroke.trajectory)[:, 2]).clip(min=0).mean()
+    points = [f"{1e3 * x:.3f},{1e3 * y:.3f}" for x, y in line.tolist()]
     if len(set(points)) == 1:
-        x, y = 1e3 * trajectory[0, :2]
+        x, y = 1e3 * line[0]
         points = [points[0], f"{x + _DOT:.3f},{y:.3f}"]
     return {
         "id": f"stroke-{stroke.id}",

@@ -1,4 +1,8 @@
-"""Previews of a painting: the marks of its own brushes."""
+"""Previews of a painting: the marks of its own brushes, drawn along its refined strokes."""
+
+from dataclasses import dataclass, replace
+from statistics import fmean
+from typing import Self
 
 import torch
 from torch import Tensor
@@ -7,7 +11,9 @@ from torch.nn.functional import avg_pool2d
 from maulstick.errors import InputError, option
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
-from maulstick.rendering.traj2stroke import Traj2Stroke, paint
+from maulstick.painting.refined import refined
+from maulstick.rendering.kernels.render import composite
+from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Image
 
 _LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
@@ -21,7 +27,7 @@ def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> I
     strokes: number of strokes that are rendered, from the first; all by default.
     """
     shown = painting.model_copy(update={"strokes": painting.strokes[:strokes]})
-    return _image(_painted(_bare_sheet(painting, canvas), shown, _colours(shown), canvas.pixels_per_metre))
+    return _image(_Shown.of(shown).painted(_bare_sheet(painting, canvas), canvas.pixels_per_metre))
 
 
 def truth(painting: Painting, canvas: Canvas) -> Image:
@@ -31,13 +37,13 @@ def truth(painting: Painting, canvas: Canvas) -> Image:
     strokes are painted on pixels that are four times finer each way, and their sRGB values are averaged; the sheet
     itself stays as the canvas shows it. Bands are drawn one after another, so memory stays within a few hundred MB.
     """
-    resolution, colours = _FINER * canvas.pixels_per_metre, _colours(painting)
+    resolution, shown = _FINER * canvas.pixels_per_metre, _Shown.of(painting)
     rows = max(1, _BAND_PX // (_FINER**2 * canvas.width_px))
     bands = []
     for number, bare in enumerate(_bare_sheet(painting, canvas).split(rows, dim=1)):
         finer = bare.repeat_interleave(_FINER, dim=1).repeat_interleave(_FINER, dim=2)
         top = number * rows / canvas.pixels_per_metre
-        bands.append(avg_pool2d(_painted(finer, painting, colours, resolution, top), _FINER))
+        bands.append(avg_pool2d(shown.painted(finer, resolution, top), _FINER))
     return _image(torch.cat(bands, dim=1))
 
 
@@ -55,33 +61,45 @@ def preview_of_height(painting: Painting, px: int) -> Image:
 def coverage(painting: Painting, canvas: Canvas) -> Image:
     """Share of the sheet that paint hides at each pixel of the canvas, (height_px, width_px) in [0, 1]."""
     bare = torch.zeros(1, canvas.height_px, canvas.width_px)
-    colours = torch.ones(len(painting.strokes), 1)
-    return _image(_painted(bare, painting, colours, canvas.pixels_per_metre))[..., 0]
+    white = torch.ones(len(painting.strokes), 1)
+    return _image(replace(_Shown.of(painting), colours=white).painted(bare, canvas.pixels_per_metre))[..., 0]
 
 
 def _bare_sheet(painting: Painting, canvas: Canvas) -> Tensor:
     return torch.from_numpy(painting.sheet.image(canvas)).permute(2, 0, 1)
 
 
-def _colours(painting: Painting) -> Tensor:
-    """Return the colour of each stroke, (N, 3)."""
-    colours = [painting.paints[stroke.paint].colour for stroke in painting.strokes]
-    return torch.tensor(colours, dtype=torch.float32).reshape(-1, 3)
+@dataclass(frozen=True)
+class _Shown:
+    """Refined painting, and of each stroke the colour, (N, C), and the mean of the pressures that were given, (N,)."""
 
+    painting: Painting
+    colours: Tensor
+    pressures: Tensor
 
-def _painted(onto: Tensor, painting: Painting, colours: Tensor, pixels_per_metre: float, top: float = 0.0) -> Tensor:
-    """Return an image (C, H, W) after all strokes in the colours (N, C).
+    @classmethod
+    def of(cls, painting: Painting) -> Self:
+        colours = [painting.paints[stroke.paint].colour for stroke in painting.strokes]
+        pressures = [fmean(pressure for _, _, pressure in stroke.trajectory) for stroke in painting.strokes]
+        return cls(refined(painting), torch.tensor(colours).reshape(-1, 3), torch.tensor(pressures))
 
-    top: metres from the sheet's upper edge to the image's.
-    """
-    image = onto.contiguous()
-    for part in painting.parts():
-        brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
-        trajectories = torch.tensor(part.trajectories() - (0.0, top, 0.0), dtype=torch.float32)
-        own, colours = colours.tensor_split([len(part.strokes)])
-        with torch.no_grad():
-            image = paint(image, trajectories, own, brushes, pixels_per_metre)
-    return image
+    def painted(self, onto: Tensor, pixels_per_metre: float, top: float = 0.0) -> Tensor:
+        """Return an image (C, H, W) after all strokes.
+
+        top: metres from the sheet's upper edge to the image's.
+        """
+        image, begin = onto.contiguous(), 0
+        for part in self.painting.parts():
+            rows = slice(begin, begin := begin + len(part.strokes))
+            brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
+            counts = torch.tensor([len(stroke.trajectory) for stroke in part.strokes])
+            trajectories = torch.tensor(part.trajectories() - (0.0, top, 0.0), dtype=torch.float32)
+            with torch.no_grad():
+                brushes = brushes.at_mean_pressure(self.pressures[rows])
+                marks = brushes.marks(trajectories, pixels_per_metre).evened(counts)
+                shape = marks.falloff, marks.plateau, marks.opacity
+                image = composite(image, marks.points, marks.thickness, self.colours[rows], *shape)
+        return image
 
 
 def _image(channels_first: Tensor) -> Image:

@@ -1,7 +1,7 @@
 """Traj2Stroke (paper; docs/equations.md): from commanded trajectories and a brush's numbers to marks on a canvas."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import torch
@@ -33,6 +33,26 @@ class Marks:
     falloff: Tensor
     plateau: Tensor
     opacity: Tensor
+
+    def evened(self, counts: Tensor) -> Self:
+        """Return the same marks where strokes have `counts` (N,) points of their own, and the others repeat the last.
+
+        Those divide the longest step of their stroke evenly instead: a repeated point would draw a dot of its own.
+        """
+        if (most := self.points.shape[1]) == 1:
+            return self
+        longest = self.points.diff(dim=1).square().sum(dim=2).argmax(dim=1, keepdim=True)
+        missing, places = most - counts[:, None], torch.arange(most)
+        within = longest + (places - longest) / (missing + 1)
+        place = torch.minimum(places, torch.maximum(within, places - missing))
+        before = place.long().clamp(max=most - 2)
+        share = place - before
+
+        def at(values: Tensor) -> Tensor:
+            return values.gather(1, before).lerp(values.gather(1, before + 1), share)
+
+        x, y = self.points.unbind(-1)
+        return replace(self, points=torch.stack([at(x), at(y)], dim=-1), thickness=at(self.thickness))
 
 
 @dataclass(frozen=True)
@@ -70,20 +90,27 @@ class Traj2Stroke:
         scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSURES), 2, 2, 8], dim=1)
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
+    def at_mean_pressure(self, pressure: Tensor) -> Self:
+        """Return the same with the opacity at these mean pressures (N,), whatever the points that are drawn have."""
+        return replace(self, opacity=self.opacity * self._flow(pressure), faint=torch.ones_like(self.faint))
+
     def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
         """Return the marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1]."""
         start, pressure = trajectories[:, :1, :2], trajectories[..., 2]
         tips = self._dragged(trajectories[..., :2])
         points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
         half_width = self.alpha[:, None] * self._risen(pressure) + self.beta[:, None]
-        flow = self.faint + (1 - self.faint) * (pressure.mean(dim=1) / self.solid).clamp(max=1)
         return Marks(
             points * pixels_per_metre,
             half_width * self._broad(points) * pixels_per_metre,
             self.falloff,
             self.plateau,
-            self.opacity * flow,
+            self.opacity * self._flow(pressure.mean(dim=1)),
         )
+
+    def _flow(self, pressure: Tensor) -> Tensor:
+        """Share of the opacity at each mean pressure (N,)."""
+        return self.faint + (1 - self.faint) * (pressure / self.solid).clamp(max=1)
 
     def _risen(self, pressure: Tensor) -> Tensor:
         """Share of alpha at each pressure (N, n), linear within each piece of the curve."""
@@ -112,7 +139,9 @@ class Traj2Stroke:
         along = torch.cat(
             [points[:, 1:2] - points[:, :1], points[:, 2:] - points[:, :-2], points[:, -1:] - points[:, -2:-1]], 1
         )
-        x, y = along.unbind(-1)
+        places = torch.arange(along.shape[1]).to(along.device)
+        moving = torch.where(along.detach().any(-1), places, 0).cummax(dim=1).values  # a repeated end goes on as before
+        x, y = along.gather(1, moving[..., None].expand_as(along)).unbind(-1)
         squared = x * x + y * y + _SHORTEST**2
         return 1 + (self.nib[:, :1] * (x * x - y * y) + self.nib[:, 1:] * 2 * x * y) / squared
 

@@ -9,6 +9,7 @@ import numpy as np
 from maulstick.errors import InputError, Remedy
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
+from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.timing import Profile
@@ -99,6 +100,8 @@ def routine(
 ) -> list[Action]:
     """Return the actions that are still to be done, in order, when the strokes with the ids in `done` are painted.
 
+    Strokes are `refined`: a machine goes straight from point to point.
+
     speed: metres per second, the speed of strokes that have none of their own, and a bound for the others; left out,
     the machine's highest.  load: the paint that the machine holds at the beginning.
     Raises InputError, which names what does not fit and by how much, where the painting, its brushes or the tray do not
@@ -108,7 +111,8 @@ def routine(
     if speed is not None and not speed > 0:  # NaN is neither
         raise InputError.of_range("the speed", f"{1e3 * speed:g} mm/s", "above 0")
     painted = set(done)
-    wanted = [stroke for stroke in painting.strokes if stroke.id not in painted]
+    left = tuple(stroke for stroke in painting.strokes if stroke.id not in painted)
+    wanted = refined(painting.model_copy(update={"strokes": left})).strokes
     for paint in {stroke.paint for stroke in wanted}:
         _check_depth(painting.brushes[painting.paints[paint].brush], easel, limits)
     actions: list[Action] = []
