@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+import tables_of_arrangement as arrangement
 import tables_of_brushes as brushes
 import tables_of_plans as plans
 import tables_of_styles as styles
@@ -28,6 +29,7 @@ COMMANDS = {
     "brush": ["benchmarks/brush.py", "fit", "photographs"],
     "published": ["benchmarks/published.py"],
     "few_shot": ["benchmarks/style.py", "few_shot"],
+    "arrangement": ["benchmarks/arrangement.py", "--quick"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -44,6 +46,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "brush": brushes.brush_table,
     "published": styles.published_table,
     "few_shot": styles.few_shot_table,
+    "arrangement": arrangement.arrangement_table,
 }
 
 
