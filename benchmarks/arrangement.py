@@ -4,7 +4,8 @@
 
 Each ROW is a way to plan (of PLANS) or a control, without a photograph: `people`, the hand itself; `copied_half`, the
 strokes that were learned from as they are; `scrambled_places`, with their places exchanged; `scrambled_angles`, with
-angles at random. All of them by default.
+angles at random; `thrown_groups`, as many strokes as a plan has, in groups of them that lie anywhere on the sheet. All
+of them by default.
 
 A style is learned from one half of a drawing, a photograph is planned in it (one ink, fineliner, 800 strokes), and the
 other half judges: see `judge.py`. Eight hands, four splits into halves, four photographs, two seeds: 256 plans.
@@ -31,6 +32,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from copies import groups
 from drawings import HANDS, QUICK, SPLITS, Floats, drawings, halves, placed
 from judge import Judge, Measured
 from kept import ROOT, rows_of
@@ -44,10 +46,11 @@ from maulstick.strokes.strokes import Strokes
 PHOTOGRAPHS = ("chelsea", "astronaut", "coffee", "camera")
 SEEDS = 2
 
-CONTROLS = ("people", "copied_half", "scrambled_places", "scrambled_angles")
+CONTROLS = ("people", "copied_half", "scrambled_places", "scrambled_angles", "thrown_groups")
 PLANS: dict[str, dict[str, Any]] = {"today": {}}
 """Ways to plan: options of a plan that differ from JOB."""
-JOB = {"brush": "fineliner", "ink": "black", "strokes": 800, "size": "240x160mm", "px": 320, "device": "cpu"}
+STROKES, SHEET = 800, (0.24, 0.16)
+JOB = {"brush": "fineliner", "ink": "black", "strokes": STROKES, "size": "240x160mm", "px": 320, "device": "cpu"}
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,8 @@ def measured(case: Case, judge: Judge) -> Measured:
         paths = paths - centres + rng.permutation(centres)
     elif case.row == "scrambled_angles":
         paths = turned(paths, rng.uniform(0, 2 * np.pi, len(paths)))
+    elif case.row == "thrown_groups":
+        paths = thrown(groups(paths), rng)
     return judge.measure(paths, case.hand, case.split)
 
 
@@ -106,6 +111,15 @@ def turned(paths: Floats, angles: Floats) -> Floats:
     centres = paths.mean(axis=1, keepdims=True)
     turns = np.stack([np.cos(angles), np.sin(angles), -np.sin(angles), np.cos(angles)], axis=1).reshape(-1, 2, 2)
     return centres + (paths - centres) @ turns
+
+
+def thrown(pieces: list[Floats], rng: np.random.Generator) -> Floats:
+    """As many strokes as a plan has, in groups of (k, n, 2), with their centres anywhere on the sheet."""
+    found: list[Floats] = []
+    while sum(map(len, found)) < STROKES:
+        group = pieces[rng.integers(len(pieces))]
+        found.append(group - group.mean(axis=(0, 1)) + rng.uniform((0, 0), SHEET))
+    return np.concatenate(found)[:STROKES]
 
 
 def learned_by(case: Case) -> Strokes:
