@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 
+import tables_of_arrangement as arrangement
 import tables_of_brushes as brushes
 import tables_of_plans as plans
 import tables_of_styles as styles
@@ -29,6 +30,7 @@ COMMANDS = {
     "published": ["benchmarks/published.py"],
     "few_shot": ["benchmarks/style.py", "few_shot"],
     "splines": ["benchmarks/splines.py"],
+    "arrangement": ["benchmarks/arrangement.py", "--quick"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -46,6 +48,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "published": styles.published_table,
     "few_shot": styles.few_shot_table,
     "splines": styles.splines_table,
+    "arrangement": arrangement.arrangement_table,
 }
 
 

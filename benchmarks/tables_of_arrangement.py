@@ -1,0 +1,61 @@
+"""Tables of arrangement, from rows that were kept."""
+
+import numpy as np
+from drawings import HANDS, TUNE_NOTHING
+from intervals import Floats, interval
+from kept import Row, rows_of, table
+
+_KEYS = ("energy", "energy_judging")
+
+
+def arrangement_table() -> str:
+    """Each way to plan, and the controls; then hand by hand."""
+    rows = rows_of("arrangement")
+    people = {(row["hand"], row["split"]): row for row in rows if row["row"] == "people"}
+    lines, of_hands = [], {}
+    for name in dict.fromkeys(row["row"] for row in rows):
+        every = [row for row in rows if row["row"] == name]
+        hands = {hand: [row for row in every if row["hand"] == hand] for hand in HANDS}
+        hands = {hand: each for hand, each in hands.items() if each}
+        line = [name.replace("_", " "), str(sum(map(len, hands.values())))]
+        for key in _KEYS:
+            groups = [above_floor(each, people, key) for each in hands.values()]
+            low, high = interval(groups, normalised)
+            line.append(f"{normalised(np.concatenate(groups)):.2f} ({low:.2f} to {high:.2f})")
+        of_hands[line[0]] = {hand: normalised(above_floor(each, people, _KEYS[0])) for hand, each in hands.items()}
+        line.append(f"{np.mean([row['taken_for'] == row['hand'] for row in every]):.2f}")
+        counted = [row for each in hands.values() for row in each]
+        for key, written in _MEANS.items():
+            line.append(written.format(np.mean([row[key] for row in counted])) if key in counted[0] else "")
+        lines.append(line)
+    titles = [f"{hand} (tunes nothing)" if hand in TUNE_NOTHING else hand for hand in HANDS]
+    each = [
+        [name, *(f"{of[hand]:.2f}" if hand in of else "" for hand in HANDS)]
+        for name, of in of_hands.items()
+        if name != "people"
+    ]
+    head = ["row", "drawings", "normalised", "by the numbers for judging only", "named", "copied groups", "order"]
+    head += ["travel", "blurred", "seconds"]
+    return table(head, lines) + "\nHand by hand, normalised:\n\n" + table(["", *titles], each)
+
+
+_MEANS = {
+    "copied_groups": "{:.2f}",
+    "order_nats": "{:.2f} nats",
+    "travel": "{:.2f}",
+    "psnr_blurred": "{:.1f} dB",
+    "seconds": "{:.0f} s",
+}
+
+
+def normalised(rows: Floats) -> float:
+    """0 as near as the hand's own other half, 1 as far as other people; rows (n, 2) of `above_floor`."""
+    above, others = rows.sum(axis=0)
+    return float(above / others)
+
+
+def above_floor(rows: list[Row], people: dict[tuple[str, int], Row], key: str) -> Floats:
+    """How much farther than people each row is, and all others are, (n, 2)."""
+    of = [people[row["hand"], row["split"]] for row in rows]
+    pairs = [(row[key] - own[key], own[f"others_{key}"] - own[key]) for row, own in zip(rows, of, strict=True)]
+    return np.array(pairs)
