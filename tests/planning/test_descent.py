@@ -38,7 +38,7 @@ def test_a_stroke_that_begins_anew_has_no_momentum_of_the_one_before() -> None:
     descent = Descent(strokes(5), spacing=0.01)
     for _ in range(30):
         descent.step(pull(descent.strokes, 1.0), progress=0.0)
-    descent.replace(torch.tensor([2]), strokes(5)[torch.tensor([2])])
+    descent.replace(torch.tensor([2]), strokes(5)[torch.tensor([2])], torch.tensor([0]))
     before = descent.strokes.codes.detach().clone()
     descent.step(0.0 * pull(descent.strokes, 1.0), progress=0.0)
     moved = (descent.strokes.codes.detach() - before).abs().amax(dim=1)

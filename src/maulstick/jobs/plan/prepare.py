@@ -152,7 +152,7 @@ def _settings(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSet
     palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
     paints = options.mixed_paints
     return PlannerSettings(
-        options.strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed
+        options.strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
     )
 
 
