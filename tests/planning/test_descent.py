@@ -51,3 +51,30 @@ def test_paints_adapt_once_they_are_added() -> None:
     descent.add_paints(paints)
     descent.step(paints.sum() + pull(descent.strokes, 1.0), progress=0.0)
     assert (paints < 0.5).all()
+
+
+def test_strokes_of_a_group_move_and_turn_as_one_and_keep_their_shapes() -> None:
+    groups = torch.tensor([0, 0, 0, 1, 1, 2])
+    descent = Descent(strokes(6), spacing=0.1, groups=groups)
+    before = {name: tensor.detach().clone() for name, tensor in descent.strokes.each().items()}
+    uneven = torch.linspace(-1, 2, 6)
+    for _ in range(20):
+        centres, angles = descent.strokes.centres, descent.strokes.angles
+        loss = (uneven[:, None] * centres.square()).sum() + (uneven * angles).sum() + descent.strokes.codes.sum()
+        descent.step(loss, progress=0.0)
+    after = {name: tensor.detach() for name, tensor in descent.strokes.each().items()}
+    assert torch.equal(after["codes"], before["codes"])
+    for rows in ([0, 1, 2], [3, 4]):
+        turned = (after["angles"] - before["angles"])[rows]
+        assert torch.allclose(turned, turned[0], atol=1e-5)
+        assert turned.abs().min() > 0.01
+        apart = [torch.cdist(each["centres"][rows], each["centres"][rows]) for each in (before, after)]
+        assert torch.allclose(*apart, rtol=0.02)
+    assert (after["centres"] - before["centres"]).norm(dim=1).min() > 0.001
+
+
+def test_strokes_that_begin_anew_make_groups_of_their_own() -> None:
+    descent = Descent(strokes(5), spacing=0.1, groups=torch.tensor([0, 0, 1, 1, 1]))
+    descent.replace(torch.tensor([0, 3]), strokes(5)[torch.tensor([0, 3])], torch.tensor([0, 0]))
+    assert descent.groups is not None
+    assert descent.groups.tolist() == [2, 0, 1, 2, 1]

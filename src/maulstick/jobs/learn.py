@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import kind_of
+from maulstick.storage.arrays import Floats, kind_of
 from maulstick.strokes.ink import Ink, read_ink
 from maulstick.strokes.strokes import POINTS, Strokes, read_strokes
 
@@ -22,7 +22,7 @@ KINDS: Final = ("exemplar", "trajvae")
 
 
 def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
-    """Return the strokes of all recordings together.
+    """Return the strokes of all recordings together, each recording farther right than any near stroke of another.
 
     Raises InputError for a file that holds neither ink nor strokes, or that is named twice.
     """
@@ -35,7 +35,7 @@ def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
     return Strokes(
         np.concatenate([part.trajectories for part in parts]),
         np.concatenate([part.times for part in parts]),
-        np.concatenate([part.poses for part in parts]),
+        np.concatenate(_side_by_side(parts)),
     )
 
 
@@ -54,6 +54,17 @@ def learn_style(name: str, strokes: Strokes, kind: str) -> "Fitted":
     from maulstick.style.train import fine_tune, pretrained
 
     return fine_tune(pretrained(), hand, seed=0, name=name)
+
+
+def _side_by_side(parts: list[Strokes]) -> list[Floats]:
+    """Return poses of all parts; each of the later is moved to the right of the one before, by its longest stroke."""
+    poses, right = [parts[0].poses], parts[0].placed()[..., 0].max(initial=0.0)
+    for part in parts[1:]:
+        xs = part.placed()[..., 0]
+        moved = right + part.lengths.max(initial=0.0) - xs.min(initial=np.inf) if len(part) else 0.0
+        poses.append(part.poses + np.array([moved, 0.0, 0.0]))
+        right = max(right, xs.max(initial=-np.inf) + moved)
+    return poses
 
 
 def _strokes_in(recorded: Recorded) -> Strokes:

@@ -32,20 +32,23 @@ class Started:
 
 
 class Initialiser:
-    """New strokes for a planning problem. All random numbers come from the two generators."""
+    """New strokes for a planning problem. All random numbers come from the two generators.
+
+    arrangement: whose groups are placed; None to place each stroke alone.
+    """
 
     def __init__(
-        self, problem: PlanningProblem, options: PlannerSettings, rng: np.random.Generator, torch_rng: Generator
+        self,
+        problem: PlanningProblem,
+        options: PlannerSettings,
+        arrangement: Arrangement | None,
+        rng: np.random.Generator,
+        torch_rng: Generator,
     ) -> None:
-        self._problem, self._options = problem, options
+        self._problem, self._options, self._arrangement = problem, options, arrangement
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
-
-    @property
-    def arrangement(self) -> Arrangement | None:
-        """How new strokes are arranged; None where each is placed alone."""
-        return self._problem.style.arrangement if self._options.arrange and self._options.one_ink else None
 
     def first(self) -> Started:
         """Return as many strokes as are planned, on the sheet as it is."""
@@ -77,8 +80,8 @@ class Initialiser:
         room: the largest spacing that a stroke is sized for, metres.
         """
         pixels_per_metre = self._problem.canvas.pixels_per_metre
-        if self.arrangement is not None:
-            return self._arranged(self.arrangement, target, density, count)
+        if self._arrangement is not None:
+            return self._arranged(self._arrangement, target, density, count)
         places = find_places(as_array(target), density, count, self._rng, room * pixels_per_metre)
         strokes = start_strokes(places, self._problem.style, self._problem.brush, pixels_per_metre, self._torch_rng)
         return Started(strokes, float(np.median(places.spacing)) / pixels_per_metre, np.arange(count))

@@ -108,15 +108,16 @@ class _Planning:
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
-        self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
+        arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
+        self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
-        groups, self._arranging = None, None  # of strokes that are placed alone, or begin where they are told to
+        groups, self._arranging = None, None
         if start is None:
             started = self._initialiser.first()
             start, self._spacing = started.strokes, started.spacing
-            if self._initialiser.arrangement is not None:
+            if arrangement is not None:
                 groups = torch.from_numpy(started.groups)
-                self._arranging = Arranging(self._initialiser.arrangement, self._style, options.arrange)
+                self._arranging = Arranging(arrangement, self._style, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
