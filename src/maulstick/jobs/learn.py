@@ -57,14 +57,16 @@ def learn_style(name: str, strokes: Strokes, kind: str) -> "Fitted":
 
 
 def _side_by_side(parts: list[Strokes]) -> list[Floats]:
-    """Return poses of all parts; each of the later is moved to the right of the one before, by its longest stroke."""
-    poses, right = [parts[0].poses], parts[0].placed()[..., 0].max(initial=0.0)
-    for part in parts[1:]:
+    """Return poses of all parts; each but the first is moved to the right of those before, by the longest stroke."""
+    apart = max(part.lengths.max(initial=0.0) for part in parts)
+    poses: list[Floats] = []
+    right = None
+    for part in (part for part in parts if len(part)):
         xs = part.placed()[..., 0]
-        moved = right + part.lengths.max(initial=0.0) - xs.min(initial=np.inf) if len(part) else 0.0
+        moved = 0.0 if right is None else right + apart - xs.min()
         poses.append(part.poses + np.array([moved, 0.0, 0.0]))
-        right = max(right, xs.max(initial=-np.inf) + moved)
-    return poses
+        right = xs.max() + moved
+    return poses or [parts[0].poses]
 
 
 def _strokes_in(recorded: Recorded) -> Strokes:

@@ -12,6 +12,7 @@ from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid, Neighbourh
 
 _WEIGHT = 1e-5  # least weight, and the first: next to nothing beside a loss of tones
 _MOST_WEIGHT = 0.3  # a hand's spacing may be out of reach: so many strokes on so small a sheet
+_FREE = 10.0  # median stroke, in spacings, from which on strokes move alone: a group would cover too much of a picture
 _WEIGHT_GROWTH = 30.0  # exponent of the weight per plan while strokes lie twice as far from the hand as usual
 
 
@@ -28,6 +29,13 @@ class Arranging:
         paths = torch.from_numpy(arrangement.paths)
         laid = Laid.of(paths, paths.mean(dim=1), paths.new_zeros(len(paths)))
         self._neighbourhoods = Neighbourhoods.of(laid)
+
+    def together(self, spacing: float) -> float:
+        """Share in [0, 1] of a step that strokes take as groups, for so many metres between strokes.
+
+        The longer strokes are, the less an arrangement feels a step of the same length, and the more the picture does.
+        """
+        return self._share * max(0.0, 1 - (self._neighbourhoods.unit / (_FREE * spacing)) ** 2)
 
     def price(self, strokes: StrokeParameters, stride: float, torch_rng: Generator) -> Tensor:
         """Return the weighted price of the strokes, and change the weight for a step of this share of the plan."""

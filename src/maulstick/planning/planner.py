@@ -111,13 +111,14 @@ class _Planning:
         arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
         self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
-        groups, self._arranging = None, None
+        groups, together, self._arranging = None, 0.0, None
         if start is None:
             started = self._initialiser.first()
             start, self._spacing = started.strokes, started.spacing
             if arrangement is not None:
                 groups = torch.from_numpy(started.groups)
                 self._arranging = Arranging(arrangement, self._style, options.arrange)
+                together = self._arranging.together(self._spacing)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
@@ -134,7 +135,7 @@ class _Planning:
         )
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
-        self._descent = Descent(strokes, self._spacing, groups, options.arrange)
+        self._descent = Descent(strokes, self._spacing, groups, together)
         self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far
