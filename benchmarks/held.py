@@ -70,7 +70,7 @@ def style_of(hand: str) -> Exemplar:
     if hand in BUILT_IN:
         style = read_style(style_path(hand))
         assert isinstance(style, Exemplar)
-        return Exemplar.fit(hand, style.hand, load_hands())
+        return style
     return Exemplar.fit(hand, Hand.of(mocap_hands()[hand]), load_hands())
 
 
