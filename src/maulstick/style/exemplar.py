@@ -166,6 +166,10 @@ class Exemplar(Style):
         chosen = by_length(codes[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
 
+    def scaled(self, times: float) -> Self:
+        """Return the style of the same hand that draws so many times as large; codes mean what they meant."""
+        return replace(self, hand=self.hand.scaled(times))
+
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""
         return self.price(self._numbers_of(codes), pressure_knots)

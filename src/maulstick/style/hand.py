@@ -1,6 +1,6 @@
 """Hands: the strokes that a style is learned from, with their pressure and speed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -46,6 +46,10 @@ class Hand:
 
     def __len__(self) -> int:
         return len(self.paths)
+
+    def scaled(self, times: float) -> Self:
+        """Return the hand that draws so many times as large, in the same time (isochrony: Viviani and McCollum)."""
+        return replace(self, paths=self.paths * times, speeds=self.speeds * times)
 
     def lengths(self, count: int) -> Tensor:
         """Lengths (count,), metres, ascending, of so many strokes of the hand: the quantiles of those it drew."""

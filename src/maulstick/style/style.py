@@ -1,7 +1,7 @@
 """Abstract style: decodes codes into strokes, samples codes, and says how likely a stroke is (docs/equations.md)."""
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
     from torch import Generator, Tensor
@@ -53,6 +53,10 @@ class Style(ABC):
     @abstractmethod
     def resize(self, codes: "Tensor", lengths: "Tensor") -> None:
         """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
+
+    @abstractmethod
+    def scaled(self, times: float) -> Self:
+        """Return the style of the same hand that draws so many times as large; itself for 1."""
 
     @abstractmethod
     def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":

@@ -176,7 +176,9 @@ def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
         raise InputError("the strokes that are left are not all of one style; only those are planned again")
     name, known = uses.pop()
     sheet = painting.sheet
-    style = load_style(str(painting.provenance.options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    options = painting.provenance.options
+    style = load_style(str(options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    style = style.scaled(float(str(options.get("hand_size", 1.0))))
     if style.hash != known:
         raise InputError(f"the style {style.name} is not what it was when the painting was planned; plan it anew")
     return style
