@@ -7,8 +7,8 @@ Strokes of the finished painting are compared with all strokes that the style wa
 `ks_*` are Kolmogorov-Smirnov distances; 500 draws from the hand itself have about 0.03. Lengths are compared by their
 90 % quantile, by the mean of the longest tenth, and by the longest. `edge_ink_ratio` is the share of the ink within
 3 mm of the picture's edge less 2 %, over the share of the picture's darkness there. `novelty` is the mean distance of
-a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is of one ink, after a blur of 2 mm, beside the picture in the tones that strokes can give, whose L* are
-`lightest` and `darkest`.
+a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is of one ink, after a blur of
+2 mm, beside the picture in the tones that strokes can give, whose L* are `lightest` and `darkest`.
 """
 
 import json
@@ -137,7 +137,7 @@ def main() -> None:
     names = sys.argv[1:] or HANDS
     if unknown := set(names) - set(HANDS):
         sys.exit(f"there is no hand {min(unknown)}; there are: {', '.join(HANDS)}")
-    wanted = [Wanted(*each) for each in product(names, BRUSHES, PAINTS)]
+    wanted = [Wanted(hand, brush, paints) for brush, paints, hand in product(BRUSHES, PAINTS, names)]
     wanted += [
         Wanted(*each)
         for each in product([name for name in names if name in MORE_HANDS], BRUSHES, PAINTS, MORE_PICTURES, SEEDS)
