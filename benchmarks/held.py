@@ -47,7 +47,7 @@ COLUMNS = {"ks_chord": 1, "ks_turning": 2, "ks_roughness": 12}
 """Columns of a description."""
 EDGE = 3e-3
 """Metres."""
-PROCESSES = 1
+PROCESSES = 2
 
 
 @dataclass(frozen=True)

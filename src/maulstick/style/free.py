@@ -105,6 +105,10 @@ class FreeStyle(Style):
         """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
         codes *= (lengths.to(codes) / path_length(self.decode(codes)))[:, None]
 
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples."""
+        return float(self.cost(*self.sample(k, generator)).mean())
+
     def scaled(self, times: float) -> Self:
         """Return the style whose limits are so many times as long."""
         return replace(self, shortest=self.shortest * times, longest=self.longest * times)

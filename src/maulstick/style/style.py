@@ -63,5 +63,9 @@ class Style(ABC):
         """Negative log-likelihood of each stroke, (N,) nats, about 0 for the likeliest; differentiable."""
 
     @abstractmethod
+    def usual_cost(self, k: int, generator: "Generator") -> float:
+        """Mean cost, nats, of k strokes that the style draws, each by itself, not by their distribution."""
+
+    @abstractmethod
     def speeds(self, codes: "Tensor") -> "Tensor | None":
         """Speeds at which the hand draws, (N, n), metres per second at each point; None where they are unknown."""

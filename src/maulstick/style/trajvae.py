@@ -154,6 +154,10 @@ class TrajVAE(Style):
                 (slope,) = torch.autograd.grad(logs.sum(), varied)
             codes += ((lengths.to(codes).log() - logs) / slope.square().sum(1))[:, None].detach() * slope
 
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples of the hand's lengths, each by itself."""
+        return self._exemplar.usual_cost(k, generator)
+
     def scaled(self, times: float) -> Self:
         """Return the style of the same hand that draws so many times as large: the network's mean log length moves."""
         if times == 1:

@@ -146,6 +146,8 @@ def prepare(
     request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))
     tones = None if supply is None else supply.tones(settings.strokes)
+    if tones is not None and tones.compressed:  # none can be spared
+        settings = replace(settings, exact=True)
     problem = problem_of(layout, brush, style, settings, loss_options, network, device=device.device, tones=tones)
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
