@@ -8,7 +8,8 @@ Strokes of the finished painting are compared with all strokes that the style wa
 90 % quantile, by the mean of the longest tenth, and by the longest. `edge_ink_ratio` is the share of the ink within
 3 mm of the picture's edge less 2 %, over the share of the picture's darkness there. `novelty` is the mean distance of
 a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is of one ink, after a blur of
-2 mm, beside the picture in the tones that strokes can give, whose L* are `lightest` and `darkest`.
+2 mm, beside the picture in the tones that strokes can give, whose L* are `lightest` and `darkest`. Rows of plans
+`before` lengths were held are kept as they were measured (commit d1b2b56).
 """
 
 import json
@@ -20,6 +21,7 @@ from itertools import product
 
 import numpy as np
 import torch
+from kept import rows_of
 from numpy.typing import NDArray
 from photographs import load
 from recordings import LEAST, MOCAP, mocap_hands
@@ -83,7 +85,7 @@ def row(wanted: Wanted) -> dict[str, object]:
     paths = painting.trajectories()[..., :2].astype(np.float64)
     found = painting.provenance.metrics
     return (
-        {**vars(wanted), "strokes": len(paths)}
+        {**vars(wanted), "plan": "now", "strokes": len(paths)}
         | of_strokes(paths, style.hand.paths)
         | {"novelty": novelty(paths, wanted.hand), "edge_ink_ratio": edge_ink_ratio(painting, picture)}
         | {key: found.get(key) for key in ("psnr", "psnr_blurred", "lightest", "darkest")}
@@ -142,6 +144,9 @@ def main() -> None:
         Wanted(*each)
         for each in product([name for name in names if name in MORE_HANDS], BRUSHES, PAINTS, MORE_PICTURES, SEEDS)
     ]
+    for kept in rows_of("held"):
+        if kept["plan"] == "before":
+            print(json.dumps(kept), flush=True)
     with multiprocessing.get_context("spawn").Pool(PROCESSES) as pool:
         for found in pool.imap(row, wanted):
             print(json.dumps({key: round(x, 3) if isinstance(x, float) else x for key, x in found.items()}), flush=True)
