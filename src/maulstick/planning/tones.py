@@ -1,7 +1,7 @@
 """Tones of one ink: how dark so many strokes of a hand can make a sheet, and the picture made as light as that."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import Self
 
@@ -104,6 +104,16 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.enough:,} strokes would reach them"
         )
+
+
+def in_tones(layout: Layout, brush: Brush, style: Style, ink: Colour, strokes: int) -> Layout:
+    """Return the layout with its picture in the tones that so many strokes can give."""
+    supply = InkSupply.of(layout, brush, style, ink)
+    if supply is None or layout.target is None:
+        return layout
+    target, paper = (torch.from_numpy(each.transpose(2, 0, 1).copy()) for each in (layout.target, layout.under))
+    image = supply.tones(strokes).apply(target, paper, ink).permute(1, 2, 0).numpy()
+    return replace(layout, target=np.ascontiguousarray(image))
 
 
 @one_torch_thread()
