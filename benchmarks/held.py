@@ -7,7 +7,9 @@ Strokes of the finished painting are compared with all strokes that the style wa
 `ks_*` are Kolmogorov-Smirnov distances; 500 draws from the hand itself have about 0.03. Lengths are compared by their
 90 % quantile, by the mean of the longest tenth, and by the longest. `edge_ink_ratio` is the share of the ink within
 3 mm of the picture's edge less 2 %, over the share of the picture's darkness there. `novelty` is the mean distance of
-a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is after a blur of 2 mm.
+a stroke to the hand's nearest, in units of other hands' (`few_shot.py`). `psnr_blurred` is of one ink, after a blur of
+2 mm, beside the picture in the tones that strokes can give, whose L* are `lightest` and `darkest`. Rows of plans
+`before` lengths were held are kept as they were measured (commit d1b2b56).
 """
 
 import json
@@ -19,19 +21,15 @@ from itertools import product
 
 import numpy as np
 import torch
+from kept import rows_of
 from numpy.typing import NDArray
 from photographs import load
 from recordings import LEAST, MOCAP, mocap_hands
-from scipy.ndimage import gaussian_filter
 from scipy.stats import ks_2samp
-from skimage.metrics import peak_signal_noise_ratio
 
-from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import Painting, Sheet
-from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
-from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlannerSettings
+import maulstick as ms
+from maulstick.painting.painting import Painting
+from maulstick.planning.layout import lay_out_for
 from maulstick.rendering.preview import truth
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.cards import style_path
@@ -49,9 +47,9 @@ SHEET, PX, STROKES = (0.24, 0.16), 320, 500
 MORE_HANDS, MORE_PICTURES, SEEDS = ("lia", "cat", "hatching"), ("astronaut", "coffee"), (0, 1, 2)
 COLUMNS = {"ks_chord": 1, "ks_turning": 2, "ks_roughness": 12}
 """Columns of a description."""
-EDGE, BLUR = 3e-3, 2e-3
+EDGE = 3e-3
 """Metres."""
-PROCESSES = 1
+PROCESSES = 2
 
 
 @dataclass(frozen=True)
@@ -70,26 +68,27 @@ def style_of(hand: str) -> Exemplar:
     if hand in BUILT_IN:
         style = read_style(style_path(hand))
         assert isinstance(style, Exemplar)
-        return Exemplar.fit(hand, style.hand, load_hands())
+        return style
     return Exemplar.fit(hand, Hand.of(mocap_hands()[hand]), load_hands())
 
 
 def row(wanted: Wanted) -> dict[str, object]:
     """Plan, and measure."""
     torch.set_num_threads(1)
-    style, brush = style_of(wanted.hand), load_brush(wanted.brush)
-    layout = lay_out_for(load(wanted.picture), Sheet(width=SHEET[0], height=SHEET[1]), brush, "contain", PX)
-    options = PlannerSettings(strokes=STROKES, paints=wanted.paints, seed=wanted.seed)
+    style = style_of(wanted.hand)
+    colours = {"ink": "black"} if wanted.paints is None else {"paints": wanted.paints}
+    picture, size = load(wanted.picture), f"{SHEET[0] * 1e3:g}x{SHEET[1] * 1e3:g}mm"
+    options = {"strokes": STROKES, "size": size, "px": PX, "seed": wanted.seed, "device": "cpu", **colours}
     started = time.perf_counter()
-    planned = plan(problem_of(layout, brush, style, options), options)
+    painting = ms.plan(picture, style=style, brush=wanted.brush, **options)
     seconds = time.perf_counter() - started
-    painting = as_painting(planned, layout, brush, style, provenance_of(options))
     paths = painting.trajectories()[..., :2].astype(np.float64)
+    found = painting.provenance.metrics
     return (
-        {**vars(wanted), "strokes": len(paths)}
+        {**vars(wanted), "plan": "now", "strokes": len(paths)}
         | of_strokes(paths, style.hand.paths)
-        | {"novelty": novelty(paths, wanted.hand)}
-        | of_picture(painting, layout)
+        | {"novelty": novelty(paths, wanted.hand), "edge_ink_ratio": edge_ink_ratio(painting, picture)}
+        | {key: found.get(key) for key in ("psnr", "psnr_blurred", "lightest", "darkest")}
         | {"seconds": seconds}
     )
 
@@ -123,24 +122,16 @@ def novelty(paths: Floats, name: str) -> float:
     return distance_to_nearest(describe(paths) / spread, own) / float(others)
 
 
-def of_picture(painting: Painting, layout: Layout) -> dict[str, object]:
-    """Where the ink lies, and how near the painting is to its picture, in the picture's area."""
+def edge_ink_ratio(painting: Painting, picture: Floats) -> float:
+    """Share of the ink near the edge of the picture's area less 2 %, over the share of its darkness there."""
+    layout = lay_out_for(picture, painting.sheet, painting.brushes[painting.paints[0].brush], "contain", PX)
     assert layout.target is not None
-    painted, picture, bare = (
-        layout.crop(image).astype(np.float64) for image in (truth(painting, layout.canvas), layout.target, layout.under)
-    )
-    resolution = layout.canvas.pixels_per_metre
-    depth = round(EDGE * resolution)
-    edge = np.ones(picture.shape[:2], dtype=bool)
+    bare, true = layout.crop(layout.under), layout.crop(truth(painting, layout.canvas))
+    depth = round(EDGE * layout.canvas.pixels_per_metre)
+    edge = np.ones(bare.shape[:2], dtype=bool)
     edge[depth:-depth, depth:-depth] = False
-    ink, dark = (np.abs(bare - image).mean(axis=2) for image in (painted, picture))
-    shares = [each[edge].sum() / each.sum() for each in (ink, dark)]
-    blurred = [gaussian_filter(image, (BLUR * resolution, BLUR * resolution, 0)) for image in (picture, painted)]
-    return {
-        "edge_ink_ratio": (shares[0] - 0.02) / shares[1],
-        "psnr": peak_signal_noise_ratio(picture, painted, data_range=1.0),
-        "psnr_blurred": peak_signal_noise_ratio(*blurred, data_range=1.0),
-    }
+    ink, dark = (np.abs(bare - image).mean(axis=2) for image in (true, layout.crop(layout.target)))
+    return float((ink[edge].sum() / ink.sum() - 0.02) / (dark[edge].sum() / dark.sum()))
 
 
 def main() -> None:
@@ -148,11 +139,14 @@ def main() -> None:
     names = sys.argv[1:] or HANDS
     if unknown := set(names) - set(HANDS):
         sys.exit(f"there is no hand {min(unknown)}; there are: {', '.join(HANDS)}")
-    wanted = [Wanted(*each) for each in product(names, BRUSHES, PAINTS)]
+    wanted = [Wanted(hand, brush, paints) for brush, paints, hand in product(BRUSHES, PAINTS, names)]
     wanted += [
         Wanted(*each)
         for each in product([name for name in names if name in MORE_HANDS], BRUSHES, PAINTS, MORE_PICTURES, SEEDS)
     ]
+    for kept in rows_of("held"):
+        if kept["plan"] == "before":
+            print(json.dumps(kept), flush=True)
     with multiprocessing.get_context("spawn").Pool(PROCESSES) as pool:
         for found in pool.imap(row, wanted):
             print(json.dumps({key: round(x, 3) if isinstance(x, float) else x for key, x in found.items()}), flush=True)

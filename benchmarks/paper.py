@@ -15,6 +15,7 @@ from collections.abc import Callable
 
 import tables_of_arrangement as arrangement
 import tables_of_brushes as brushes
+import tables_of_held as held
 import tables_of_plans as plans
 import tables_of_styles as styles
 from kept import ROOT
@@ -30,6 +31,7 @@ COMMANDS = {
     "published": ["benchmarks/published.py"],
     "few_shot": ["benchmarks/style.py", "few_shot"],
     "splines": ["benchmarks/splines.py"],
+    "held": ["benchmarks/held.py"],
     "arrangement": ["benchmarks/arrangement.py", "--quick"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
@@ -48,6 +50,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "published": styles.published_table,
     "few_shot": styles.few_shot_table,
     "splines": styles.splines_table,
+    "held": held.held_table,
     "arrangement": arrangement.arrangement_table,
 }
 

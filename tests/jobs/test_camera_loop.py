@@ -1,5 +1,5 @@
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -7,9 +7,14 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.jobs.paint import camera_loop
 from maulstick.jobs.paint.camera_loop import check_replannable, practice, replanned, room_of
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting, write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
+from maulstick.planning.problem import PlanningProblem
+from maulstick.rendering.preview import preview
 from maulstick.style import load_style
 from tests.support.nominal import nominal
 from tests.support.planned import PIXELS, SIDE, STROKES, picture, planned
@@ -126,6 +131,33 @@ def test_a_plan_of_more_pixels_than_one_piece_has_is_planned_again_with_fewer(mo
         with pytest.raises(InterruptedError):
             replanned(painting, PAINTED, WHITE, picture())
     assert [(canvas.width_px, canvas.height_px) for canvas in canvases] == [(PIXELS, PIXELS), (256, 256), (2048, 512)]
+
+
+def test_a_drawing_in_one_ink_is_planned_again_in_the_tones_that_it_was_planned_in(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    options = PlanOptions(
+        strokes=40, style="contour", hand_size=0.5, ink="black", brush="fineliner", size="60x60mm", px=48, steps=8
+    )
+    prepared = prepare(PlanRequest(None, options), picture())
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    seen: list[Layout] = []
+    problem_of = camera_loop.problem_of
+
+    def watched(layout: Layout, *others: Any, **named: Any) -> PlanningProblem:
+        seen.append(layout)
+        return problem_of(layout, *others, **named)
+
+    monkeypatch.setattr(camera_loop, "problem_of", watched)
+    photograph = preview(painting, prepared.layout.canvas, strokes=15)
+    again = replanned(painting, set(range(15)), photograph, picture(), steps=QUICK)
+    assert prepared.problem.target is not None
+    assert seen[0].target is not None
+    asked = prepared.problem.target.permute(1, 2, 0).numpy()
+    assert asked.mean() > picture().mean() + 0.1, "there is too little ink"
+    assert seen[0].target == pytest.approx(asked, abs=1e-5)
+    lengths = (np.sort(each.lengths()) for each in (painting, again))
+    assert next(lengths) == pytest.approx(next(lengths), rel=5e-3), "and strokes stay as long"
 
 
 def made_with(**options: object) -> Painting:

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.planning.objectives import Tone
+from maulstick.planning.objectives import Halftone, Tone
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
@@ -29,7 +29,7 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
-    tone = Weighted(Tone(target, weights, halftone=halftone), 1.0)
+    tone = Weighted(Halftone(target, weights, 2.0) if halftone else Tone(target, weights), 1.0)
     return PlanningProblem(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
 
 

@@ -12,8 +12,8 @@ from tests.support.planning.tiny_network import TinyNetwork, noise
 
 PAPER = torch.ones(3)
 PICTURE = np.full((20, 30, 3), 0.5, dtype=np.float32)
-WITH_PICTURE = Reference(noise(0, 3, 30, 40).float(), torch.ones(30, 40), PAPER, one_ink=False)
-WITHOUT_PICTURE = Reference(None, torch.ones(30, 40), PAPER, one_ink=False)
+WITH_PICTURE = Reference(noise(0, 3, 30, 40).float(), torch.ones(30, 40), PAPER, spacing=None)
+WITHOUT_PICTURE = Reference(None, torch.ones(30, 40), PAPER, spacing=None)
 
 
 class SeeingNetwork(Network):
@@ -103,7 +103,7 @@ def test_with_one_ink_colours_are_not_compared() -> None:
     for one_ink in (True, False):
         _, (network_loss,) = losses_of(
             LossOptions(weights={"tone": 0, "likeness": 1}),
-            Reference(grey, torch.ones(30, 40), PAPER, one_ink),
+            Reference(grey, torch.ones(30, 40), PAPER, 2.0 if one_ink else None),
             TinyNetwork,
         )
         assert (network_loss.term.losses(shades, [0]).item() < 1e-6) is one_ink

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import torch
 from scipy.spatial.distance import cdist
+from scipy.stats import ks_2samp
 from torch import Tensor
 
 from maulstick.style import Style, shape
-from maulstick.style.compare import describe, energy_distance
+from maulstick.style.compare import CURVINESS, describe, energy_distance
 from maulstick.style.exemplar import Exemplar, PooledHands, gist_and_roughness, pool
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
@@ -300,10 +301,17 @@ def test_seven_curls_among_other_strokes_have_neither_cusps_nor_loops_that_they_
     assert (sharpest(samples[curls]) > 1.3 * sharpest(style.hand.paths[:7]).max()).mean() < 0.02
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_hand_that_trembles_has_freedom(seed: int) -> None:
-    noisy = Exemplar.fit("noisy", hand_of(drawn(line_or_arc, 20, seed, tremor=0.05)), HANDS)
-    assert noisy.freedom > 0
+def test_a_hand_that_trembles_mostly_has_freedom() -> None:
+    noisy = [Exemplar.fit("noisy", hand_of(drawn(line_or_arc, 20, seed, tremor=0.05)), HANDS) for seed in range(6)]
+    assert sum(style.freedom > 0 for style in noisy) >= 2
+
+
+def test_samples_are_about_as_rough_and_bent_as_the_hands_strokes_whatever_the_freedom() -> None:
+    for tremor in (0.003, 0.05):
+        style = Exemplar.fit("noisy", hand_of(drawn(line_or_arc, 30, 1, tremor=tremor)), HANDS)
+        codes, _ = style.sample(500, torch_rng())
+        found, own = (describe(x)[:, CURVINESS].T for x in (style.decode(codes).double().numpy(), style.hand.paths))
+        assert max(ks_2samp(*columns).statistic for columns in zip(found, own, strict=True)) < 0.25
 
 
 def test_without_freedom_samples_have_the_residuals_of_the_hands_strokes_and_with_it_new_ones() -> None:

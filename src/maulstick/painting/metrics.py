@@ -46,3 +46,10 @@ def compare(painted: Image, picture: Image) -> Metrics:
         ssim=float(structural_similarity(picture, painted, channel_axis=2, data_range=1.0)) if large else float("nan"),
         tone_mse_sigma4=float(np.mean(blurred**2)),
     )
+
+
+def blurred_psnr(painted: Image, picture: Image, sigma: float) -> float:
+    """Return the PSNR, dB, of two images (H, W, 3), sRGB in [0, 1], after a Gaussian blur of `sigma` pixels."""
+    apart = gaussian_filter(painted.astype(np.float64) - picture, sigma=(sigma, sigma, 0))
+    mse = float(np.mean(apart**2))
+    return -10 * float(np.log10(mse)) if mse > 0 else float("inf")

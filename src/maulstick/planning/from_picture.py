@@ -9,16 +9,18 @@ import numpy as np
 import torch
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.metrics import PlanMetrics, compare
+from maulstick.painting.metrics import PlanMetrics, blurred_psnr, compare
 from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions, Reference, losses_of
+from maulstick.planning.placement import ink_density
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
+from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import preview, truth
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Image
@@ -26,6 +28,8 @@ from maulstick.style import Style
 
 _DEFAULT_LOSSES = LossOptions()
 _CPU = torch.device("cpu")
+_PALEST = 0.01  # grey of one ink whose lines are the furthest apart that is reckoned with
+_BLUR = 2e-3  # metres: standard deviation of what an eye blurs that stands two metres away
 _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
 
@@ -38,20 +42,36 @@ def problem_of(
     network: Callable[[], Network] = EfficientNetLite0,
     importance: Image | None = None,
     device: torch.device = _CPU,
+    tones: Tones | None = None,
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
-    device: renders, and compares with the picture.
+    device: renders, and compares with the picture.  tones: those of one ink that the picture is planned in, if any.
     Raises InputError for losses that cannot be had.
     """
     importance = importance_of(layout, loss_options.faces) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = None if layout.target is None else _channels_first(layout.target).to(device)
-    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), options.one_ink)
+    if target is not None and tones is not None:
+        target = tones.apply(target, paper, options.palette[0])
+    spacing = _spacing(target, paper, brush, layout, options) if options.one_ink else None
+    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing)
     return PlanningProblem(
         target, paper, weights, layout.canvas, brush, style, *losses_of(loss_options, reference, network)
     )
+
+
+def _spacing(
+    target: torch.Tensor | None, paper: torch.Tensor, brush: Brush, layout: Layout, options: PlannerSettings
+) -> float:
+    """Return the pixels between thinnest lines of one ink in the usual grey of a target (C, H, W)."""
+    width = 2 * (brush.thinnest or brush.widest / 4) * layout.canvas.pixels_per_metre
+    if target is None:
+        return width
+    amounts = ink_density(as_array(target), as_array(paper), np.array(options.palette[0]))
+    shown = amounts[amounts > 0]
+    return width / max(float(shown.mean()), _PALEST) if len(shown) else width
 
 
 def importance_of(layout: Layout, faces: float = 1.0) -> Image:
@@ -83,35 +103,41 @@ def provenance_of(
 
 def metrics_of(painting: Painting, layout: Layout) -> PlanMetrics | None:
     """Return how near the painting, in the order of its file, comes to the picture in its area; None without one."""
-    return _compared(painting, preview(painting, layout.canvas), layout)
+    return _compared(truth(painting, layout.canvas), preview(painting, layout.canvas), layout)
 
 
 @one_torch_thread()
-def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem) -> Painting:
+def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, tones: Tones | None = None) -> Painting:
     """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss.
 
     The likeness is taken at the truth; the terms are those of the planner's own pixels, as `psnr_planned` is.
+    tones: those that it was planned in, whose L* are kept: `lightest` and `darkest`, and `psnr_blurred` beside them.
     """
-    painted = preview(painting, layout.canvas)
-    canvas = _channels_first(painted).to(problem.paper)
+    true, planned = truth(painting, layout.canvas), preview(painting, layout.canvas)
+    canvas = _channels_first(planned).to(problem.paper)
     with torch.no_grad():
         terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in problem.objectives}
         for network_loss in problem.network_losses:
             losses = network_loss.term.losses(canvas, range(min(_METRIC_VIEWS, network_loss.term.views)))
             terms[network_loss.term.name] = network_loss.weight * losses.mean().item()
-    likeness = _compared(painting, painted, layout)
-    finite = {} if likeness is None else {name: x for name, x in asdict(likeness).items() if isfinite(x)}
-    provenance = painting.provenance.model_copy(update={"metrics": {**finite, **terms, "loss": sum(terms.values())}})
+    likeness = _compared(true, planned, layout)
+    metrics = {**({} if likeness is None else asdict(likeness)), **terms, "loss": sum(terms.values())}
+    if tones is not None and problem.target is not None:
+        asked = layout.crop(problem.target.permute(1, 2, 0).cpu().numpy())
+        blurred = blurred_psnr(layout.crop(true), asked, _BLUR * layout.canvas.pixels_per_metre)
+        metrics |= {"psnr_blurred": blurred, "lightest": tones.lightest, "darkest": tones.darkest}
+    finite = {name: x for name, x in metrics.items() if isfinite(x)}
+    provenance = painting.provenance.model_copy(update={"metrics": finite})
     return painting.model_copy(update={"provenance": provenance})
 
 
-def _compared(painting: Painting, planned: Image, layout: Layout) -> PlanMetrics | None:
-    """Return the metrics of a painting; planned: the same on the planner's pixels."""
+def _compared(true: Image, planned: Image, layout: Layout) -> PlanMetrics | None:
+    """Return the metrics of what a painting looks like; planned: the same on the planner's pixels."""
     if layout.target is None:
         return None
     target = layout.crop(layout.target)
-    true, own = compare(layout.crop(truth(painting, layout.canvas)), target), compare(layout.crop(planned), target)
-    return PlanMetrics(**asdict(true), psnr_planned=own.psnr)
+    seen, own = compare(layout.crop(true), target), compare(layout.crop(planned), target)
+    return PlanMetrics(**asdict(seen), psnr_planned=own.psnr)
 
 
 def as_painting(

@@ -12,7 +12,17 @@ from torch import Generator, Tensor
 from maulstick.errors import InputError, option
 from maulstick.planning.features.network import Network, ReadingNetwork
 from maulstick.planning.features.views import random_views
-from maulstick.planning.objectives import Edges, Likeness, Look, NetworkLoss, Objective, TextMatch, Tone, sketch
+from maulstick.planning.objectives import (
+    Edges,
+    Halftone,
+    Likeness,
+    Look,
+    NetworkLoss,
+    Objective,
+    TextMatch,
+    Tone,
+    sketch,
+)
 from maulstick.planning.problem import Weighted
 from maulstick.storage.arrays import Image
 
@@ -83,13 +93,18 @@ class Reference:
     """Images that the terms compare the canvas with.
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
-    one_ink: whether the painting has one ink, whose greys are made of the distance between lines.
+    spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
     """
 
     target: Tensor | None
     weights: Tensor
     paper: Tensor
-    one_ink: bool
+    spacing: float | None
+
+    @property
+    def one_ink(self) -> bool:
+        """Whether the painting has one ink."""
+        return self.spacing is not None
 
 
 def losses_of(
@@ -115,7 +130,9 @@ def _objective(name: str, reference: Reference) -> Objective:
     assert reference.target is not None  # `LossOptions.weights_of_terms` has checked it
     if name == "edges":
         return Edges(reference.target, reference.weights)
-    return Tone(reference.target, reference.weights, halftone=reference.one_ink)
+    if reference.spacing is not None:
+        return Halftone(reference.target, reference.weights, reference.spacing)
+    return Tone(reference.target, reference.weights)
 
 
 def _network_loss(name: str, loss_options: LossOptions, reference: Reference, network: Network) -> NetworkLoss:

@@ -9,7 +9,6 @@ from torch import Tensor
 from maulstick.rendering.traj2stroke import place
 from maulstick.style import Style
 from maulstick.style.pressure import pressure_along
-from maulstick.style.traits import path_length
 
 
 @dataclass(frozen=True)
@@ -58,10 +57,3 @@ class StrokeParameters:
         paths = self.trajectories(style)[..., :2]
         size = torch.tensor([width, height])
         self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))
-
-
-@torch.no_grad()
-def keep_lengths(codes: Tensor, style: Style, lengths: Tensor) -> None:
-    """Give the strokes of these codes (N, K) the lengths (N,), metres, ascending, by their ranks."""
-    ranks = path_length(style.decode(codes)).argsort(stable=True).argsort()
-    style.resize(codes, lengths[ranks])

@@ -18,7 +18,7 @@ from maulstick.planning.arranging import Arranging
 from maulstick.planning.descent import Descent
 from maulstick.planning.groups import least_groups
 from maulstick.planning.initialise import Initialiser
-from maulstick.planning.parameters import StrokeParameters, keep_lengths
+from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
@@ -27,12 +27,13 @@ from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Bools
-from maulstick.style.traits import path_length
+from maulstick.style.traits import keep_lengths, path_length
 
 _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
 _STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
-_COST_SAMPLES = 256  # strokes, about, whose mean cost counts as usual for the style: enough for a steady mean
+_COST_SAMPLES = 256  # strokes, at least, whose mean cost counts as usual for the style: enough for a steady mean
 _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, since each move changes the rest
+_NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
 
@@ -121,7 +122,8 @@ class _Planning:
                 together = self._arranging.together(self._spacing)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
-        self._allowed_cost = self._style.max_mean_cost * self._usual_cost()  # nats
+        usual = self._style.usual_cost(max(_COST_SAMPLES, options.strokes), torch.Generator().manual_seed(options.seed))
+        self._allowed_cost = self._style.max_mean_cost * usual  # nats
         trained = {
             "codes": True,
             "centres": True,
@@ -238,15 +240,6 @@ class _Planning:
             loss, values = loss + self._surrogate.loss(canvas), values | self._surrogate.parts
         return loss, values
 
-    def _usual_cost(self) -> float:
-        """Return the mean cost in nats of as many strokes as are planned, when the style alone draws them."""
-        torch_rng, count = torch.Generator().manual_seed(self._options.seed), self._options.strokes
-        groups = [self._style.sample(count, torch_rng) for _ in range(max(1, _COST_SAMPLES // count))]
-        if self._lengths is not None:
-            for codes, _ in groups:
-                keep_lengths(codes, self._style, self._lengths)
-        return float(torch.stack([self._style.cost(*group).mean() for group in groups]).mean())
-
     def _view(self) -> TargetView:
         """Return how the canvas is compared with the target, or without one, with what the surrogate proposes."""
         target = self._problem.target
@@ -331,9 +324,11 @@ class _Planning:
         """Return which strokes, (N,), to keep: the loss does not grow without the others."""
         with torch.enable_grad():
             costs = self._removal_costs().numpy()
-        candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
         before, _ = self._loss(self._stroke_canvas.render(), 1.0)
-        needed = np.ones(len(costs), dtype=bool)
+        needed = np.zeros(len(costs), dtype=bool)
+        if self._loss(self._stroke_canvas.render(needed), 1.0)[0].item() <= min(before.item(), _NOTHING):
+            return needed  # the sheet shows the picture as it is
+        candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
         while len(candidates):
             needed[:] = True
             needed[candidates] = False

@@ -21,7 +21,7 @@ from maulstick.style.hand import Hand, by_length, quantiles
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-from maulstick.style.traits import chord_and_turning, path_length
+from maulstick.style.traits import chord_and_turning, keep_lengths, path_length
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
@@ -31,7 +31,7 @@ _BANDWIDTH_LENGTH = 0.9  # of samples: lengths mix freely
 _BANDWIDTH_ROUGHNESS = 0.1  # of samples: roughness is to stay the hand's
 _FREEDOMS = (1.0, 0.67, 0.33, 0.0)  # that `fit` tries in this order
 _TRIALS = 1000  # samples that `fit` compares with the hand
-_APART = 0.08  # by so much may freedom take samples further from the hand, in `Exemplar.fit`
+_APART = 0.05  # by so much may freedom take samples further from the hand, in `Exemplar.fit`
 _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost` is based on, in the hand's spreads
 # Narrow for length, which pays most, and for what the eye sees first; unlike the others chosen on the mocap sessions.
 _TOGETHER = torch.tensor([0.08] + [0.25] * GIST + [0.08, 0.08], dtype=torch.float64)
@@ -175,6 +175,10 @@ class Exemplar(Style):
         chosen = by_length(codes[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
 
+    def scaled(self, times: float) -> Self:
+        """Return the style of the same hand that draws so many times as large; codes mean what they meant."""
+        return replace(self, hand=self.hand.scaled(times))
+
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""
         return self.price(self._numbers_of(codes), pressure_knots)
@@ -188,12 +192,20 @@ class Exemplar(Style):
         strokes from all becoming long, flat or curly: each of their `traits` must be distributed as in the hand
         (squared distance of sorted values, Wasserstein's in one dimension).
         """
+        together = traits(numbers).double()
+        apart = (together - self._as_spread(together.detach())) / (_TOGETHER * self._spreads)
+        return self._price_alone(numbers, pressure_knots) + (apart.square().sum(1) / 2).to(numbers)
+
+    def _price_alone(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
         points = gist_and_roughness(numbers).double()
         nearest = self._priced.nearest(points.detach())
-        alone = self._priced.cost(points)
-        together = traits(numbers).double()
-        together = (together - self._as_spread(together.detach())) / (_TOGETHER * self._spreads)
-        return (alone + together.square().sum(1) / 2).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
+        return self._priced.cost(points).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
+
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples of the hand's lengths, each by itself."""
+        codes, pressure_knots = self.sample(k, generator)
+        keep_lengths(codes, self, self.lengths(k))
+        return float(self._price_alone(self._numbers_of(codes), pressure_knots).mean())
 
     @cached_property
     def _traits(self) -> Tensor:

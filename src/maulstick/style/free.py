@@ -1,7 +1,7 @@
 """Free style: any smooth stroke within limits of length, learned from nobody."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 from typing import Self
@@ -113,6 +113,14 @@ class FreeStyle(Style):
     def resize(self, codes: Tensor, lengths: Tensor) -> None:
         """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
         codes *= (lengths.to(codes) / path_length(self.decode(codes)))[:, None]
+
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples."""
+        return float(self.cost(*self.sample(k, generator)).mean())
+
+    def scaled(self, times: float) -> Self:
+        """Return the style whose limits are so many times as long."""
+        return replace(self, shortest=self.shortest * times, longest=self.longest * times)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Return None: there is no hand whose speed could be used."""

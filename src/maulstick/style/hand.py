@@ -1,6 +1,6 @@
 """Hands: the strokes that a style is learned from, with their pressure and speed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -51,6 +51,11 @@ class Hand:
 
     def __len__(self) -> int:
         return len(self.paths)
+
+    def scaled(self, times: float) -> Self:
+        """Return the hand that draws so many times as large, in the same time (isochrony: Viviani and McCollum)."""
+        poses = None if self.poses is None else self.poses * [times, times, 1]
+        return replace(self, paths=self.paths * times, speeds=self.speeds * times, poses=poses)
 
     @cached_property
     def arrangement(self) -> Arrangement | None:

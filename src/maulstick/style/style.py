@@ -1,7 +1,7 @@
 """Abstract style: decodes codes into strokes, samples codes, and says how likely a stroke is (docs/equations.md)."""
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
     from torch import Generator, Tensor
@@ -66,8 +66,16 @@ class Style(ABC):
         """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
 
     @abstractmethod
+    def scaled(self, times: float) -> Self:
+        """Return the style of the same hand that draws so many times as large; itself for 1."""
+
+    @abstractmethod
     def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":
         """Negative log-likelihood of each stroke, (N,) nats, about 0 for the likeliest; differentiable."""
+
+    @abstractmethod
+    def usual_cost(self, k: int, generator: "Generator") -> float:
+        """Mean cost, nats, of k strokes that the style draws, each by itself, not by their distribution."""
 
     @abstractmethod
     def speeds(self, codes: "Tensor") -> "Tensor | None":

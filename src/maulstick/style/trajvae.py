@@ -6,9 +6,10 @@ network sees the numbers of `style.shape`, standardised, and errors are relative
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from math import log
 from typing import Any, Self
 
 import numpy as np
@@ -161,6 +162,18 @@ class TrajVAE(Style):
                 logs = path_length(self.decode(varied)).log()
                 (slope,) = torch.autograd.grad(logs.sum(), varied)
             codes += ((lengths.to(codes).log() - logs) / slope.square().sum(1))[:, None].detach() * slope
+
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples of the hand's lengths, each by itself."""
+        return self._exemplar.usual_cost(k, generator)
+
+    def scaled(self, times: float) -> Self:
+        """Return the style of the same hand that draws so many times as large: the network's mean log length moves."""
+        if times == 1:
+            return self
+        centre = self.weights["centre"].clone()
+        centre[0] += log(times)
+        return replace(self, hand=self.hand.scaled(times), weights={**self.weights, "centre": centre})
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,), nats, of the decoded strokes in an `Exemplar` of the same hand."""

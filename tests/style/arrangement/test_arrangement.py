@@ -52,3 +52,12 @@ def test_strokes_that_are_strewn_have_no_arrangement() -> None:
 def test_strokes_of_unknown_places_have_no_arrangement() -> None:
     hand = Hand.of(as_strokes(hatching(6, seed=0)))
     assert Hand(hand.paths, hand.pressure, hand.speeds).arrangement is None
+
+
+def test_a_hand_that_draws_half_as_large_is_arranged_the_same() -> None:
+    hand = Hand.of(as_strokes(hatching(6, seed=0)))
+    half = hand.scaled(0.5)
+    assert hand.arrangement is not None
+    assert half.arrangement is not None
+    assert half.arrangement.paths == pytest.approx(0.5 * hand.arrangement.paths)
+    assert len(half.arrangement.groups) == len(hand.arrangement.groups)

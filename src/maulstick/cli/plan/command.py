@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -24,13 +24,20 @@ def plan(
     ] = None,
     demo: Annotated[bool, typer.Option("--demo", metavar="", help="Paint the portrait that comes along.")] = False,
     strokes: Annotated[
-        int, _painting(metavar="N", help="Number of strokes, at most. Strokes that do nothing are left out.")
-    ] = PlanOptions.strokes,
+        str,
+        _painting(
+            metavar="N|auto",
+            help="Number of strokes, at most. Strokes that do nothing are left out. auto: as many as one ink needs.",
+        ),
+    ] = str(PlanOptions.strokes),
     exact: Annotated[bool, _painting("--exact", metavar="", help="Paint exactly that many strokes.")] = False,
     style: Annotated[
         str,
         _painting(metavar="STYLE", help="Style of the strokes: a name from `maulstick style list`, or a JSON file."),
     ] = PlanOptions.style,
+    hand_size: Annotated[
+        float, _painting(metavar="TIMES", help="Draw the whole hand so many times as large: 0.5 on a small sheet.")
+    ] = PlanOptions.hand_size,
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="The brush: round, marker, fineliner, one of your own, or a JSON file.")
     ] = PlanOptions.brush,
@@ -134,9 +141,10 @@ def plan(
         go_on(resume)
         return
     options = PlanOptions(
-        strokes=strokes,
+        strokes=_strokes(strokes),
         exact=exact,
         style=style,
+        hand_size=hand_size,
         brush=brush,
         pressure=pressure,
         paints=paints,
@@ -175,6 +183,15 @@ def _refuse_other_options(context: typer.Context) -> None:
         asked = str(context.get_parameter_source(parameter.name or "")).endswith("COMMANDLINE")
         if asked and parameter.name != "resume":
             raise InputError(f"--resume goes on with what was asked then; leave out {parameter.opts[0]}")
+
+
+def _strokes(text: str) -> int | Literal["auto"]:
+    if text == "auto":
+        return "auto"
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"--strokes is {text!r}; it must be a whole number, or auto") from None
 
 
 def _picture_path(picture: Path | None, demo: bool, text: str | None) -> Path | None:

@@ -27,7 +27,7 @@ def begin(request: PlanRequest, out: Path) -> None:
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; leave it out or lower --px")
-    _note_device(prepared, console)
+    _note(prepared, console)
     _note_pale_lines(prepared, console)
     with made_folder(out):
         for file in state_files(out):  # of an earlier run, which is to be replaced
@@ -47,7 +47,7 @@ def go_on(out: Path) -> None:
     prepared = prepare(request)
     request.check_unchanged(prepared.request.sums)
     console = _console()
-    _note_device(prepared, console)
+    _note(prepared, console)
     _run(prepared, out, console)
 
 
@@ -55,7 +55,7 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
     video = Video(prepared.request.video) if prepared.request.video is not None else None
     started = time.monotonic()
     with stop_on_interrupt(console) as wanted:
-        with progress_bar(console, prepared.request.options.strokes) as show:
+        with progress_bar(console, prepared.settings.strokes) as show:
             if prepared.request.tries > 1:
                 painting = plan_in_processes(prepared.request, out, show, wanted)
             else:
@@ -87,9 +87,9 @@ def _console() -> Console:
     return Console(stderr=True, markup=False, highlight=False)
 
 
-def _note_device(prepared: Prepared, console: Console) -> None:
-    if prepared.device.note is not None:
-        console.print(f"note: {prepared.device.note}", soft_wrap=True)
+def _note(prepared: Prepared, console: Console) -> None:
+    for note in prepared.notes:
+        console.print(f"note: {note}", soft_wrap=True)
 
 
 def _note_pale_lines(prepared: Prepared, console: Console) -> None:

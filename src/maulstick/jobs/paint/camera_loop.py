@@ -4,6 +4,7 @@ The only place where planning and machines meet.
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.schedule import REPLAN
+from maulstick.planning.tones import in_tones
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
@@ -103,11 +105,15 @@ def replanned(
     pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
     canvas = canvas_for(picture, sheet, brush, fit, pixels)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
-    layout = lay_out_for(picture, sheet, brush, fit, max(1, min(pixels, in_one_piece)))
+    pixels = max(1, min(pixels, in_one_piece))
+    layout = lay_out_for(picture, sheet, brush, fit, pixels)
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
     exact = options.get("exact") is True
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
+    if settings.one_ink:
+        bare = lay_out_for(picture, painting.sheet, brush, fit, pixels)
+        layout = replace(layout, target=in_tones(bare, brush, style, palette[0], len(painting.strokes)).target)
     device = choose_device("auto").device
     problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights), device=device)
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
@@ -176,7 +182,9 @@ def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
         raise InputError("the strokes that are left are not all of one style; only those are planned again")
     name, known = uses.pop()
     sheet = painting.sheet
-    style = load_style(str(painting.provenance.options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    options = painting.provenance.options
+    style = load_style(str(options.get("style", name)), Canvas(sheet.width, sheet.height, 1.0))
+    style = style.scaled(float(str(options.get("hand_size", 1.0))))
     if style.hash != known:
         raise InputError(f"the style {style.name} is not what it was when the painting was planned; plan it anew")
     return style

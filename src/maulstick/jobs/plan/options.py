@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from pydantic import ConfigDict
 
@@ -18,10 +18,17 @@ MOST_SEED: Final = 2**32 - 1
 DEVICES: Final = ("auto", "cpu", "cuda")
 """What may plan: the processor, a GPU, or a GPU where one is trusted."""
 
+AUTO: Final = "auto"
+"""Number of strokes that is found from the picture's ink."""
+
+MOST_AUTO: Final = 10_000
+"""Most strokes that are chosen for a picture: more would take a plotter days."""
+
 MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
+_LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
@@ -30,8 +37,8 @@ _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbna
 class PlanOptions:
     """Options of planning a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
 
-    strokes: at most so many; exactly so many with `exact`.
-    style: a name, or the path of a JSON file.  brush: the same, of a brush.
+    strokes: at most so many; exactly so many with `exact`; ``auto``, as many as one ink needs in a hand, up to 10,000.
+    style: a name, or the path of a JSON file.  hand_size: times the size of its strokes.  brush: as style.
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
     paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
     paints_from: a CSV file of paints to use unmixed instead.
@@ -56,9 +63,10 @@ class PlanOptions:
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
-    strokes: int = 400
+    strokes: int | Literal["auto"] = 400
     exact: bool = False
     style: str = "free"
+    hand_size: float = 1.0
     brush: str = "round"
     pressure: float | None = None
     paints: int | None = None
@@ -90,7 +98,10 @@ class PlanOptions:
                 object.__setattr__(self, name, str(Path(getattr(self, name)).absolute()))
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
-        _check_whole("strokes", self.strokes, 1, MOST_STROKES)
+        if self.strokes != AUTO:
+            _check_whole("strokes", self.strokes, 1, MOST_STROKES, f"from 1 to {MOST_STROKES}, or {AUTO}")
+        if not (isinstance(self.hand_size, int | float) and _LEAST_HAND <= self.hand_size <= _LARGEST_HAND):
+            raise InputError.of_range(option("hand_size"), self.hand_size, f"from {_LEAST_HAND} to {_LARGEST_HAND}")
         _check_whole("steps", self.steps, 1, _MOST_STEPS)
         _check_whole("ask_every", self.ask_every, 1, _MOST_STEPS)
         _check_whole("seed", self.seed, 0, MOST_SEED)
@@ -127,7 +138,8 @@ class PlanOptions:
         """Number of colours that are mixed; None where an ink or paints of a file are used."""
         if self.ink is not None or self.paints_from is not None:
             return None
-        return self.paints if self.paints is not None else min(_USUAL_PAINTS, self.strokes)
+        usual = _USUAL_PAINTS if self.strokes == AUTO else min(_USUAL_PAINTS, self.strokes)
+        return self.paints if self.paints is not None else usual
 
     @property
     def names_clip(self) -> bool:
@@ -139,7 +151,7 @@ class PlanOptions:
         ways = [option(name) for name, value in given.items() if value is not None]
         if len(ways) > 1:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
-        if self.paints is not None:
+        if self.paints is not None and self.strokes != AUTO:
             _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {self.strokes} strokes")
 
 

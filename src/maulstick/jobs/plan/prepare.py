@@ -11,7 +11,7 @@ from maulstick.colour.palette import parse_colour
 from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError, option
 from maulstick.jobs.plan.device import Choice, choose_device
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
@@ -27,6 +27,7 @@ from maulstick.planning.mural.windows import Mural
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.state import State
+from maulstick.planning.tones import InkSupply, Tones
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
@@ -38,7 +39,7 @@ class Prepared:
     """All that planning and its file need.
 
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
-    device: what plans, and a note on it for people.
+    device: what plans, and a note on it for people.  supply: of one ink, in a hand.
     """
 
     request: PlanRequest
@@ -53,6 +54,22 @@ class Prepared:
     loss_options: LossOptions
     network: Callable[[], Network]
     device: Choice
+    supply: InkSupply | None
+
+    @property
+    def tones(self) -> Tones | None:
+        """Tones that the picture is planned in; None where any can be reached."""
+        return None if self.supply is None else self.supply.tones(self.settings.strokes)
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentences for people on what may be other than they expect."""
+        notes = [self.device.note]
+        if self.supply is not None:
+            if self.request.options.strokes == AUTO:
+                notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
+            notes.append(self.supply.note(self.settings.strokes))
+        return [note for note in notes if note is not None]
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
         """Return the plan; a mural is planned in windows. Arguments are those of `plan`."""
@@ -68,12 +85,13 @@ class Prepared:
             network=self.network,
             resume=resume,
             device=self.device.device,
+            tones=self.tones,
         )
 
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
         painting = as_painting(planned, self.layout, self.brush, self.style, self.provenance, self.names)
-        return with_metrics(painting, self.layout, self.problem)
+        return with_metrics(painting, self.layout, self.problem, self.tones)
 
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":
         """Return the same with other weights of the terms. Raises InputError for weights that cannot be used."""
@@ -88,6 +106,7 @@ class Prepared:
             loss_options,
             self.network,
             device=self.device.device,
+            tones=self.tones,
         )
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
@@ -106,23 +125,30 @@ def prepare(
     if options.pressure is not None:
         brush = brush.held_at(options.pressure)
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
-    if len(tubes) > options.strokes:
+    if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
-    settings = _settings(options, tubes)
     picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
     mural = _mural(options, picture, sheet, brush)
     if mural is None:
         layout = lay_out_for(picture, sheet, brush, options.fit, options.px)
     else:
         layout = mural.overview(LONGEST_PX)
-    style = style or load_style(options.style, layout.canvas)
+    style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
+    settings, supply = _settings(options, tubes), None
+    if settings.one_ink:
+        supply = InkSupply.of(layout, brush, style, settings.palette[0])
+    if options.strokes == AUTO:
+        settings = replace(settings, strokes=_enough(supply))
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
     clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
     loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights})
     sums = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))
-    problem = problem_of(layout, brush, style, settings, loss_options, network, device=device.device)
+    tones = None if supply is None else supply.tones(settings.strokes)
+    if tones is not None and tones.compressed:  # none can be spared
+        settings = replace(settings, exact=True)
+    problem = problem_of(layout, brush, style, settings, loss_options, network, device=device.device, tones=tones)
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
@@ -133,7 +159,19 @@ def prepare(
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
     return Prepared(
-        request, layout, brush, style, settings, problem, provenance, names, mural, loss_options, network, device
+        request,
+        layout,
+        brush,
+        style,
+        settings,
+        problem,
+        provenance,
+        names,
+        mural,
+        loss_options,
+        network,
+        device,
+        supply,
     )
 
 
@@ -151,9 +189,20 @@ def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Bru
 def _settings(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSettings:
     palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
     paints = options.mixed_paints
+    strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
-        options.strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
+        strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
     )
+
+
+def _enough(supply: InkSupply | None) -> int:
+    """Return the number of strokes that give the ink of a picture, at most `MOST_AUTO`."""
+    if supply is None:
+        raise InputError(
+            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for one ink; give {option('style')} and "
+            f"{option('ink')}, or a number"
+        )
+    return min(supply.enough, MOST_AUTO)
 
 
 def _sheet(options: PlanOptions) -> Sheet:

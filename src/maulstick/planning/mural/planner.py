@@ -31,6 +31,7 @@ from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.state import State
 from maulstick.planning.stroke_canvas import as_array
+from maulstick.planning.tones import Tones
 from maulstick.storage.arrays import Image
 from maulstick.style import Style
 
@@ -56,6 +57,7 @@ def plan_mural(
     window_px: int = 1024,
     resume: State | None = None,
     device: torch.device = _CPU,
+    tones: Tones | None = None,
 ) -> PlanResult:
     """Plan a mural in windows whose cores have at most `window_px` per side, as has the small image of the whole.
 
@@ -63,14 +65,14 @@ def plan_mural(
     watch: called after every step with the progress of the present window; once it returns False, this window ends
     after a few more steps, and later windows stay as they were planned in the whole.
     resume: what `PlanProgress.state` returned in an earlier run of the same mural; planning goes on from there.
-    device: renders, and compares with the picture.
+    device: renders, and compares with the picture.  tones: those of one ink that the whole is planned in, if any.
     Raises InputError for a text, since every window would be made to show it, and for a side below one pixel.
     """
     if "text" in loss_options.weights_of_terms(has_picture=True):
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
-    planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px, device)
+    planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px, device, tones)
     current = None if resume is None else planning.restore(resume)
     while not planning.done and planning.advance(watch, current):
         current = None
@@ -90,9 +92,10 @@ class _Planning:
         network: Callable[[], Network],
         window_px: int,
         device: torch.device,
+        tones: Tones | None,
     ) -> None:
         self._mural, self._brush, self._style, self._options = mural, brush, style, options
-        self._loss_options, self._network, self._device = loss_options, network, device
+        self._loss_options, self._network, self._device, self._tones = loss_options, network, device, tones
         self._whole = mural.overview(window_px)
         self._importance = importance_of(self._whole, loss_options.faces)
         self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
@@ -198,7 +201,15 @@ class _Planning:
     def _problem(self, layout: Layout, importance: Image, options: PlannerSettings) -> PlanningProblem:
         """Return the planning problem of a layout of all or a part of the sheet."""
         return problem_of(
-            layout, self._brush, self._style, options, self._loss_options, self._network, importance, self._device
+            layout,
+            self._brush,
+            self._style,
+            options,
+            self._loss_options,
+            self._network,
+            importance,
+            self._device,
+            self._tones,
         )
 
 

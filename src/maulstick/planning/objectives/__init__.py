@@ -5,6 +5,6 @@ from maulstick.planning.objectives.likeness import Likeness, sketch
 from maulstick.planning.objectives.look import Look
 from maulstick.planning.objectives.objective import NetworkLoss, Objective
 from maulstick.planning.objectives.text import TextMatch
-from maulstick.planning.objectives.tone import Tone, halved
+from maulstick.planning.objectives.tone import Halftone, Tone, halved
 
-__all__ = ["Edges", "Likeness", "Look", "NetworkLoss", "Objective", "TextMatch", "Tone", "halved", "sketch"]
+__all__ = ["Edges", "Halftone", "Likeness", "Look", "NetworkLoss", "Objective", "TextMatch", "Tone", "halved", "sketch"]

@@ -1,0 +1,62 @@
+"""How many strokes one ink needs: `--strokes auto` beside bisecting, as one JSON object per line.
+
+    .venv/bin/python benchmarks/enough.py
+
+A plan of so many strokes, whose tones are not compressed, reaches a picture where its mean ink is 97 % of that.
+Bisecting finds the fewest that do, to 3 %, with plans of 300 steps; `ratio` is what `--strokes auto` takes over that.
+"""
+
+import json
+from itertools import product
+
+import numpy as np
+import torch
+from held import PX, SHEET, style_of
+from photographs import load
+
+from maulstick.painting.brush import load_brush
+from maulstick.painting.painting import Sheet
+from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
+from maulstick.planning.layout import lay_out_for
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.tones import InkSupply
+from maulstick.rendering.preview import truth
+
+HANDS, PICTURES = ("lia", "contour", "scribble"), ("chelsea", "astronaut")
+STEPS, REACHED, FINE = 300, 0.97, 1.03
+BLACK = (0.0, 0.0, 0.0)
+
+
+def fewest(hand: str, picture: str) -> tuple[int, int]:
+    """What is taken, and what bisecting finds."""
+    style, brush = style_of(hand), load_brush("fineliner")
+    layout = lay_out_for(load(picture), Sheet(width=SHEET[0], height=SHEET[1]), brush, "contain", PX)
+    supply = InkSupply.of(layout, brush, style, BLACK)
+    assert supply is not None
+
+    def reaches(strokes: int) -> bool:
+        options = PlannerSettings(strokes=strokes, exact=True, paints=None, steps=STEPS)
+        found = plan(problem_of(layout, brush, style, options), options)
+        painting = as_painting(found, layout, brush, style, provenance_of(options))
+        ink = 1 - truth(painting, layout.canvas).mean(axis=2)
+        return bool(ink.mean() >= REACHED * supply.amounts.mean())
+
+    low, high = supply.enough // 2, 2 * supply.enough
+    while high > FINE * low:
+        middle = round(np.sqrt(low * high))
+        low, high = (low, middle) if reaches(middle) else (middle, high)
+    return supply.enough, high
+
+
+def main() -> None:
+    """One row for each hand and picture."""
+    torch.set_num_threads(1)
+    for hand, picture in product(HANDS, PICTURES):
+        taken, found = fewest(hand, picture)
+        row = {"hand": hand, "picture": picture, "auto": taken, "bisected": found, "ratio": round(taken / found, 3)}
+        print(json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

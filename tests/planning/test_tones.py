@@ -1,0 +1,108 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.painting import Sheet
+from maulstick.planning.layout import Layout, lay_out_for
+from maulstick.planning.tones import InkSupply, ink_per_stroke
+from maulstick.style.free import FreeStyle
+from maulstick.style.traits import path_length
+from tests.support.style.synthetic_hands import exemplar_of, line
+
+HAND = exemplar_of(line)
+PEN = load_brush("fineliner")
+BLACK = (0.0, 0.0, 0.0)
+SHEET = Sheet(width=0.1, height=0.1)
+
+
+def of_grey(*greys: float) -> Layout:
+    """A picture of bands of these greys."""
+    picture = np.repeat(np.repeat(np.array(greys, dtype=np.float32), 60 // len(greys)), 60).reshape(60, 60, 1)
+    return lay_out_for(np.repeat(picture, 3, axis=2), SHEET, PEN, "contain", 60)
+
+
+def supply(layout: Layout, ink: tuple[float, float, float] = BLACK) -> InkSupply:
+    found = InkSupply.of(layout, PEN, HAND, ink)
+    assert found is not None
+    return found
+
+
+def asked(layout: Layout, strokes: int) -> torch.Tensor:
+    target, paper = (torch.from_numpy(each.transpose(2, 0, 1).copy()) for each in (layout.target, layout.under))
+    return supply(layout).tones(strokes).apply(target, paper, BLACK)
+
+
+def test_a_stroke_hides_its_length_times_its_width_nearly() -> None:
+    wide = 2 * PEN.widest * path_length(torch.from_numpy(HAND.hand.paths)).mean().item()
+    for resolution in (1000.0, 4000.0):
+        hidden = ink_per_stroke(PEN, HAND, resolution) / resolution**2
+        assert hidden == pytest.approx(wide, rel=0.25)
+
+
+def test_enough_strokes_leave_a_picture_as_it_is_and_fewer_make_it_lighter() -> None:
+    layout = of_grey(0.9, 0.6, 0.3)
+    enough = supply(layout).enough
+    assert torch.equal(asked(layout, enough), torch.from_numpy(layout.target.transpose(2, 0, 1).copy()))
+    means = [asked(layout, round(share * enough)).mean().item() for share in (1, 0.8, 0.5, 0.2, 0.01)]
+    assert means == sorted(means)
+    assert means[-1] > 0.98
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(0.05, 0.95), min_size=2, max_size=4), st.floats(0.02, 1.5))
+def test_a_picture_in_its_tones_needs_the_ink_that_there_is(greys: list[float], share: float) -> None:
+    layout = of_grey(*greys)
+    found = supply(layout)
+    strokes = max(1, round(share * found.enough))
+    image = asked(layout, strokes).permute(1, 2, 0).numpy()
+    again = supply(replace(layout, target=image))
+    assert again.enough <= max(strokes, found.enough) * 1.02 + 1
+    if strokes < found.enough:
+        assert again.enough == pytest.approx(strokes, rel=0.1, abs=2)
+
+
+def test_the_lightest_tone_becomes_paper_before_contrast_falls() -> None:
+    layout = of_grey(0.8, 0.4)
+    some = supply(layout).tones(round(0.75 * supply(layout).enough))
+    few = supply(layout).tones(round(0.2 * supply(layout).enough))
+    assert some.contrast == 1
+    assert 0 < some.veil < 0.2
+    assert few.contrast < 1
+    assert few.veil == pytest.approx(0.2, abs=0.01)
+    assert some.lightest > 80
+    assert few.lightest == pytest.approx(100, abs=0.5)
+    assert some.darkest < few.darkest < few.lightest
+
+
+def test_a_note_says_what_so_few_strokes_can_give_and_how_many_would_do() -> None:
+    found = supply(of_grey(0.8, 0.2))
+    assert found.note(found.enough) is None
+    note = found.note(found.enough // 4)
+    assert note is not None
+    assert "25% of the ink" in note or "24% of the ink" in note
+    assert f"{found.enough:,} strokes" in note
+
+
+@pytest.mark.parametrize("grey", [1.0, 0.0])
+def test_white_and_black_pictures_have_tones(grey: float) -> None:
+    layout = of_grey(grey)
+    found = supply(layout)
+    assert found.enough >= 1
+    for strokes in (1, found.enough):
+        assert asked(layout, strokes).isfinite().all()
+        assert 0 <= found.tones(strokes).darkest <= 100.01
+
+
+def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> None:
+    layout = of_grey(0.5)
+    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK) is None
+    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK) is None
+
+
+def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -> None:
+    assert ink_per_stroke(round_brush, HAND, 1000.0) > 10 * ink_per_stroke(PEN, HAND, 1000.0)
