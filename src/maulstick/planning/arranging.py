@@ -12,7 +12,9 @@ from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid, Neighbourh
 
 _WEIGHT = 1e-5  # least weight, and the first: next to nothing beside a loss of tones
 _MOST_WEIGHT = 0.3  # a hand's spacing may be out of reach: so many strokes on so small a sheet
-_FREE = 10.0  # median stroke, in spacings, from which on strokes move alone: a group would cover too much of a picture
+# Median strokes, in spacings: up to the first groups are rigid; from the second on they would cover too much of a
+# picture, and each stroke moves alone.
+_RIGID, _FREE = 3.0, 10.0
 _WEIGHT_GROWTH = 30.0  # exponent of the weight per plan while strokes lie twice as far from the hand as usual
 
 
@@ -35,7 +37,8 @@ class Arranging:
 
         The longer strokes are, the less an arrangement feels a step of the same length, and the more the picture does.
         """
-        return self._share * max(0.0, 1 - (self._neighbourhoods.unit / (_FREE * spacing)) ** 2)
+        alone = (self._neighbourhoods.unit / spacing - _RIGID) / (_FREE - _RIGID)
+        return self._share * (1 - min(max(alone, 0.0), 1.0))
 
     def price(self, strokes: StrokeParameters, stride: float, torch_rng: Generator) -> Tensor:
         """Return the weighted price of the strokes, and change the weight for a step of this share of the plan."""
