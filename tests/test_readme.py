@@ -11,7 +11,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BIN = Path(sys.executable).parent
-QUICK = {"strokes=600": "strokes=40, steps=8, px=48", "--strokes 800": "--strokes 40 --steps 8 --px 48"}
+QUICK = {
+    "strokes=600": "strokes=40, steps=8, px=48",
+    "--strokes 800": "--strokes 40 --steps 8 --px 48",
+    "--hand-size 0.5": "--steps 4 --px 48",
+}
 
 
 def blocks(language: str) -> list[str]:
@@ -46,7 +50,7 @@ def test_the_python_of_the_readme_runs(folder: Path) -> None:
 def test_the_commands_of_the_readme_run_in_order(folder: Path) -> None:
     lines = [line for block in blocks("sh") for line in block.splitlines()]
     commands = [line for line in lines if line.startswith("maulstick ") and line != "maulstick studio"]
-    assert len(commands) == 3
+    assert len(commands) == 4
     for command in commands:
         ran = subprocess.run(
             [BIN / "maulstick", *quickly(command).split()[1:]], cwd=folder, capture_output=True, text=True

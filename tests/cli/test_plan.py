@@ -208,8 +208,8 @@ def test_what_cannot_be_used_is_one_line_and_makes_no_folder(tmp_path: Path, wor
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--strokes", "many"], "--strokes is 'many'; it must be a whole number, or auto"),
-        (["--strokes", "1.5"], "--strokes is '1.5'; it must be"),
+        (["--strokes", "many"], "invalid value for '--strokes': 'many' is neither"),
+        (["--strokes", "1.5"], "invalid value for '--strokes': '1.5' is neither"),
         (["--strokes"], "option '--strokes' requires an argument"),
         (["--colour"], "no such option: --colour"),
         (["more.jpg", "most.jpg"], "got unexpected extra argument"),

@@ -191,7 +191,7 @@ def _strokes(text: str) -> int | Literal["auto"]:
     try:
         return int(text)
     except ValueError:
-        raise InputError(f"--strokes is {text!r}; it must be a whole number, or auto") from None
+        raise typer.BadParameter(f"{text!r} is neither a whole number nor auto", param_hint="'--strokes'") from None
 
 
 def _picture_path(picture: Path | None, demo: bool, text: str | None) -> Path | None:
