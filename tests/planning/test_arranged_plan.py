@@ -12,7 +12,7 @@ from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
-from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods
+from maulstick.style.arrangement.neighbourhoods import Laid
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
 from tests.planning.conftest import options, problem_for
@@ -45,10 +45,8 @@ def same(one: PlanResult, two: PlanResult) -> bool:
 def far(strokes: StrokeParameters) -> float:
     """How far strokes lie from the hand's to those near them."""
     assert HAND.arrangement is not None
-    paths = torch.from_numpy(HAND.arrangement.paths)
-    hand = Neighbourhoods.of(Laid.of(paths, paths.mean(dim=1), torch.zeros(len(paths))))
     laid = Laid.of(HAND.decode(strokes.codes), strokes.centres, strokes.angles)
-    return float(hand.price(laid, torch.Generator().manual_seed(0)))
+    return float(HAND.arrangement.neighbourhoods.price(laid, torch.Generator().manual_seed(0)))
 
 
 def test_strokes_lie_as_the_hands_do_and_without_arrangement_they_do_not(
@@ -78,18 +76,6 @@ def test_an_arranged_plan_goes_on_as_if_it_had_not_stopped(
 
     plan(problem, INK, watch)
     assert same(plan(problem, INK, resume=states[-1]), planned)
-
-
-def test_a_state_of_a_plan_without_groups_is_refused(problem: PlanningProblem) -> None:
-    states: list[State] = []
-
-    def watch(progress: PlanProgress) -> bool:
-        states.append(progress.state())
-        return True
-
-    plan(problem, replace(INK, arrange=0.0, steps=2), watch)
-    with pytest.raises(InputError, match="no plan of the same request"):
-        plan(problem, replace(INK, steps=2), resume=states[0])
 
 
 @pytest.mark.parametrize("settings", [replace(INK, arrange=0.0), replace(INK, paints=4)], ids=["0", "paints"])

@@ -22,26 +22,19 @@ class Descent:
     """Adam over the parameters of strokes, and later of paints.
 
     spacing: metres between strokes, which a step of their centres is measured by.
-    groups: (N,), equal for strokes that move together; None where each moves alone.  together: in [0, 1], the share of
-    a step that they take as one, with their shapes as they are.
     """
 
-    def __init__(
-        self, strokes: StrokeParameters, spacing: float, groups: Tensor | None = None, together: float = 1.0
-    ) -> None:
-        self.strokes, self.groups = strokes, groups
-        self._spacing, self._together = spacing, together
+    def __init__(self, strokes: StrokeParameters, spacing: float) -> None:
+        self.strokes = strokes
         self._paints: Tensor | None = None
         self._steps = 0
         rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing}
-        if groups is not None:
-            rates["codes"] *= 1 - together
-        parameters = [
+        groups = [
             {"params": [tensor], "full_rate": rates[name]}
             for name, tensor in strokes.each().items()
             if tensor.requires_grad
         ]
-        self._adam = torch.optim.Adam(parameters, lr=1.0, betas=(0.9, 0.99))
+        self._adam = torch.optim.Adam(groups, lr=1.0, betas=(0.9, 0.99))
 
     def add_paints(self, paints: Tensor) -> None:
         """Adapt the colours (k, C) of the paints too."""
@@ -56,17 +49,12 @@ class Descent:
             group["lr"] = group["full_rate"] * rate
         self._adam.zero_grad(set_to_none=True)
         loss.backward()
-        centres, angles = self.strokes.centres.detach().clone(), self.strokes.angles.detach().clone()
         self._adam.step()
-        if self.groups is not None:
-            self._keep_together(self.groups, centres, angles)
         self._clamp()
 
-    def replace(self, rows: Tensor, others: StrokeParameters, groups: Tensor) -> None:
-        """Put other strokes in some rows, which belong together by `groups`, and forget what Adam knows of them."""
+    def replace(self, rows: Tensor, others: StrokeParameters) -> None:
+        """Put other strokes in some rows, and forget what Adam knows of these rows."""
         self.strokes.replace_rows(rows, others)
-        if self.groups is not None:
-            self.groups = self.groups.index_copy(0, rows, self.groups.max() + 1 + groups)
         for tensor in self.strokes.each().values():
             if tensor in self._adam.state:
                 for moment in ("exp_avg", "exp_avg_sq"):
@@ -74,34 +62,12 @@ class Descent:
 
     def state(self) -> State:
         """Return all that the next step depends on, without the strokes and paints themselves."""
-        groups = {} if self.groups is None else {"groups": self.groups.numpy()}
-        return {"steps": np.array(self._steps), **groups, **optimiser_state(self._adam)}
+        return {"steps": np.array(self._steps), **optimiser_state(self._adam)}
 
     def restore(self, state: State) -> None:
         """Put a state from `state` back."""
         self._steps = int(state["steps"])
-        if self.groups is not None:
-            self.groups = torch.from_numpy(state["groups"].copy())
         restore_optimiser(state, self._adam)
-
-    @torch.no_grad()
-    def _keep_together(self, groups: Tensor, centres: Tensor, angles: Tensor) -> None:
-        """Take most of the step from these centres (N, 2) and angles (N,) as groups that move and turn as a whole."""
-        _, of, counts = groups.unique(return_inverse=True, return_counts=True)
-
-        def mean(values: Tensor) -> Tensor:
-            rows = values.reshape(len(values), -1)
-            sums = rows.new_zeros(len(counts), rows.shape[1]).index_add(0, of, rows)
-            return torch.Tensor.reshape((sums / counts[:, None])[of], values.shape)
-
-        moved, turned = self.strokes.centres.detach() - centres, self.strokes.angles.detach() - angles
-        away, whole = centres - mean(centres), mean(moved)
-        across = torch.stack([-away[:, 1], away[:, 0]], dim=1)
-        inertia = mean(away.square().sum(dim=1)) + self._spacing**2
-        turn = mean((across * moved).sum(dim=1) + self._spacing**2 * turned) / inertia
-        whole = whole + turn[:, None] * across
-        self.strokes.centres.copy_(centres + torch.lerp(moved, whole, self._together))
-        self.strokes.angles.copy_(angles + torch.lerp(turned, turn, self._together))
 
     @torch.no_grad()
     def _clamp(self) -> None:

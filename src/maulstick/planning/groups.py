@@ -1,11 +1,7 @@
 """Groups of a hand's strokes, placed one after another where the picture misses most ink, along its edges."""
 
-from dataclasses import dataclass
-
 import numpy as np
-import torch
 from scipy.ndimage import gaussian_filter
-from torch import Tensor
 
 from maulstick.planning.placement import Places, at_pixels, colours_at, edges
 from maulstick.storage.arrays import Floats, Ints
@@ -18,19 +14,6 @@ _CELLS_IN_BLUR = 2  # side of the cells that ink is counted in
 _REACH_IN_BLURS = 4  # farther than this no ink is blurred
 
 
-@dataclass(frozen=True)
-class Placed:
-    """N strokes in groups.
-
-    places: of the strokes.  rows: (N,), of the hand's strokes that they are like.  groups: (N,), from 0, equal for
-    strokes that belong together.
-    """
-
-    places: Places
-    rows: Ints
-    groups: Ints
-
-
 def place_groups(
     target: Floats,
     density: Floats,
@@ -39,13 +22,14 @@ def place_groups(
     room: float,
     scale: float,
     rng: np.random.Generator,
-) -> Placed:
+) -> tuple[Places, Ints]:
     """Place groups of a hand, `count` strokes in all, by the density (H, W) along the edges of the target (C, H, W).
 
-    room: distance between strokes, pixels.  scale: pixels per metre.
+    Return the places, and the rows of the hand's strokes that they are like, (N,). All groups of the hand are used
+    before one is used again; the longest are placed first. Each is laid where its lines miss most of what the density
+    wants, turned by the edges there; where there is no edge it lies as the hand drew it.
 
-    All groups of the hand are used before one is used again; the longest are placed first. Each is laid where its lines
-    miss most of what the density wants, turned by the edges there; where there is no edge it lies as the hand drew it.
+    room: distance between strokes, pixels.  scale: pixels per metre.
     """
     height, width = density.shape
     sigma = max(1.0, min(room / 3, min(height, width) / 40))
@@ -72,7 +56,7 @@ def place_groups(
         np.full(count, room),
         colours_at(target, where, sigma),
     )
-    return Placed(places, strokes, np.repeat(np.arange(len(chosen)), [len(rows) for rows in chosen]))
+    return places, strokes
 
 
 def _choose(arrangement: Arrangement, count: int, rng: np.random.Generator) -> list[Ints]:
@@ -145,12 +129,3 @@ class _Ink:
 
     def _cells(self, points: Floats) -> tuple[Ints, Ints]:
         return at_pixels(points / self._side, self._missing.shape[1], self._missing.shape[0])
-
-
-def least_groups(costs: Tensor, groups: Tensor, count: int) -> Tensor:
-    """Rows of whole groups, (N,), whose strokes cost least on average, (N,), until there are `count` rows or more."""
-    _, of, counts = groups.unique(return_inverse=True, return_counts=True)
-    means = costs.new_zeros(len(counts)).index_add(0, of, costs) / counts
-    order = means.argsort(stable=True)
-    needed = int((counts[order].cumsum(0) < count).sum()) + 1
-    return torch.isin(of, order[:needed]).nonzero().flatten()

@@ -1,7 +1,5 @@
 """Initial strokes: all of them on the empty sheet, and later a few where the canvas is furthest from the picture."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from scipy.ndimage import gaussian_filter
@@ -13,22 +11,10 @@ from maulstick.planning.placement import detail, find_places, ink_density, start
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.storage.arrays import Floats, Ints
+from maulstick.storage.arrays import Floats
 from maulstick.style.arrangement import Arrangement
 
 _VISIBLE = 2 / 255  # least difference of sRGB between paper and picture that wants a stroke: two steps of 8 bits
-
-
-@dataclass(frozen=True)
-class Started:
-    """New strokes.
-
-    spacing: the median distance between them, metres.  groups: (N,), equal for strokes that belong together.
-    """
-
-    strokes: StrokeParameters
-    spacing: float
-    groups: Ints
 
 
 class Initialiser:
@@ -50,8 +36,8 @@ class Initialiser:
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
 
-    def first(self) -> Started:
-        """Return as many strokes as are planned, on the sheet as it is."""
+    def first(self) -> tuple[StrokeParameters, float]:
+        """Return as many strokes as are planned, on the sheet as it is, and the median of their spacing, metres."""
         target = self._problem.target
         if target is None:
             return self._anywhere()
@@ -74,30 +60,33 @@ class Initialiser:
         error: Floats = np.sum([gaussian_filter(x, blur) ** 2 for x in painted - image], axis=0) * self._weights
         return error
 
-    def strokes(self, target: Tensor, density: Floats, count: int, room: float = np.inf) -> Started:
-        """Return `count` strokes spread by the density (H, W) along edges of the target.
+    def strokes(
+        self, target: Tensor, density: Floats, count: int, room: float = np.inf
+    ) -> tuple[StrokeParameters, float]:
+        """Return `count` strokes spread by the density (H, W) along edges of the target, and their median spacing.
 
-        room: the largest spacing that a stroke is sized for, metres.
+        room: the largest spacing that a stroke is sized for. Both are in metres.
         """
         pixels_per_metre = self._problem.canvas.pixels_per_metre
         if self._arrangement is not None:
-            return self._arranged(self._arrangement, target, density, count)
+            return self._in_groups(self._arrangement, target, density, count)
         places = find_places(as_array(target), density, count, self._rng, room * pixels_per_metre)
         strokes = start_strokes(places, self._problem.style, self._problem.brush, pixels_per_metre, self._torch_rng)
-        return Started(strokes, float(np.median(places.spacing)) / pixels_per_metre, np.arange(count))
+        return strokes, float(np.median(places.spacing)) / pixels_per_metre
 
-    def _arranged(self, arrangement: Arrangement, target: Tensor, density: Floats, count: int) -> Started:
-        """Return `count` strokes as `strokes` does, in the hand's groups."""
-        canvas, style = self._problem.canvas, self._problem.style
+    def _in_groups(
+        self, arrangement: Arrangement, target: Tensor, density: Floats, count: int
+    ) -> tuple[StrokeParameters, float]:
+        """Return `count` strokes as `strokes` does, in groups of the hand."""
+        canvas = self._problem.canvas
         spacing = (canvas.width * canvas.height / self._options.strokes) ** 0.5
-        room = spacing * canvas.pixels_per_metre
-        placed = place_groups(as_array(target), density, count, arrangement, room, canvas.pixels_per_metre, self._rng)
-        codes, knots = style.sample_around(torch.from_numpy(placed.rows), self._torch_rng)
-        strokes = strokes_at(placed.places, codes, knots, self._problem.brush, canvas.pixels_per_metre)
-        return Started(strokes, spacing, placed.groups)
+        room, scale = spacing * canvas.pixels_per_metre, canvas.pixels_per_metre
+        places, rows = place_groups(as_array(target), density, count, arrangement, room, scale, self._rng)
+        codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)
+        return strokes_at(places, codes, knots, self._problem.brush, scale), spacing
 
-    def _anywhere(self) -> Started:
-        """Return strokes all over the sheet in random colours."""
-        started = self.strokes(self._problem.paper, np.ones_like(self._weights), self._options.strokes)
-        started.strokes.colours.copy_(torch.rand(started.strokes.colours.shape, generator=self._torch_rng))
-        return started
+    def _anywhere(self) -> tuple[StrokeParameters, float]:
+        """Return strokes all over the sheet in random colours, and their spacing as `first` does."""
+        strokes, spacing = self.strokes(self._problem.paper, np.ones_like(self._weights), self._options.strokes)
+        strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
+        return strokes, spacing

@@ -16,7 +16,6 @@ from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.descent import Descent
-from maulstick.planning.groups import least_groups
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
@@ -112,14 +111,11 @@ class _Planning:
         arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
         self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
-        groups, together, self._arranging = None, 0.0, None
+        self._arranging = None
         if start is None:
-            started = self._initialiser.first()
-            start, self._spacing = started.strokes, started.spacing
+            start, self._spacing = self._initialiser.first()
             if arrangement is not None:
-                groups = torch.from_numpy(started.groups)
-                self._arranging = Arranging(arrangement, self._style, options.arrange)
-                together = self._arranging.together(self._spacing)
+                self._arranging = Arranging(arrangement, self._style, start, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         usual = self._style.usual_cost(max(_COST_SAMPLES, options.strokes), torch.Generator().manual_seed(options.seed))
@@ -137,7 +133,7 @@ class _Planning:
         )
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
-        self._descent = Descent(strokes, self._spacing, groups, together)
+        self._descent = Descent(strokes, self._spacing)
         self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far
@@ -183,13 +179,11 @@ class _Planning:
         counts = (self._steps, self._sorted, self._relocated, self._repainted)
         numbers = (self._progress, self._stride, self._style_weight, *counts)
         surrogate = {} if self._surrogate is None else self._surrogate.state()
-        arranging = {} if self._arranging is None else {"arranging": np.array(self._arranging.weight)}
         state = {
             "progress": np.array(numbers),
             **self._stroke_canvas.state(),
             **self._descent.state(),
             **surrogate,
-            **arranging,
             **rng_state(self._rng, self._torch_rng),
         }
         return {name: array.copy() for name, array in state.items()}
@@ -204,8 +198,6 @@ class _Planning:
         self._descent.restore(state)
         if self._surrogate is not None and "slope" in state:  # there may have been no network losses before
             self._surrogate.restore(state)
-        if self._arranging is not None:
-            self._arranging.weight = float(state["arranging"])
         restore_rng(state, self._rng, self._torch_rng)
 
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
@@ -220,7 +212,7 @@ class _Planning:
             self._surrogate.ask(canvas, self._torch_rng)
         loss, parts = self._loss(canvas, now)
         if self._arranging is not None:
-            loss = loss + self._arranging.price(strokes, self._stride, self._torch_rng).to(loss.device)
+            loss = loss + self._arranging.price(strokes, self._torch_rng).to(loss.device)
         costs = self._style.cost(strokes.codes, strokes.pressure_knots)
         price = (costs * (1 + costs / self._allowed_cost)).mean()  # few strokes far off cost more
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)
@@ -252,12 +244,11 @@ class _Planning:
         """Move the strokes that would be missed least to where the canvas is furthest from the target."""
         costs, view = self._removal_costs(), self._view()
         count = max(1, int(_RELOCATED_SHARE * len(costs)))
-        groups = self._descent.groups
-        rows = torch.argsort(costs, stable=True)[:count] if groups is None else least_groups(costs, groups, count)
+        rows = torch.argsort(costs, stable=True)[:count]
         with torch.no_grad():
             density = self._initialiser.missing(view, self._stroke_canvas.render())
-        started = self._initialiser.strokes(view.target, density, len(rows), room=self._spacing)
-        self._descent.replace(rows, started.strokes, torch.from_numpy(started.groups))
+        strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
+        self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:
         """Return an estimate of the cost of removing each stroke, (N,), by row."""

@@ -14,7 +14,7 @@ from maulstick.strokes.strokes import POINTS, Strokes
 from maulstick.style.arrangement import Arrangement
 from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
-from maulstick.style.traits import path_length
+from maulstick.style.traits import path_length, quantiles
 
 _SHORTEST = 1e-3  # metres; anything shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
@@ -96,11 +96,6 @@ class Hand:
             return None
         usual = np.exp(np.log(self.speeds[known]).mean(axis=0))
         return torch.from_numpy(np.where(known[:, None], self.speeds, usual))[rows]
-
-
-def quantiles(count: int) -> Tensor:
-    """Quantiles (count,) that so many values stand for, ascending."""
-    return (torch.arange(count, dtype=torch.float64) + 0.5) / count
 
 
 def by_length(lengths: Tensor, rooms: Tensor) -> Tensor:

@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from maulstick.storage.arrays import Floats
-from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods
+from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods, describe
 from tests.support.drawn import hatching, rotation, scattered
 
 PATCHES = hatching(8, seed=0)
@@ -37,14 +37,45 @@ def test_more_of_the_same_hand_is_nearer_than_its_strokes_at_other_places_or_ang
     assert more < 0.2 * price(scattered(64, seed=1))
 
 
-def test_how_dense_strokes_are_costs_nothing() -> None:
-    denser = 0.5 * PATCHES.mean(axis=1, keepdims=True)
-    assert price(PATCHES - PATCHES.mean(axis=1, keepdims=True) + denser) < 0.05 * price(scattered(64, seed=1))
+def closer(paths: Floats, times: float) -> Floats:
+    """Strokes as long, so many times as near each other."""
+    centres = paths.mean(axis=1, keepdims=True)
+    return paths + (1 / times - 1) * centres
 
 
-def test_halves_of_a_hand_are_usually_nearer_than_another_hand() -> None:
-    neighbourhoods = Neighbourhoods.of(laid(PATCHES))
-    assert 0 < neighbourhoods.usual < 0.5 * price(scattered(64, seed=1))
+def test_density_counts_strokes_where_there_are_any() -> None:
+    one = laid(PATCHES)
+    assert laid(0.5 * PATCHES).density() == pytest.approx(one.density())
+    assert laid(np.concatenate([PATCHES, PATCHES + 10.0])).density() == pytest.approx(one.density())
+    assert laid(closer(PATCHES, 3.0)).density() > 1.5 * one.density()
+
+
+def test_a_hand_that_must_draw_more_densely_is_asked_for_nearer_strokes_and_one_with_room_is_not() -> None:
+    hand = Neighbourhoods.of(laid(PATCHES))
+    crowded = hand.crowded(4 * hand.density)
+    nearer = hand.numbers - crowded.numbers
+    assert nearer[:, :4].numpy() == pytest.approx(np.log(2))
+    assert nearer[:, -3:-1].numpy() == pytest.approx(np.log(4))
+    assert not nearer[:, 4:-3].any()
+    assert not nearer[:, -1].any()
+    assert torch.equal(hand.crowded(0.5 * hand.density).numbers, hand.numbers)
+
+
+def test_gaps_are_those_to_the_lines_of_others() -> None:
+    along = np.linspace((0.0, 0.0), (1.0, 0.0), 32)
+    lines = np.stack([along + np.array([0.03 * i, 0.1 * i**2]) for i in range(6)])
+    numbers = describe(laid(lines), unit=1.0)
+    mean, least, spread = numbers[:, -3:].T.numpy()
+    nearest = [0.1, 0.1, 0.3, 0.5, 0.7, 0.9]
+    assert np.exp(least) == pytest.approx(np.hypot(nearest, 0.005))
+    assert np.exp(mean) == pytest.approx(nearest, rel=0.02)
+    assert (spread < 0.05).all()
+
+
+def test_a_strokes_own_line_is_not_the_nearest_however_it_doubles_back() -> None:
+    back = np.concatenate([np.linspace((0.0, 0.0), (1.0, 0.0), 16), np.linspace((1.0, 1e-3), (0.0, 1e-3), 16)])
+    numbers = describe(laid(np.stack([back + np.array([0.0, 0.5 * i]) for i in range(6)])), unit=1.0)
+    assert np.exp(numbers[:, -2].numpy()) == pytest.approx(0.5, abs=2e-3)
 
 
 def test_descent_on_the_price_arranges_strewn_strokes_as_the_hand_does() -> None:

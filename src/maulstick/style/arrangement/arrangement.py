@@ -1,4 +1,4 @@
-"""Arrangement: how a hand's strokes lie beside and after one another, of which groups are learned so far."""
+"""Arrangement: how a hand's strokes lie beside and after one another."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,9 +6,11 @@ from typing import Self
 
 import numpy as np
 import shapely
+import torch
 
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
+from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods
 
 FEWEST = 30
 """Least number of strokes that an arrangement can be learned from."""
@@ -38,6 +40,12 @@ class Arrangement:
             return None
         in_company = sum(len(group) for group in arrangement.groups if len(group) > 1)
         return arrangement if in_company >= _LEAST_IN_COMPANY * len(poses) else None
+
+    @cached_property
+    def neighbourhoods(self) -> Neighbourhoods:
+        """How each stroke lies to those near it."""
+        paths = torch.from_numpy(self.paths)
+        return Neighbourhoods.of(Laid.of(paths, paths.mean(dim=1), paths.new_zeros(len(paths))))
 
     @cached_property
     def groups(self) -> tuple[Ints, ...]:
