@@ -2,10 +2,12 @@
 
     .venv/bin/python benchmarks/arrangement.py [ROW ...] [--quick]
 
-Each ROW is a way to plan (of PLANS) or a control, without a photograph: `people`, the hand itself; `copied_half`, the
-strokes that were learned from as they are; `scrambled_places`, with their places exchanged; `scrambled_angles`, with
-angles at random; `thrown_groups`, as many strokes as a plan has, in groups of them that lie anywhere on the sheet. All
-of them by default.
+Each ROW is a way to plan: `held`, the hand's strokes each placed alone, or `arranged`, as it does; or `today`, how
+plans were before, which is only printed; `arranged_small`, in a hand that draws so small that as many strokes lie no
+denser than in its drawing; or a control, without a photograph: `people`, the hand itself; `copied_half`,
+the strokes that were learned from as they are; `scrambled_places`, with their places exchanged; `scrambled_angles`,
+with angles at random; `thrown_groups`, as many strokes as a plan has, in groups of them that lie anywhere on the sheet.
+All of them by default.
 
 A style is learned from one half of a drawing, a photograph is planned in it (one ink, fineliner, 800 strokes), and the
 other half judges: see `judge.py`. Eight hands, four splits into halves, four photographs, two seeds: 256 plans.
@@ -47,8 +49,11 @@ PHOTOGRAPHS = ("chelsea", "astronaut", "coffee", "camera")
 SEEDS = 2
 
 CONTROLS = ("people", "copied_half", "scrambled_places", "scrambled_angles", "thrown_groups")
-PLANS: dict[str, dict[str, Any]] = {"today": {}}
+SMALL = "arranged_small"
+PLANS: dict[str, dict[str, Any]] = {"held": {"arrange": 0.0}, "arranged": {}, SMALL: {}}
 """Ways to plan: options of a plan that differ from JOB."""
+KEPT = "today"
+"""Plans of the commit before strokes were held and arranged: what was measured is kept, and no newer code makes it."""
 STROKES, SHEET = 800, (0.24, 0.16)
 JOB = {"brush": "fineliner", "ink": "black", "strokes": STROKES, "size": "240x160mm", "px": 320, "device": "cpu"}
 
@@ -134,8 +139,11 @@ def planned(case: Case) -> ms.Painting:
     if not path.exists():
         assert case.photograph is not None
         style = ms.fit_style(learned_by(case), case.hand.lower())
+        options = JOB | PLANS[case.row]
+        if case.row == SMALL and style.arrangement is not None:
+            options["hand_size"] = style.arrangement.size_for(STROKES, SHEET[0] * SHEET[1])
         started = time.process_time()
-        painting = ms.plan(load(case.photograph), style=style, seed=case.seed, **JOB, **PLANS[case.row])
+        painting = ms.plan(load(case.photograph), style=style, seed=case.seed, **options)
         painting.provenance.metrics["seconds"] = time.process_time() - started
         path.parent.mkdir(exist_ok=True)
         painting.save(path)
@@ -144,7 +152,7 @@ def planned(case: Case) -> ms.Painting:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = [*CONTROLS, *PLANS]
+    names = [*CONTROLS, KEPT, *PLANS]
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(names)}")
     parser.add_argument("--quick", action="store_true", help="8 plans of each way instead of 256")
     asked = parser.parse_args()
@@ -157,7 +165,7 @@ def main() -> None:
         Case(**{field.name: row[field.name] for field in fields(Case)}): row
         for row in (rows_of("arrangement") if path.exists() else [])
     }
-    wanted = [case for row in rows for case in cases(row, asked.quick)]
+    wanted = [case for row in rows if row != KEPT for case in cases(row, asked.quick)]
     for case in kept:
         if case.row in rows:
             print(json.dumps(kept[case]))

@@ -6,6 +6,7 @@ A drawing mixes several ways of drawing; a style is one of them, told by how its
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +64,8 @@ def main() -> None:
         chosen = [_chosen(drawings[source], rule) for source in sources]
         strokes = _joined(chosen)
         rows = np.random.default_rng(0).permutation(len(strokes))[:MOST]
-        style = Exemplar.fit(name, Hand.of(strokes[np.sort(rows)]), hands)
+        hand = replace(Hand.of(strokes[np.sort(rows)]), poses=None)  # of several documents, with gaps between them
+        style = Exemplar.fit(name, hand, hands)
         write_style(style, f"Wacom universal-ink-library 2.1.2, Apache-2.0: {', '.join(sources)}", BUILT_IN)
         print(f"{name}: {len(style.hand)} of {len(strokes)} strokes, freedom {style.freedom}")
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,7 @@ def test_one_half_judges_and_copies_are_sought_in_the_other(bench: Any, hands: d
 
 
 def test_quick_plans_are_among_all_plans(bench: Any) -> None:
-    quick, every = (list(bench.arrangement.cases("today", short)) for short in (True, False))
+    quick, every = (list(bench.arrangement.cases("arranged", short)) for short in (True, False))
     assert (len(quick), len(every), len(set(every))) == (8, 256, 256)
     assert set(quick) < set(every)
     assert not {case.hand for case in quick} & set(bench.drawings.TUNE_NOTHING)
@@ -90,7 +91,7 @@ def test_an_interrupted_table_goes_on_where_it_stopped(
 ) -> None:
     (tmp_path / "measured").mkdir()
     monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
-    stops = [case for row in ("people", "today") for case in bench.arrangement.cases(row, True)][20:21]
+    stops = [case for row in ("people", "held") for case in bench.arrangement.cases(row, True)][20:21]
 
     def measured(case: Any, judge: object) -> dict[str, object]:
         if case in stops:
@@ -102,7 +103,7 @@ def test_an_interrupted_table_goes_on_where_it_stopped(
     for module in (bench.arrangement, bench.kept):
         monkeypatch.setattr(module, "ROOT", tmp_path)
     monkeypatch.setattr(bench.arrangement, "measured", measured)
-    monkeypatch.setattr(sys, "argv", ["arrangement.py", "today", "--quick"])
+    monkeypatch.setattr(sys, "argv", ["arrangement.py", "held", "--quick"])
     with pytest.raises(KeyboardInterrupt):
         bench.arrangement.main()
     assert not stops
@@ -113,4 +114,25 @@ def test_an_interrupted_table_goes_on_where_it_stopped(
     assert printed.out.startswith(before)
     assert len({(row["row"], row["hand"], row["split"], row["photograph"]) for row in rows}) == len(rows) == 32 + 8
     assert (tmp_path / "measured" / "arrangement.jsonl").read_text(encoding="utf-8") == printed.out
-    assert "| today | 8 | 0.00 (0.00 to 0.00) |" in printed.err
+    assert "| held | 8 | 0.00 (0.00 to 0.00) |" in printed.err
+
+
+def test_plans_of_today_are_printed_and_never_made_again(
+    bench: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "measured").mkdir()
+    [kept, *_] = bench.arrangement.cases("today", True)
+    figures = {"energy": 0.5, "energy_judging": 0.25, "taken_for": kept.hand}
+    people = [
+        asdict(case) | figures | {"others_energy": 1.0, "others_energy_judging": 1.0}
+        for case in bench.arrangement.cases("people", True)
+        if case.hand in bench.drawings.HANDS
+    ]
+    lines = [json.dumps(row) for row in [*people, asdict(kept) | figures]]
+    (tmp_path / "measured" / "arrangement.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
+    for module in (bench.arrangement, bench.kept):
+        monkeypatch.setattr(module, "ROOT", tmp_path)
+    monkeypatch.setattr(sys, "argv", ["arrangement.py", "today", "--quick"])
+    bench.arrangement.main()
+    assert capsys.readouterr().out.splitlines() == lines

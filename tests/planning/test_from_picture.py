@@ -161,6 +161,7 @@ def test_making_holds_every_option_and_more() -> None:
         "steps": 80,
         "ask_every": 10,
         "seed": 0,
+        "arrange": 1.0,
         "size": "20x16cm",
     }
 

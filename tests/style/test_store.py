@@ -119,6 +119,17 @@ def test_a_style_is_read_as_it_was_written(made: store.Fitted, tmp_path: Path) -
     assert sorted(os.listdir(path.parent)) == [path.name, path.with_suffix(".safetensors").name]
 
 
+@pytest.mark.parametrize("made", [an_exemplar(), a_trajvae()], ids=lambda style: style.name)
+def test_where_strokes_lay_is_kept_and_styles_without_it_have_none(made: store.Fitted, tmp_path: Path) -> None:
+    poses = np.random.default_rng(0).normal(0, 0.1, (7, 3))
+    placed = replace(made, hand=replace(made.hand, poses=poses))
+    read = store.read_style(store.write_style(placed, "a drawing of arcs", tmp_path))
+    assert read.hand.poses == pytest.approx(poses, abs=FLOAT32_METRES)
+    assert read.hash == made.hash
+    assert store.read_style(store.write_style(made, "a drawing of arcs", tmp_path)).hand.poses is None
+    assert all(store.read_style(path).hand.poses is None for path in cards.BUILT_IN.glob("*.json"))
+
+
 def test_a_card_says_what_a_style_is(style: Path) -> None:
     card = cards.read_card(style)
     assert (card.name, card.source, card.strokes) == ("arcs", "a drawing of arcs", 7)
@@ -267,6 +278,8 @@ def test_a_card_with_a_fault_is_refused_by_the_name_of_the_field(
             "its pressure are impossible, or known along a part of a stroke only",
         ),
         ({"speeds": np.full((7, 32), np.inf)}, "its speeds are impossible, or known along a part of a stroke only"),
+        ({"poses": np.zeros((6, 3))}, "poses is float64 of shape (6, 3); it must be floating point of shape (7, 3)"),
+        ({"poses": np.full((7, 3), np.nan)}, "a stroke of it lies nowhere"),
         ({"covariance": -HANDS.covariance}, "covariance must be positive definite"),
         ({"covariance": np.triu(np.ones((17, 17)))}, "covariance must be finite and symmetric"),
         ({"residual": np.zeros(RESIDUAL)}, "residual must be finite and above 0"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import kind_of
+from maulstick.storage.arrays import Floats, kind_of
 from maulstick.strokes.ink import Ink, read_ink
 from maulstick.strokes.strokes import POINTS, Strokes, read_strokes
 
@@ -22,7 +22,7 @@ KINDS: Final = ("exemplar", "trajvae")
 
 
 def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
-    """Return the strokes of all recordings together.
+    """Return the strokes of all recordings together, each recording farther right than any near stroke of another.
 
     Raises InputError for a file that holds neither ink nor strokes, or that is named twice.
     """
@@ -35,7 +35,7 @@ def strokes_of(recorded: Sequence[Recorded]) -> Strokes:
     return Strokes(
         np.concatenate([part.trajectories for part in parts]),
         np.concatenate([part.times for part in parts]),
-        np.concatenate([part.poses for part in parts]),
+        np.concatenate(_side_by_side(parts)),
     )
 
 
@@ -54,6 +54,19 @@ def learn_style(name: str, strokes: Strokes, kind: str) -> "Fitted":
     from maulstick.style.train import fine_tune, pretrained
 
     return fine_tune(pretrained(), hand, seed=0, name=name)
+
+
+def _side_by_side(parts: list[Strokes]) -> list[Floats]:
+    """Return poses of all parts; each but the first is moved to the right of those before, by the longest stroke."""
+    apart = max(part.lengths.max(initial=0.0) for part in parts)
+    poses: list[Floats] = []
+    right = None
+    for part in (part for part in parts if len(part)):
+        xs = part.placed()[..., 0]
+        moved = 0.0 if right is None else right + apart - xs.min()
+        poses.append(part.poses + np.array([moved, 0.0, 0.0]))
+        right = xs.max() + moved
+    return poses or [parts[0].poses]
 
 
 def _strokes_in(recorded: Recorded) -> Strokes:

@@ -5,23 +5,33 @@ import torch
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
+from maulstick.planning.groups import place_groups
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.placement import detail, find_places, ink_density, start_strokes
+from maulstick.planning.placement import detail, find_places, ink_density, start_strokes, strokes_at
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
+from maulstick.style.arrangement import Arrangement
 
 _VISIBLE = 2 / 255  # least difference of sRGB between paper and picture that wants a stroke: two steps of 8 bits
 
 
 class Initialiser:
-    """New strokes for a planning problem. All random numbers come from the two generators."""
+    """New strokes for a planning problem. All random numbers come from the two generators.
+
+    arrangement: whose groups are placed; None to place each stroke alone.
+    """
 
     def __init__(
-        self, problem: PlanningProblem, options: PlannerSettings, rng: np.random.Generator, torch_rng: Generator
+        self,
+        problem: PlanningProblem,
+        options: PlannerSettings,
+        arrangement: Arrangement | None,
+        rng: np.random.Generator,
+        torch_rng: Generator,
     ) -> None:
-        self._problem, self._options = problem, options
+        self._problem, self._options, self._arrangement = problem, options, arrangement
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
@@ -58,9 +68,22 @@ class Initialiser:
         room: the largest spacing that a stroke is sized for. Both are in metres.
         """
         pixels_per_metre = self._problem.canvas.pixels_per_metre
+        if self._arrangement is not None:
+            return self._in_groups(self._arrangement, target, density, count)
         places = find_places(as_array(target), density, count, self._rng, room * pixels_per_metre)
         strokes = start_strokes(places, self._problem.style, self._problem.brush, pixels_per_metre, self._torch_rng)
         return strokes, float(np.median(places.spacing)) / pixels_per_metre
+
+    def _in_groups(
+        self, arrangement: Arrangement, target: Tensor, density: Floats, count: int
+    ) -> tuple[StrokeParameters, float]:
+        """Return `count` strokes as `strokes` does, in groups of the hand."""
+        canvas = self._problem.canvas
+        spacing = (canvas.width * canvas.height / self._options.strokes) ** 0.5
+        room, scale = spacing * canvas.pixels_per_metre, canvas.pixels_per_metre
+        places, rows = place_groups(as_array(target), density, count, arrangement, room, scale, self._rng)
+        codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)
+        return strokes_at(places, codes, knots, self._problem.brush, scale), spacing
 
     def _anywhere(self) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing as `first` does."""

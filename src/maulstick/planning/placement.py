@@ -11,7 +11,7 @@ from torch import Generator
 
 from maulstick.painting.brush import Brush
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.style import Style
 
 _ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly spread; each costs time
@@ -67,22 +67,43 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
     height, width = density.shape
     spacing = spacing.clip(max=room)
     sigma = max(1.0, min(float(np.median(spacing)) / 3, min(height, width) / 40))
-    tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
-    at = tuple(np.clip(centres[:, i].astype(int), 0, size - 1) for i, size in ((1, height), (0, width)))
-    rr, rc, cc = (sum(channels)[at] for channels in zip(*tensors, strict=True))
-    along_edge = 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2
-    coherence = np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
+    along_edge, coherence = (each[at_pixels(centres, width, height)] for each in edges(target, sigma))
     wander = rng.normal(size=count) * (1 - coherence) * np.pi / 2
-    colours = np.stack([gaussian_filter(channel, sigma / 2)[at] for channel in target], axis=1)
-    return Places(centres, along_edge + wander, spacing, colours)
+    return Places(centres, along_edge + wander, spacing, colours_at(target, centres, sigma))
+
+
+def edges(target: Floats, sigma: float) -> tuple[Floats, Floats]:
+    """Return the angle along the edges of the target (C, H, W), radians, and in [0, 1] how sure it is, (H, W) each."""
+    tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
+    rr, rc, cc = (sum(channels) for channels in zip(*tensors, strict=True))
+    return 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2, np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
+
+
+def colours_at(target: Floats, centres: Floats, sigma: float) -> Floats:
+    """Return the colours (N, C) of the target (C, H, W) about centres (N, 2), pixels."""
+    at = at_pixels(centres, target.shape[2], target.shape[1])
+    return np.stack([gaussian_filter(channel, sigma / 2)[at] for channel in target], axis=1)
+
+
+def at_pixels(points: Floats, width: int, height: int) -> tuple[Ints, Ints]:
+    """Return row and column of the pixels that points (..., 2) lie in; of those outside, the nearest."""
+    row, column = (np.clip(points[..., i].astype(int), 0, size - 1) for i, size in ((1, height), (0, width)))
+    return row, column
 
 
 def start_strokes(
     places: Places, style: Style, brush: Brush, pixels_per_metre: float, generator: Generator
 ) -> StrokeParameters:
     """Return strokes of the style at the places, of the length that the style allows for the room there."""
+    codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * places.spacing / pixels_per_metre), generator)
+    return strokes_at(places, codes, knots, brush, pixels_per_metre)
+
+
+def strokes_at(
+    places: Places, codes: torch.Tensor, knots: torch.Tensor, brush: Brush, pixels_per_metre: float
+) -> StrokeParameters:
+    """Return the strokes of these codes (N, K) at the places; their pressure (N, 4) is moved to suit the room there."""
     spacing = places.spacing / pixels_per_metre
-    codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * spacing), generator)
     if brush.pressure_matters:
         pressure = brush.pressure_for(_HALF_WIDTH_IN_SPACINGS * spacing)
         knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(0, 1)

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
+from maulstick.planning.arranging import Arranging
 from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
@@ -107,10 +108,14 @@ class _Planning:
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
         self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
-        self._initialiser = Initialiser(problem, options, self._rng, self._torch_rng)
+        arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
+        self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
+        self._arranging = None
         if start is None:
             start, self._spacing = self._initialiser.first()
+            if arrangement is not None:
+                self._arranging = Arranging(arrangement, self._style, start, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         usual = self._style.usual_cost(max(_COST_SAMPLES, options.strokes), torch.Generator().manual_seed(options.seed))
@@ -206,6 +211,8 @@ class _Planning:
         if self._surrogate is not None and self._steps % self._options.ask_every == 0:
             self._surrogate.ask(canvas, self._torch_rng)
         loss, parts = self._loss(canvas, now)
+        if self._arranging is not None:
+            loss = loss + self._arranging.price(strokes, self._torch_rng).to(loss.device)
         costs = self._style.cost(strokes.codes, strokes.pressure_knots)
         price = (costs * (1 + costs / self._allowed_cost)).mean()  # few strokes far off cost more
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)

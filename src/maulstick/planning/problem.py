@@ -24,6 +24,7 @@ class PlannerSettings:
     strokes: at most so many; exactly so many with `exact`.
     paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1]; a palette of one colour is an ink.
     steps: of the optimiser.  ask_every: steps between two calls of the network losses.
+    arrange: in [0, 1], how far strokes are arranged as the hand arranges them, where the style knows how.
     seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
     Raises InputError for a value out of its range.
     """
@@ -35,6 +36,7 @@ class PlannerSettings:
     steps: int = 1500
     ask_every: int = 10
     seed: int = 0
+    arrange: float = 1.0
 
     def __post_init__(self) -> None:
         if self.strokes < 1:
@@ -50,6 +52,8 @@ class PlannerSettings:
         for colour in self.palette:
             if not all(0 <= channel <= 1 for channel in colour):
                 raise InputError.of_range("a colour of the palette", colour, "sRGB in [0, 1]")
+        if not 0 <= self.arrange <= 1:
+            raise InputError.of_range("how far strokes are arranged", self.arrange, "0 to 1")
         if not 0 <= self.seed < 2**32:
             raise InputError.of_range("the seed", self.seed, "in 0 to 4294967295")
 

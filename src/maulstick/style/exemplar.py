@@ -14,13 +14,14 @@ from torch.nn.functional import normalize
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import shape
+from maulstick.style.arrangement import Arrangement
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
-from maulstick.style.hand import Hand, by_length, quantiles
+from maulstick.style.hand import Hand, by_length
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-from maulstick.style.traits import chord_and_turning, keep_lengths, path_length
+from maulstick.style.traits import chord_and_turning, keep_lengths, path_length, quantiles
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
@@ -96,6 +97,11 @@ class Exemplar(Style):
         """Hash of the units, which is all that decoding depends on."""
         return hashlib.sha256(b"exemplar" + self.hands.units.tobytes()).hexdigest()[:16]
 
+    @property
+    def arrangement(self) -> Arrangement | None:
+        """How the hand arranges its strokes."""
+        return self.hand.arrangement
+
     @cached_property
     def _units(self) -> Tensor:
         return torch.from_numpy(self.hands.units)
@@ -149,16 +155,19 @@ class Exemplar(Style):
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
-        drawn, around = self._neighbours.sample(k, generator)
-        drawn = drawn * self._usual
+        return self.sample_around(self.hand.choose(k, generator), generator)
+
+    def sample_around(self, rows: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Draw a stroke around each of the hand's strokes `rows` (k,), codes (k, 63) and pressure knots (k, 4)."""
+        drawn = self._neighbours.sample(rows, generator) * self._usual
         for logarithm in (_LENGTH, _ROUGHNESS):  # else a few strokes would be many times as long or as rough
             drawn[:, logarithm].clamp_(*self._centres[:, logarithm].aminmax())
         directions = normalize(self._numbers[:, GIST:], dim=1)
-        shares = torch.randn(k, len(directions), generator=generator).to(directions) / len(directions) ** 0.5
-        mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[around]
+        shares = torch.randn(len(rows), len(directions), generator=generator).to(directions) / len(directions) ** 0.5
+        mixed = self.freedom * shares @ directions + (1 - self.freedom) * directions[rows]
         residuals = normalize(mixed, dim=1) * drawn[:, GIST:].exp()
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
-        return codes.float(), self.hand.sample_pressure(around, generator)
+        return codes.float(), self.hand.sample_pressure(rows, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""

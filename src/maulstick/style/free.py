@@ -87,6 +87,15 @@ class FreeStyle(Style):
             self.shortest * (self.longest / self.shortest) ** torch.rand(k, generator=generator), generator
         )
 
+    def sample_around(self, rows: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Draw as many strokes as `rows` (k,): there is no hand that they could be around."""
+        return self.sample(len(rows), generator)
+
+    @property
+    def arrangement(self) -> None:
+        """Return None: there is no hand that arranges strokes."""
+        return None
+
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw gently bent strokes of these lengths (k,) within the limits, metres, each of constant pressure."""
         k = len(lengths)

@@ -1,6 +1,7 @@
 """Hands: the strokes that a style is learned from, with their pressure and speed."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -10,9 +11,10 @@ from torch import Generator, Tensor
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS, Strokes
+from maulstick.style.arrangement import Arrangement
 from maulstick.style.cards import FEWEST
 from maulstick.style.pressure import KNOTS, fit_knots
-from maulstick.style.traits import path_length
+from maulstick.style.traits import path_length, quantiles
 
 _SHORTEST = 1e-3  # metres; anything shorter is a dot
 _SLOWEST, _QUICKEST = 1e-3, 2.0  # metres per second: bounds against pauses and errors in the recorded times
@@ -26,11 +28,14 @@ class Hand:
 
     paths: (M, 32, 2), standardised, metres.  pressure: (M, 4) knots in [0, 1], NaN where a stroke's was not recorded.
     speeds: (M, 32), metres per second at each point, NaN where a stroke's times were not recorded.
+    poses: (M, 3), which put strokes of one drawing back where they were drawn, in the order drawn; None where that is
+    unknown.
     """
 
     paths: Floats
     pressure: Floats
     speeds: Floats
+    poses: Floats | None = None
 
     @classmethod
     def of(cls, strokes: Strokes) -> Self:
@@ -42,18 +47,28 @@ class Hand:
         if strokes.trajectories.shape[1] != POINTS:
             raise InputError.of_range("the points of a stroke", strokes.trajectories.shape[1], f"{POINTS}")
         paths = strokes.trajectories[..., :2]
-        return cls(paths, fit_knots(strokes.trajectories[..., 2]), _speeds(paths, strokes.times))
+        return cls(paths, fit_knots(strokes.trajectories[..., 2]), _speeds(paths, strokes.times), strokes.poses)
 
     def __len__(self) -> int:
         return len(self.paths)
 
     def scaled(self, times: float) -> Self:
         """Return the hand that draws so many times as large, in the same time (isochrony: Viviani and McCollum)."""
-        return replace(self, paths=self.paths * times, speeds=self.speeds * times)
+        poses = None if self.poses is None else self.poses * [times, times, 1]
+        return replace(self, paths=self.paths * times, speeds=self.speeds * times, poses=poses)
+
+    @cached_property
+    def arrangement(self) -> Arrangement | None:
+        """How the strokes are arranged; None where it is unknown, or they are too few or too scattered."""
+        return None if self.poses is None else Arrangement.of(self.paths, self.poses)
 
     def lengths(self, count: int) -> Tensor:
         """Lengths (count,), metres, ascending, of so many strokes of the hand: the quantiles of those it drew."""
         return torch.quantile(path_length(torch.from_numpy(self.paths)), quantiles(count))
+
+    def choose(self, k: int, generator: Generator) -> Tensor:
+        """Draw the rows of k strokes of the hand, (k,)."""
+        return torch.randint(len(self), (k,), generator=generator)
 
     def sample_pressure(self, rows: Tensor, generator: Generator) -> Tensor:
         """Pressure knots (k, 4) of the strokes `rows` (k,); constant and random where pressure was not recorded."""
@@ -81,11 +96,6 @@ class Hand:
             return None
         usual = np.exp(np.log(self.speeds[known]).mean(axis=0))
         return torch.from_numpy(np.where(known[:, None], self.speeds, usual))[rows]
-
-
-def quantiles(count: int) -> Tensor:
-    """Quantiles (count,) that so many values stand for, ascending."""
-    return (torch.arange(count, dtype=torch.float64) + 0.5) / count
 
 
 def by_length(lengths: Tensor, rooms: Tensor) -> Tensor:

@@ -30,15 +30,14 @@ class Neighbours:
     bandwidths: Tensor
     kept: Tensor
 
-    def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
-        """Draw k codes (k, d), and return the index of the stroke that each was drawn around, (k,)."""
-        around = torch.randint(len(self.centres), (k,), generator=generator)
-        uniform = torch.rand(k, len(self.centres), generator=generator).to(self.centres)
+    def sample(self, around: Tensor, generator: Generator) -> Tensor:
+        """Draw a code around each of the strokes `around` (k,), (k, d)."""
+        uniform = torch.rand(len(around), len(self.centres), generator=generator).to(self.centres)
         shares = (2 * uniform - 1) * _UNIT * self.weights[around].sqrt()
         mean = self._means[around]
         middle = mean + self.kept * (self.centres[around] - mean)
         differences = shares @ self.centres - shares.sum(1, keepdim=True) * middle
-        return middle + self.bandwidths * differences, around
+        return middle + self.bandwidths * differences
 
     @cached_property
     def _means(self) -> Tensor:

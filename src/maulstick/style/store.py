@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -41,6 +42,8 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
+    if style.hand.poses is not None:
+        arrays["poses"] = style.hand.poses.astype(np.float32)
     if isinstance(style, Exemplar):
         settings: ExemplarSettings | TrajVAESettings = ExemplarSettings(freedom=style.freedom)
         arrays |= {field: getattr(style.hands, field) for field in _HANDS}
@@ -117,9 +120,13 @@ def _array(arrays: Arrays, name: str, shape: tuple[int, ...]) -> Floats:
 
 def _hand(arrays: Arrays, strokes: int) -> Hand:
     hand = Hand(*(_array(arrays, name, (strokes, *shape)) for name, shape in _HAND.items()))
+    if "poses" in arrays:
+        hand = replace(hand, poses=_array(arrays, "poses", (strokes, 3)))
     lengths = path_lengths(hand.paths)
     if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
         raise ValueError("a stroke of it is no standardised path of 0.1 mm to 100 m")
+    if hand.poses is not None and not (np.abs(hand.poses) <= _LONGEST).all():
+        raise ValueError("a stroke of it lies nowhere")
     for name, values, most in (("pressure", hand.pressure, 1.0), ("speeds", hand.speeds, np.inf)):
         known = np.isfinite(values).all(axis=1)
         if not (known | np.isnan(values).all(axis=1)).all() or (values < 0).any() or (values > most).any():

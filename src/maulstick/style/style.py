@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Self
 if TYPE_CHECKING:
     from torch import Generator, Tensor
 
+    from maulstick.style.arrangement import Arrangement
+
 
 class Style(ABC):
     """Prior over standardised strokes.
@@ -37,6 +39,15 @@ class Style(ABC):
     @abstractmethod
     def sample(self, k: int, generator: "Generator") -> "tuple[Tensor, Tensor]":
         """Draw codes (k, K) and pressure knots (k, 4) in [0, 1] with the generator."""
+
+    @abstractmethod
+    def sample_around(self, rows: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
+        """Draw codes (k, K) and pressure knots (k, 4) of one stroke around each of the hand's strokes `rows`, (k,)."""
+
+    @property
+    @abstractmethod
+    def arrangement(self) -> "Arrangement | None":
+        """How the hand arranges its strokes, whose `rows` its groups are of; None where that is unknown."""
 
     @abstractmethod
     def sample_for(self, lengths: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":

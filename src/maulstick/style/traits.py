@@ -14,6 +14,11 @@ def path_length(paths: Tensor) -> Tensor:
     return _norm(paths.diff(dim=1)).sum(1)
 
 
+def quantiles(count: int) -> Tensor:
+    """Return the quantiles (count,) that so many values stand for, ascending."""
+    return (torch.arange(count, dtype=torch.float64) + 0.5) / count
+
+
 def chord_and_turning(paths: Tensor) -> Tensor:
     """Return, for each path (N, n, 2), chord over length and absolute turning in radians, (N, 2); differentiable."""
     steps = paths.diff(dim=1)

@@ -21,6 +21,7 @@ from torch.nn.functional import linear, silu
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats
 from maulstick.style import shape
+from maulstick.style.arrangement import Arrangement
 from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand, by_length
 from maulstick.style.neighbours import Neighbours
@@ -103,6 +104,11 @@ class TrajVAE(Style):
         """Return the style of this hand with the network in `arrays`. Raises InputError where there is none."""
         return cls(name, hand, check_weights({name: arrays.get(_PREFIX + name) for name in shapes()}))
 
+    @property
+    def arrangement(self) -> Arrangement | None:
+        """How the hand arranges its strokes."""
+        return self.hand.arrangement
+
     @cached_property
     def _exemplar(self) -> Exemplar:
         hands = PooledHands(*(self.weights[f"hands.{field}"].double().numpy() for field in ("covariance", "residual")))
@@ -132,8 +138,11 @@ class TrajVAE(Style):
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw codes (k, 64) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
-        codes, around = self._neighbours.sample(k, generator)
-        return codes.float(), self.hand.sample_pressure(around, generator)
+        return self.sample_around(self.hand.choose(k, generator), generator)
+
+    def sample_around(self, rows: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+        """Draw a stroke around each of the hand's strokes `rows` (k,), codes (k, 64) and pressure knots (k, 4)."""
+        return self._neighbours.sample(rows, generator).float(), self.hand.sample_pressure(rows, generator)
 
     def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 64) and (k, 4); the longest gets the place with most room."""

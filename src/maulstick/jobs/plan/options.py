@@ -49,6 +49,7 @@ class PlanOptions:
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
+    arrange: in [0, 1], how far strokes of one ink are arranged as the hand arranges them, where the style knows how.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.
     seed: repeats a plan to the bit on one machine.
@@ -81,6 +82,7 @@ class PlanOptions:
     clip: str | None = None
     clip_weights: Path | None = None
     clip_layers: tuple[int, ...] | None = None
+    arrange: float = 1.0
     steps: int = 1500
     ask_every: int = 10
     px: int | None = None
@@ -125,6 +127,8 @@ class PlanOptions:
         if self.text is not None and not self.text.strip():
             shown = "say what the painting should show, as in 'a sailing boat at dusk'"
             raise InputError(f"{option('text')} is empty; {shown}")
+        if not (isinstance(self.arrange, int | float) and 0 <= self.arrange <= 1):
+            raise InputError.of_range(option("arrange"), self.arrange, "from 0, not at all, to 1")
         for name, weight in self.weights.items():
             if not isinstance(weight, int | float) or not isfinite(weight):
                 raise InputError.of_range(f"the weight of {name}", repr(weight), "a number")

@@ -1,0 +1,118 @@
+"""Plans in one ink in a hand whose arrangement is known."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.state import State
+from maulstick.storage.arrays import Image as Picture
+from maulstick.style.arrangement.neighbourhoods import Laid
+from maulstick.style.exemplar import Exemplar
+from maulstick.style.hand import Hand
+from tests.planning.conftest import options, problem_for
+from tests.support.drawn import as_strokes, hatching
+from tests.support.nominal import nominal
+from tests.support.style.synthetic_hands import all_hands
+
+INK = options(paints=None, strokes=40, steps=40)
+HAND = Exemplar("hatcher", Hand.of(as_strokes(0.4 * hatching(6, seed=0))), all_hands(), 0.0)
+
+
+def unplaced() -> Exemplar:
+    return replace(HAND, hand=replace(HAND.hand, poses=None))
+
+
+@pytest.fixture(scope="module")
+def problem(portrait: Picture) -> PlanningProblem:
+    return replace(problem_for(portrait, nominal("fineliner"), halftone=True), style=HAND)
+
+
+@pytest.fixture(scope="module")
+def planned(problem: PlanningProblem) -> PlanResult:
+    return plan(problem, INK)
+
+
+def same(one: PlanResult, two: PlanResult) -> bool:
+    return all(torch.equal(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items())
+
+
+def far(strokes: StrokeParameters) -> float:
+    """How far strokes lie from the hand's to those near them."""
+    assert HAND.arrangement is not None
+    laid = Laid.of(HAND.decode(strokes.codes), strokes.centres, strokes.angles)
+    return float(HAND.arrangement.neighbourhoods.price(laid, torch.Generator().manual_seed(0)))
+
+
+def test_strokes_lie_as_the_hands_do_and_without_arrangement_they_do_not(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    alone = plan(problem, replace(INK, arrange=0.0))
+    assert far(planned.strokes) < 0.5 * far(alone.strokes)
+
+
+def test_a_seed_repeats_an_arranged_plan_to_the_bit_and_another_seed_does_not(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    assert same(plan(problem, INK), planned)
+    assert not same(plan(problem, replace(INK, seed=1, exact=True)), plan(problem, replace(INK, exact=True)))
+
+
+@pytest.mark.parametrize("steps", [1, 7, 19, 39])
+def test_an_arranged_plan_goes_on_as_if_it_had_not_stopped(
+    problem: PlanningProblem, planned: PlanResult, steps: int
+) -> None:
+    states: list[State] = []
+
+    def watch(progress: PlanProgress) -> bool:
+        if len(states) < steps:
+            states.append(progress.state())
+        return True
+
+    plan(problem, INK, watch)
+    assert same(plan(problem, INK, resume=states[-1]), planned)
+
+
+@pytest.mark.parametrize("settings", [replace(INK, arrange=0.0), replace(INK, paints=4)], ids=["0", "paints"])
+def test_without_arranging_and_with_paints_a_plan_is_that_of_a_hand_of_unknown_places(
+    problem: PlanningProblem, settings: PlannerSettings
+) -> None:
+    assert same(plan(problem, settings), plan(replace(problem, style=unplaced()), settings))
+
+
+def test_strokes_to_start_with_are_not_arranged(problem: PlanningProblem, planned: PlanResult) -> None:
+    settings = replace(INK, strokes=len(planned.strokes), steps=5)
+    both = [plan(replace(problem, style=style), settings, start=planned.strokes) for style in (HAND, unplaced())]
+    assert same(*both)
+
+
+@pytest.mark.parametrize("strokes", [1, 4, 5, 6, 61])
+def test_few_strokes_are_arranged_and_exact_means_exactly_so_many(problem: PlanningProblem, strokes: int) -> None:
+    found = plan(problem, replace(INK, strokes=strokes, steps=25, exact=True)).strokes
+    assert len(found) == strokes
+    assert all(tensor.isfinite().all() for tensor in found.each().values())
+
+
+def test_strokes_keep_inside_the_sheet_and_the_lengths_of_the_hand(problem: PlanningProblem) -> None:
+    found = plan(problem, replace(INK, exact=True)).strokes
+    paths = found.trajectories(HAND)[..., :2]
+    assert paths.min() > -1e-6
+    assert (paths.amax(dim=(0, 1)) < torch.tensor([problem.canvas.width, problem.canvas.height]) + 1e-6).all()
+    lengths = paths.diff(dim=1).norm(dim=-1).sum(dim=1).sort().values
+    assert lengths.numpy() == pytest.approx(HAND.lengths(len(found)).numpy(), rel=1e-3)
+
+
+def test_a_brush_that_presses_draws_an_arranged_plan(problem: PlanningProblem, round_brush: Brush) -> None:
+    found = plan(replace(problem, brush=round_brush), replace(INK, steps=10)).strokes
+    assert found.pressure_knots.max() > 0
+
+
+@pytest.mark.parametrize("arrange", [-0.1, 1.5, float("nan")])
+def test_arranging_by_less_than_nothing_or_more_than_wholly_is_refused(arrange: float) -> None:
+    with pytest.raises(InputError, match="how far strokes are arranged"):
+        options(arrange=arrange)

@@ -1,0 +1,98 @@
+import numpy as np
+import pytest
+
+from maulstick.planning.groups import place_groups
+from maulstick.planning.placement import Places
+from maulstick.storage.arrays import Floats, Ints
+from maulstick.style.arrangement import Arrangement
+from maulstick.style.hand import Hand
+from tests.support.drawn import as_strokes, hatching
+
+SIZE = (60, 90)  # pixels
+SCALE = 500.0  # pixels per metre: a patch of 20 mm strokes is 10 pixels
+
+
+def arranged() -> Arrangement:
+    arrangement = Hand.of(as_strokes(hatching(6, seed=0))).arrangement
+    assert arrangement is not None
+    return arrangement
+
+
+def placed(
+    count: int = 96, density: Floats | None = None, target: Floats | None = None, seed: int = 0
+) -> tuple[Places, Ints]:
+    density = np.ones(SIZE) if density is None else density
+    target = np.ones((3, *SIZE)) if target is None else target
+    room = (SIZE[0] * SIZE[1] / count) ** 0.5
+    return place_groups(target, density, count, arranged(), room, SCALE, np.random.default_rng(seed))
+
+
+def test_every_group_lies_as_the_hand_drew_it() -> None:
+    (places, rows), arrangement = placed(), arranged()
+    each = {group[0]: group for group in arrangement.groups}
+    first = 0
+    while first < len(rows):
+        mine = slice(first, first + len(each[rows[first]]))
+        assert rows[mine].tolist() == each[rows[first]].tolist()
+        turns = places.angles[mine] - arrangement.angles[rows[mine]]
+        assert turns == pytest.approx(turns[0])
+        drawn = SCALE * arrangement.paths[rows[mine]].mean(axis=1)
+        apart = [np.linalg.norm(where[:, None] - where, axis=-1) for where in (drawn, places.centres[mine])]
+        assert apart[0] == pytest.approx(apart[1])
+        first = mine.stop
+
+
+def test_all_groups_are_used_before_one_is_used_again() -> None:
+    uses = np.bincount(placed(96)[1], minlength=48)
+    assert uses.tolist() == [2] * 48
+
+
+@pytest.mark.parametrize("count", [1, 5, 8, 50, 301])
+def test_any_number_of_strokes_is_placed(count: int) -> None:
+    places, rows = placed(count)
+    assert len(rows) == len(places.centres) == len(places.colours) == count
+
+
+def test_groups_lie_where_ink_is_wanted() -> None:
+    density = np.zeros(SIZE)
+    density[:, :30] = 1
+    assert (placed(48, density)[0].centres[:, 0] < 35).mean() > 0.95
+
+
+def test_three_times_the_ink_has_about_three_times_the_strokes() -> None:
+    density = np.ones(SIZE)
+    density[:, 45:] = 3
+    dark = (placed(192, density)[0].centres[:, 0] > 45).mean()
+    assert dark == pytest.approx(0.75, abs=0.06)
+
+
+def test_an_empty_density_is_an_even_one() -> None:
+    left = (placed(density=np.zeros(SIZE))[0].centres[:, 0] < 45).mean()
+    assert left == pytest.approx(0.5, abs=0.12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6, 1.5])
+def test_groups_follow_the_stripes_of_a_picture(angle: float) -> None:
+    y, x = np.mgrid[: SIZE[0], : SIZE[1]]
+    stripes = np.tile(0.5 + 0.5 * np.sin((y * np.cos(angle) - x * np.sin(angle)) * 0.8), (3, 1, 1))
+    off = placed(target=stripes)[0].angles - angle
+    assert (np.cos(2 * off) > 0.9).mean() > 0.8
+
+
+def test_where_there_is_no_edge_groups_keep_the_direction_of_the_hand() -> None:
+    places, rows = placed()
+    assert places.angles == pytest.approx(arranged().angles[rows], abs=1e-3)
+
+
+def test_no_group_is_turned_by_more_than_a_quarter_so_that_it_is_drawn_the_hands_way() -> None:
+    upright = np.tile(np.arange(SIZE[1]) // 3 % 2 * 1.0, (3, SIZE[0], 1))
+    places, rows = placed(target=upright)
+    turns = places.angles - arranged().angles[rows]
+    assert np.abs(turns).max() <= np.pi / 2 + 1e-9
+    assert np.abs(turns).max() > 0.5
+
+
+def test_a_seed_repeats_the_groups_to_the_bit_and_another_seed_does_not() -> None:
+    one, same, other = (placed(seed=seed)[0].centres for seed in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
