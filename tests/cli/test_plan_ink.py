@@ -107,3 +107,21 @@ def test_a_share_of_arranging_beyond_all_or_nothing_is_refused(tmp_path: Path, s
     assert ran.code == 2
     assert "--arrange" in ran.mistake
     assert "from 0, not at all, to 1" in ran.mistake
+
+
+def test_lines_take_less_ink_than_tones(tmp_path: Path) -> None:
+    ink = {}
+    for drawing in ("lines", "tones"):
+        ran = paint(tmp_path / drawing, *PEN, "--strokes", "auto", "--steps", "2", "--drawing", drawing)
+        assert ran.code == 0, ran.stderr
+        painting = read_painting(tmp_path / drawing / "painting.json")
+        assert painting.provenance.options["drawing"] == drawing
+        ink[drawing] = painting.lengths().sum()
+    assert ink["lines"] < 0.5 * ink["tones"]
+
+
+def test_a_drawing_that_there_is_not_and_one_without_an_ink_are_refused(tmp_path: Path) -> None:
+    ran = run("plan", PORTRAIT, "--out", tmp_path / "out", *PEN, "--drawing", "dots")
+    assert (ran.code, ran.mistake) == (2, "there is no drawing 'dots'; there are: both, lines, tones")
+    ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--drawing", "lines")
+    assert (ran.code, ran.mistake) == (2, "--drawing lines is for one ink; give --ink, or leave it out")

@@ -160,6 +160,35 @@ def test_a_drawing_in_one_ink_is_planned_again_in_the_tones_that_it_was_planned_
     assert next(lengths) == pytest.approx(next(lengths), rel=5e-3), "and strokes stay as long"
 
 
+def test_lines_are_planned_again_as_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = PlanOptions(
+        strokes=40,
+        style="marks",
+        hand_size=0.5,
+        ink="black",
+        brush="fineliner",
+        size="60x60mm",
+        px=48,
+        steps=8,
+        drawing="lines",
+    )
+    prepared = prepare(PlanRequest(None, options), picture())
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    seen: list[Layout] = []
+
+    def stop(layout: Layout, *_: object, **__: object) -> NoReturn:
+        seen.append(layout)
+        raise InterruptedError
+
+    monkeypatch.setattr(camera_loop, "problem_of", stop)
+    with pytest.raises(InterruptedError):
+        replanned(painting, set(range(5)), WHITE, picture())
+    assert prepared.layout.target is not None
+    assert seen[0].target is not None
+    assert prepared.layout.target.mean() > picture().mean() + 0.05, "lines leave most of the paper white"
+    assert seen[0].target.mean() == pytest.approx(prepared.layout.target.mean(), abs=0.05)
+
+
 def made_with(**options: object) -> Painting:
     made = planned().provenance
     return planned().model_copy(update={"provenance": made.model_copy(update={"options": {**made.options, **options}})})

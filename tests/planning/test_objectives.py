@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from maulstick.planning.objectives import Halftone, Objective, Tone, halved
-from maulstick.planning.objectives import tone as tone_module
 
 ROUNDING = 1e-5  # relative, of float32
 
@@ -95,18 +94,16 @@ def test_one_ink_makes_grey_of_lines_however_far_they_are_apart(every: int) -> N
     assert tone(grey).loss(lines, 1.0).item() >= tone(grey).loss(blank, 1.0).item(), "it would pay to draw nothing"
 
 
-def test_contours_earn_most_for_a_line_along_their_dark_side(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_contours_earn_most_for_a_line_along_their_dark_side() -> None:
     target = torch.ones(3, 64, 64)
     target[:, :, 32:] = 0.8
 
-    def losses() -> Tensor:
-        halftone = tone(target, spacing=5.0)
+    def losses(*, contours: bool) -> Tensor:
+        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, contours)
         lines = 1 - torch.eye(64)[:, None, None, :].expand(64, 3, 64, 64)
         return torch.stack([halftone.loss(canvas, 0.5) for canvas in lines])
 
-    with_contours = losses()
-    monkeypatch.setattr(tone_module, "_CONTOURS", 0.0)
-    earned = losses() - with_contours
+    earned = losses(contours=False) - losses(contours=True)
     assert earned.argmax() == 32
     assert earned.argmin() == 31
     assert torch.allclose(earned[[20, 45, 60]], earned[5], atol=0.02 * earned.max().item()), "nothing elsewhere"

@@ -55,6 +55,12 @@ def lay_out_for(
     return Layout(canvas, sheet, under, *lay_out(picture, canvas, fit, under))
 
 
+def pixel_size(picture: Image, sheet: Sheet, fit: str) -> float:
+    """Return the side of a pixel of the picture (h, w, 3) on the sheet, metres."""
+    sides = sheet.height / picture.shape[0], sheet.width / picture.shape[1]
+    return float(max(sides) if fit == "cover" else min(sides))
+
+
 def canvas_for(
     picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
 ) -> Canvas:
@@ -66,8 +72,7 @@ def canvas_for(
     """
     height = sheet.height
     if picture is not None:
-        down, across = sheet.height / picture.shape[0], sheet.width / picture.shape[1]
-        height = min(picture.shape[0] * (max(down, across) if fit == "cover" else min(down, across)), sheet.height)
+        height = min(picture.shape[0] * pixel_size(picture, sheet, fit), sheet.height)
     longest = max(sheet.width, sheet.height)
     if height_px is None:
         resolution = min(max(HEIGHT_PX / height, 1 / (brush.thinnest or brush.widest / 4)), LONGEST_PX / longest)

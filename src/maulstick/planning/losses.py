@@ -43,7 +43,8 @@ class LossOptions:
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
     weights: of the terms by name, 1 for the usual strength; `weights_of_terms` says what holds for those left out.
-    Among them may be `faces`, how much more a face counts in the picture than its surroundings: 1 when left out.
+    contours: whether one ink draws them beside its tones.
+    Among the weights may be `faces`, how much more a face counts in the picture than its surroundings: 1 when left out.
 
     Raises InputError for a term that does not exist, a weight out of range, and contradictions.
     """
@@ -51,6 +52,7 @@ class LossOptions:
     text: str | None = None
     look: Image | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
+    contours: bool = True
 
     def __post_init__(self) -> None:
         given = {"text": self.text, "look": self.look}
@@ -120,18 +122,18 @@ def losses_of(
     for name, weight in loss_options.weights_of_terms(has_picture=reference.target is not None).items():
         strength = weight * STRENGTHS[name]
         if name in ("tone", "edges"):
-            objectives.append(Weighted(_objective(name, reference), strength))
+            objectives.append(Weighted(_objective(name, reference, loss_options.contours), strength))
         else:
             network_losses.append(Weighted(_network_loss(name, loss_options, reference, network()), strength))
     return tuple(objectives), tuple(network_losses)
 
 
-def _objective(name: str, reference: Reference) -> Objective:
+def _objective(name: str, reference: Reference, contours: bool) -> Objective:
     assert reference.target is not None  # `LossOptions.weights_of_terms` has checked it
     if name == "edges":
         return Edges(reference.target, reference.weights)
     if reference.spacing is not None:
-        return Halftone(reference.target, reference.weights, reference.spacing)
+        return Halftone(reference.target, reference.weights, reference.spacing, contours)
     return Tone(reference.target, reference.weights)
 
 

@@ -26,7 +26,8 @@ from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Bools
-from maulstick.style.traits import keep_lengths, path_length
+from maulstick.style.lengths import keep_lengths
+from maulstick.style.traits import path_length
 
 _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
 _STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows

@@ -19,7 +19,7 @@ from maulstick.rendering.threads import one_torch_thread
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Floats
 from maulstick.style import Style
-from maulstick.style.traits import keep_lengths
+from maulstick.style.lengths import keep_lengths
 
 _SAMPLES = 64  # strokes whose ink is measured: their lengths are the hand's quantiles, so few make a steady mean
 _MOST = 0.95  # share of a place that ink may be asked to hide: the last white between lines takes endless strokes

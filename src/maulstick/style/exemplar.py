@@ -18,10 +18,11 @@ from maulstick.style.arrangement import Arrangement
 from maulstick.style.compare import CURVINESS, describe
 from maulstick.style.density import Density, kernel
 from maulstick.style.hand import Hand, by_length
+from maulstick.style.lengths import keep_lengths
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-from maulstick.style.traits import chord_and_turning, keep_lengths, path_length, quantiles
+from maulstick.style.traits import chord_and_turning, path_length, quantiles
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column

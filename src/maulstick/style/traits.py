@@ -3,8 +3,6 @@
 import torch
 from torch import Tensor
 
-from maulstick.style.style import Style
-
 _SHORTEST = 1e-9  # metres: keeps a stroke without length out of roots and denominators
 _FLAT = 1e-3  # of a stroke's mean step, squared: below, turning has no slope
 
@@ -27,13 +25,6 @@ def chord_and_turning(paths: Tensor) -> Tensor:
     across = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
     turning = torch.atan2((across.square() + _FLAT**2).sqrt(), (before * after).sum(-1)).sum(1)
     return torch.stack([_norm(steps.mean(dim=1)), turning], dim=1)
-
-
-@torch.no_grad()
-def keep_lengths(codes: Tensor, style: Style, lengths: Tensor) -> None:
-    """Give the strokes of these codes (N, K) the lengths (N,), metres, ascending, by their ranks."""
-    ranks = path_length(style.decode(codes)).argsort(stable=True).argsort()
-    style.resize(codes, lengths[ranks])
 
 
 def _norm(steps: Tensor) -> Tensor:

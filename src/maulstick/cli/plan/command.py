@@ -38,6 +38,10 @@ def plan(
     hand_size: Annotated[
         float, _painting(metavar="TIMES", help="Draw the whole hand so many times as large: 0.5 on a small sheet.")
     ] = PlanOptions.hand_size,
+    drawing: Annotated[
+        str,
+        _painting(metavar="WHAT", help="What one ink draws: contours and tones (both), lines alone, or tones alone."),
+    ] = PlanOptions.drawing,
     arrange: Annotated[
         float,
         _painting(metavar="SHARE", help="Arrange strokes of one ink as the hand arranges them: 0, not at all, to 1."),
@@ -149,6 +153,7 @@ def plan(
         exact=exact,
         style=style,
         hand_size=hand_size,
+        drawing=drawing,
         arrange=arrange,
         brush=brush,
         pressure=pressure,

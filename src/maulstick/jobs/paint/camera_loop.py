@@ -20,6 +20,7 @@ from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import as_painting, problem_of
 from maulstick.planning.layout import HEIGHT_PX, LONGEST_PX, canvas_for, lay_out_for
+from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
@@ -103,6 +104,8 @@ def replanned(
     options = painting.provenance.options
     fit, pixels = str(options.get("fit", "contain")), options.get("px")
     pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
+    if options.get("drawing") == "lines":
+        picture = lines_for(picture, sheet, brush, fit)
     canvas = canvas_for(picture, sheet, brush, fit, pixels)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     pixels = max(1, min(pixels, in_one_piece))
@@ -115,7 +118,14 @@ def replanned(
         bare = lay_out_for(picture, painting.sheet, brush, fit, pixels)
         layout = replace(layout, target=in_tones(bare, brush, style, palette[0], len(painting.strokes)).target)
     device = choose_device("auto").device
-    problem = problem_of(layout, brush, style, settings, LossOptions(weights=weights), device=device)
+    problem = problem_of(
+        layout,
+        brush,
+        style,
+        settings,
+        LossOptions(weights=weights, contours=options.get("drawing") != "tones"),
+        device=device,
+    )
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.provenance)
     return _joined(painting, painted, again)

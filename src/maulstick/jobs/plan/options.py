@@ -21,6 +21,9 @@ DEVICES: Final = ("auto", "cpu", "cuda")
 AUTO: Final = "auto"
 """Number of strokes that is found from the picture's ink."""
 
+DRAWINGS: Final = ("both", "lines", "tones")
+"""What one ink draws of a picture: contours and tones, the lines that carry it, or tones alone."""
+
 MOST_AUTO: Final = 10_000
 """Most strokes that are chosen for a picture: more would take a plotter days."""
 
@@ -49,6 +52,7 @@ class PlanOptions:
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
+    drawing: what one ink draws: both contours and tones, the lines that carry the picture, or its tones.
     arrange: in [0, 1], how far strokes of one ink are arranged as the hand arranges them, where the style knows how.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.
@@ -82,6 +86,7 @@ class PlanOptions:
     clip: str | None = None
     clip_weights: Path | None = None
     clip_layers: tuple[int, ...] | None = None
+    drawing: str = DRAWINGS[0]
     arrange: float = 1.0
     steps: int = 1500
     ask_every: int = 10
@@ -127,6 +132,12 @@ class PlanOptions:
         if self.text is not None and not self.text.strip():
             shown = "say what the painting should show, as in 'a sailing boat at dusk'"
             raise InputError(f"{option('text')} is empty; {shown}")
+        if self.drawing not in DRAWINGS:
+            raise InputError.of_choice("drawing", self.drawing, DRAWINGS)
+        if self.drawing != DRAWINGS[0] and self.ink is None:
+            raise InputError(
+                f"{option('drawing')} {self.drawing} is for one ink; give {option('ink')}, or leave it out"
+            )
         if not (isinstance(self.arrange, int | float) and 0 <= self.arrange <= 1):
             raise InputError.of_range(option("arrange"), self.arrange, "from 0, not at all, to 1")
         for name, weight in self.weights.items():

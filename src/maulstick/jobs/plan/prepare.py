@@ -21,6 +21,7 @@ from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import LONGEST_PX, Layout, canvas_for, lay_out_for
+from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
@@ -146,6 +147,8 @@ def prepare(
     if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
     picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
+    if picture is not None and options.drawing == "lines":
+        picture = lines_for(picture, sheet, brush, options.fit)
     mural = _mural(options, picture, sheet, brush)
     if mural is None:
         layout = lay_out_for(picture, sheet, brush, options.fit, options.px)
@@ -159,7 +162,7 @@ def prepare(
         settings = replace(settings, strokes=_enough(supply))
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
     clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
-    loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights})
+    loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights}, options.drawing != "tones")
     sums = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
     request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))

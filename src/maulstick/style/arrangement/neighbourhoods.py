@@ -25,7 +25,7 @@ _DIRECTIONS = 24  # that distributions are compared along, others at each call
 _LEAST = 0.005  # of the median length: nearer centres and lines are as near, and offsets have no direction
 _LEAST_SPREAD = 0.1  # of any number: where all strokes of a hand lie alike
 _CORNERS = 16  # of a line that gaps are measured to, and from every other of them
-_FEW = 6  # corners that are looked at first: mostly one is another stroke's
+_FEW = 4  # corners that are looked at first: mostly one is another stroke's
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _gaps(points: Tensor) -> Tensor:
 
 def _nearest_corners(points: Floats, ours: Floats) -> tuple[Ints, Ints]:
     """Return stroke and corner of another stroke of points (N, 16, 2) that is nearest to ours (8 N, 2)."""
-    tree = cKDTree(points.reshape(-1, 2))
+    tree = cKDTree(points.reshape(-1, 2), compact_nodes=False, balanced_tree=False)
     own = np.arange(len(ours)) // (len(ours) // len(points))
     nearest = np.full(len(ours), -1)
     for count in (_FEW, _CORNERS + 1):

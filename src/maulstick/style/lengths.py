@@ -1,0 +1,14 @@
+"""Lengths of strokes, held as a hand's."""
+
+import torch
+from torch import Tensor
+
+from maulstick.style.style import Style
+from maulstick.style.traits import path_length
+
+
+@torch.no_grad()
+def keep_lengths(codes: Tensor, style: Style, lengths: Tensor) -> None:
+    """Give the strokes of these codes (N, K) the lengths (N,), metres, ascending, by their ranks."""
+    ranks = path_length(style.decode(codes)).argsort(stable=True).argsort()
+    style.resize(codes, lengths[ranks])
