@@ -28,11 +28,11 @@ DRAWINGS = ("elephant", "moscow", "animal", "wine", "sydney_opera", "ship")
 PHOTOGRAPHS = ("chelsea", "astronaut", "coffee")
 SHEET, STROKES = (0.24, 0.16), 2000
 """800 of elephant's strokes are no cat yet."""
-STEPS, QUICK_STEPS = 500, 50
+STEPS, QUICK_STEPS = 300, 50
 JOB = {"brush": "fineliner", "ink": "black", "strokes": STROKES, "size": "240x160mm", "px": 320, "device": "cpu"}
 MARGIN = 0.006
 """Metres around a drawing."""
-CELL_PX, GAP_PX, QUALITY = 360, 12, 60
+CELL_PX, GAP_PX, QUALITY = 320, 10, 50
 """Height of a cell, between cells, and of the JPEG."""
 KEPT = Path(__file__).resolve().parents[1] / "out" / "drawn"
 
