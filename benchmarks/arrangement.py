@@ -2,8 +2,9 @@
 
     .venv/bin/python benchmarks/arrangement.py [ROW ...] [--quick]
 
-Each ROW is a way to plan: `held`, the hand's strokes each placed alone, or `arranged`, in its groups; or `today`, how
-plans were before, which is only printed; or a control, without a photograph: `people`, the hand itself; `copied_half`,
+Each ROW is a way to plan: `held`, the hand's strokes each placed alone, or `arranged`, as it does; or `today`, how
+plans were before, which is only printed; `arranged_small`, in a hand that draws so small that as many strokes lie no
+denser than in its drawing; or a control, without a photograph: `people`, the hand itself; `copied_half`,
 the strokes that were learned from as they are; `scrambled_places`, with their places exchanged; `scrambled_angles`,
 with angles at random; `thrown_groups`, as many strokes as a plan has, in groups of them that lie anywhere on the sheet.
 All of them by default.
@@ -48,7 +49,8 @@ PHOTOGRAPHS = ("chelsea", "astronaut", "coffee", "camera")
 SEEDS = 2
 
 CONTROLS = ("people", "copied_half", "scrambled_places", "scrambled_angles", "thrown_groups")
-PLANS: dict[str, dict[str, Any]] = {"held": {"arrange": 0.0}, "arranged": {}}
+SMALL = "arranged_small"
+PLANS: dict[str, dict[str, Any]] = {"held": {"arrange": 0.0}, "arranged": {}, SMALL: {}}
 """Ways to plan: options of a plan that differ from JOB."""
 KEPT = "today"
 """Plans of the commit before strokes were held and arranged: what was measured is kept, and no newer code makes it."""
@@ -137,8 +139,11 @@ def planned(case: Case) -> ms.Painting:
     if not path.exists():
         assert case.photograph is not None
         style = ms.fit_style(learned_by(case), case.hand.lower())
+        options = JOB | PLANS[case.row]
+        if case.row == SMALL and style.arrangement is not None:
+            options["hand_size"] = style.arrangement.size_for(STROKES, SHEET[0] * SHEET[1])
         started = time.process_time()
-        painting = ms.plan(load(case.photograph), style=style, seed=case.seed, **JOB, **PLANS[case.row])
+        painting = ms.plan(load(case.photograph), style=style, seed=case.seed, **options)
         painting.provenance.metrics["seconds"] = time.process_time() - started
         path.parent.mkdir(exist_ok=True)
         painting.save(path)

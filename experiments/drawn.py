@@ -8,7 +8,6 @@ the drawing is shown with that pen, too. Plans are kept in out/drawn, and an int
 
 import argparse
 import sys
-from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -51,10 +50,7 @@ def planned(drawing: str, photograph: str, steps: int) -> Painting:
 
 def size_of(style: Style) -> float:
     """Times a hand's size, at most 1, at which a plan's strokes lie on the sheet as densely as in the drawing."""
-    if style.arrangement is None:
-        return 1.0
-    near = style.arrangement.neighbourhoods
-    return min(1.0, sqrt(near.density * SHEET[0] * SHEET[1] / STROKES) / near.unit)
+    return 1.0 if style.arrangement is None else style.arrangement.size_for(STROKES, SHEET[0] * SHEET[1])
 
 
 def as_drawn(strokes: Strokes, like: Painting) -> Painting:

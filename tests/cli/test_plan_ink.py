@@ -4,9 +4,11 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.painting import read_painting
+from maulstick.strokes.strokes import write_strokes
 from maulstick.style.cards import style_path
 from maulstick.style.store import read_style
 from tests.cli.conftest import PORTRAIT, paint, run
+from tests.support.drawn import as_strokes, hatching
 
 PEN = ("--ink", "black", "--brush", "fineliner", "--style", "contour", "--px", "64", "--steps", "20")
 
@@ -81,3 +83,27 @@ def test_a_hand_of_no_size_is_refused(tmp_path: Path, size: str) -> None:
     assert ran.code == 2
     assert "--hand-size" in ran.mistake
     assert "from 0.02 to 50" in ran.mistake
+
+
+def test_strokes_that_must_lie_denser_than_the_hands_are_told_and_a_smaller_hand_has_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    drawn = tmp_path / "me.strokes.npz"
+    write_strokes(as_strokes(hatching(8, seed=0)), drawn)
+    assert run("style", "fit", drawn, "--name", "me").code == 0
+    words = (*PEN, "--style", "me", "--steps", "3", "--strokes", "300", "--size", "60x48mm")
+    ran = paint(tmp_path / "large", *words)
+    told = re.search(r"note: 300 strokes lie (\d+) times as densely .* a hand size of (\S+) would", ran.stderr)
+    assert told, ran.stderr
+    assert float(told[2]) == pytest.approx(int(told[1]) ** -0.5, rel=0.1)
+    assert "densely" not in paint(tmp_path / "small", *words, "--hand-size", told[2]).stderr
+    assert "densely" not in paint(tmp_path / "unarranged", *words, "--arrange", "0").stderr
+
+
+@pytest.mark.parametrize("share", ["-0.1", "1.1", "nan"])
+def test_a_share_of_arranging_beyond_all_or_nothing_is_refused(tmp_path: Path, share: str) -> None:
+    ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--arrange", share)
+    assert ran.code == 2
+    assert "--arrange" in ran.mistake
+    assert "from 0, not at all, to 1" in ran.mistake

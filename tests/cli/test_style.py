@@ -1,4 +1,5 @@
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -6,6 +7,7 @@ import pytest
 import torch
 from PIL import Image
 
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.ink import Ink, write_ink
 from maulstick.strokes.strokes import Strokes, write_strokes
 from maulstick.style import cards, train, trajvae
@@ -13,6 +15,7 @@ from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import ActiveLatents, TrajVAE, Weights, shapes
 from tests.cli.conftest import QUICK, run
+from tests.support.drawn import as_strokes, hatching, scattered
 
 BUILT_IN = "hatching"
 SIX = ("contour", "cursive", "hatching", "loops", "marks", "scribble")
@@ -70,6 +73,20 @@ def test_a_style_is_learned_and_the_next_command_paints_in_it(here: Path) -> Non
     assert ran.stdout.splitlines()[-1] == "maulstick plan photo.jpg --style cat"
     assert run("plan", "--demo", *QUICK, "--style", "cat").code == 0
     assert '"style": "cat"' in Path("painting/painting.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("drawn", "told"),
+    [
+        (hatching(6, seed=0), r"groups of 8, parallel, 2\.8 mm apart; cross rarely"),
+        (hatching(3, seed=0), "not learned: 30 strokes tell it"),
+        (scattered(60, seed=0) + 10 * np.random.default_rng(0).random((60, 1, 2)), "too scattered to be learned"),
+    ],
+    ids=["hatching", "few", "scattered"],
+)
+def test_how_the_hand_arranges_its_strokes_is_said_in_words(here: Path, drawn: Floats, told: str) -> None:
+    write_strokes(as_strokes(drawn), "me.strokes.npz")
+    assert re.fullmatch(told, rows(run("style", "fit", "me.strokes.npz", "--name", "me").stdout)["arranged"])
 
 
 def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:

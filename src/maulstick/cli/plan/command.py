@@ -38,6 +38,10 @@ def plan(
     hand_size: Annotated[
         float, _painting(metavar="TIMES", help="Draw the whole hand so many times as large: 0.5 on a small sheet.")
     ] = PlanOptions.hand_size,
+    arrange: Annotated[
+        float,
+        _painting(metavar="SHARE", help="Arrange strokes of one ink as the hand arranges them: 0, not at all, to 1."),
+    ] = PlanOptions.arrange,
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="The brush: round, marker, fineliner, one of your own, or a JSON file.")
     ] = PlanOptions.brush,
@@ -145,6 +149,7 @@ def plan(
         exact=exact,
         style=style,
         hand_size=hand_size,
+        arrange=arrange,
         brush=brush,
         pressure=pressure,
         paints=paints,

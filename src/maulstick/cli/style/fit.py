@@ -17,6 +17,7 @@ from maulstick.strokes.strokes import path_lengths
 from maulstick.style.cards import STYLES
 
 if TYPE_CHECKING:
+    from maulstick.style.hand import Hand
     from maulstick.style.store import Fitted
 
 _FEW_LATENTS = 16  # fewer active ones than this draw strokes that are much alike
@@ -62,6 +63,7 @@ def fit(
         "lengths": _lengths(path_lengths(hand.paths)),
         "pressure": _recorded(hand.pressure),
         "speed": _recorded(hand.speeds),
+        "arranged": _arranged(hand),
         **_told(style),
         "learned in": f"{time.monotonic() - started:.2g} s",
         "kept as": f"{path}",
@@ -86,6 +88,15 @@ def _told(style: "Fitted") -> dict[str, str]:
     if latents.active < _FEW_LATENTS:
         told += ": the strokes are much alike; draw more varied ones"
     return {"latents": told}
+
+
+def _arranged(hand: "Hand") -> str:
+    from maulstick.style.arrangement.arrangement import FEWEST
+    from maulstick.style.arrangement.words import told
+
+    if hand.arrangement is not None:
+        return told(hand.arrangement)
+    return "too scattered to be learned" if len(hand) >= FEWEST else f"not learned: {FEWEST} strokes tell it"
 
 
 def _left_out(dots: int) -> str:

@@ -49,7 +49,7 @@ class PlanOptions:
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
-    arrange: in [0, 1], how far strokes are arranged as the hand arranges them, where the style knows how.
+    arrange: in [0, 1], how far strokes of one ink are arranged as the hand arranges them, where the style knows how.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.
     seed: repeats a plan to the bit on one machine.

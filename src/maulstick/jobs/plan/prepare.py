@@ -31,6 +31,7 @@ from maulstick.planning.tones import InkSupply, Tones
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
+_CROWDED = 0.7  # times a hand's size, below which strokes lie more than twice as densely as the hand draws them
 _SHEET_PX, _WIDEST_SHEET_PX = 1024, 2048  # a background over the sheet's height and width: finer than plans need
 
 
@@ -69,7 +70,24 @@ class Prepared:
             if self.request.options.strokes == AUTO:
                 notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
             notes.append(self.supply.note(self.settings.strokes))
+        if self.settings.one_ink:
+            notes.append(self._crowded())
         return [note for note in notes if note is not None]
+
+    def _crowded(self) -> str | None:
+        """Return a sentence where so many strokes must lie much nearer each other than the hand's."""
+        arrangement, canvas = self.style.arrangement, self.layout.canvas
+        if arrangement is None or not self.settings.arrange:
+            return None
+        size = arrangement.size_for(self.settings.strokes, canvas.width * canvas.height)
+        if size >= _CROWDED:
+            return None
+        options, times = self.request.options, size**-2
+        smaller = 1 / times if options.strokes == AUTO else size  # as many more strokes as they are shorter
+        return (
+            f"{self.settings.strokes:,} strokes lie {times:.0f} times as densely on this sheet as the hand draws them; "
+            f"a hand size of {smaller * options.hand_size:.2g} would leave them the room they have there"
+        )
 
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
         """Return the plan; a mural is planned in windows. Arguments are those of `plan`."""

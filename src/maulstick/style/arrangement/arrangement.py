@@ -10,13 +10,13 @@ import torch
 
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
-from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods
+from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Laid, Neighbourhoods
 
 FEWEST = 30
 """Least number of strokes that an arrangement can be learned from."""
 
 _MOST = 10  # strokes of a group: longer runs are parted, so that a plan has places for its parts
-_LEAST_IN_COMPANY = 0.5  # share of strokes that have another in their group; below, a hand scatters its strokes
+_LEAST_IN_COMPANY = 0.5  # share of strokes that have another within a median length; below, a hand scatters them
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,22 @@ class Arrangement:
 
         None where they are too few, or too scattered.
         """
-        arrangement = cls(place(paths, poses), poses[:, 2])
         if len(poses) < FEWEST:
             return None
-        in_company = sum(len(group) for group in arrangement.groups if len(group) > 1)
-        return arrangement if in_company >= _LEAST_IN_COMPANY * len(poses) else None
+        arrangement = cls(place(paths, poses), poses[:, 2])
+        near = arrangement.neighbourhoods.numbers[:, LEAST_GAP] < 0  # log of median lengths
+        return arrangement if near.double().mean() >= _LEAST_IN_COMPANY else None
+
+    @cached_property
+    def laid(self) -> Laid:
+        """The strokes as far as their neighbourhoods depend on them."""
+        paths = torch.from_numpy(self.paths)
+        return Laid.of(paths, paths.mean(dim=1), paths.new_zeros(len(paths)))
 
     @cached_property
     def neighbourhoods(self) -> Neighbourhoods:
         """How each stroke lies to those near it."""
-        paths = torch.from_numpy(self.paths)
-        return Neighbourhoods.of(Laid.of(paths, paths.mean(dim=1), paths.new_zeros(len(paths))))
+        return Neighbourhoods.of(self.laid)
 
     @cached_property
     def groups(self) -> tuple[Ints, ...]:
@@ -57,3 +62,11 @@ class Arrangement:
         apart = shapely.distance(lines[1:], lines[:-1]) > np.median(path_lengths(self.paths))
         runs = np.split(np.arange(len(self.paths)), np.flatnonzero(apart) + 1)
         return tuple(run[first : first + _MOST] for run in runs for first in range(0, len(run), _MOST))
+
+    def size_for(self, strokes: int, area: float) -> float:
+        """Return times how large the hand draws, at most 1, so that so many strokes lie no denser than its own.
+
+        area: where they lie, square metres.
+        """
+        own = self.neighbourhoods
+        return float(min(1.0, np.sqrt(own.density * area / strokes) / own.unit))

@@ -18,6 +18,9 @@ from maulstick.style.traits import path_length, quantiles
 NEAREST = 4
 """So many strokes are near one; there must be more."""
 
+MEAN_GAP, LEAST_GAP = -3, -2
+"""Columns of the mean and the least log gap, median lengths."""
+
 _DIRECTIONS = 24  # that distributions are compared along, others at each call
 _LEAST = 0.005  # of the median length: nearer centres and lines are as near, and offsets have no direction
 _LEAST_SPREAD = 0.1  # of any number: where all strokes of a hand lie alike
@@ -88,7 +91,8 @@ class Neighbourhoods:
         """
         crowding = log(max(1.0, density / self.density))
         nearer = torch.zeros(self.numbers.shape[1], dtype=torch.float64)
-        nearer[:NEAREST], nearer[-3:-1] = crowding / 2, crowding
+        nearer[:NEAREST] = crowding / 2
+        nearer[[MEAN_GAP, LEAST_GAP]] = crowding
         return replace(self, numbers=self.numbers - nearer)
 
     def price(self, laid: Laid, generator: Generator) -> Tensor:

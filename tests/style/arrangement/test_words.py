@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from maulstick.storage.arrays import Floats
+from maulstick.style.arrangement import Arrangement
+from maulstick.style.arrangement.words import told
+from maulstick.style.hand import Hand
+from tests.support.drawn import as_strokes, hatching, line
+
+
+def words(paths: Floats) -> str:
+    arrangement = Hand.of(as_strokes(paths)).arrangement
+    assert isinstance(arrangement, Arrangement)
+    return told(arrangement)
+
+
+def strokes(direction: float, count: int = 40, lengths: Floats | None = None) -> Floats:
+    """Strokes 5 mm apart beside each other, 20 mm long, in a direction: radians, y down."""
+    along, across = np.array([np.cos(direction), np.sin(direction)]), np.array([-np.sin(direction), np.cos(direction)])
+    long = np.full(count, 0.02) if lengths is None else lengths
+    starts = [0.005 * i * across for i in range(count)]
+    return np.array([line(tuple(at), tuple(at + length * along)) for at, length in zip(starts, long, strict=True)])
+
+
+@pytest.mark.parametrize(
+    ("direction", "way"),
+    [(0.0, "level"), (np.pi / 2, "upright"), (-np.pi / 4, "leaning right"), (np.pi / 4, "leaning left")],
+)
+def test_hatching_is_told_by_its_groups_direction_and_spacing(direction: float, way: str) -> None:
+    assert words(strokes(direction)) == f"groups of 10, parallel, {way}, 5.0 mm apart; cross rarely"
+
+
+def test_a_grid_goes_all_ways_and_crosses_often() -> None:
+    grid = np.concatenate(
+        [strokes(0.0, 20, np.full(20, 0.1)), np.array([0.1, 0.0]) + strokes(np.pi / 2, 20, np.full(20, 0.1))]
+    )
+    said = words(grid)
+    assert "cross often" in said
+    assert "level" not in said
+    assert "upright" not in said
+
+
+@pytest.mark.parametrize(("order", "said"), [(-1, "; long strokes first"), (1, "; short strokes first")])
+def test_lengths_in_order_are_told(order: int, said: str) -> None:
+    assert words(strokes(0.0, lengths=np.linspace(0.01, 0.03, 40)[::order])).endswith(said)
+
+
+def test_patches_in_all_directions_lean_nowhere() -> None:
+    assert "lean" not in words(hatching(12, seed=3))
