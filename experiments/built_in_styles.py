@@ -2,7 +2,8 @@
 
     .venv/bin/python experiments/built_in_styles.py
 
-A drawing mixes several ways of drawing; a style is one of them, told by how its strokes are described.
+A drawing mixes several ways of drawing; a style is one of them, told by how its strokes are described. Two more are
+whole drawings, with all ways of drawing in them and with how their strokes are arranged.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from wacom import wacom_hands
 import maulstick
 from maulstick.strokes.strokes import Strokes
 from maulstick.style.compare import describe
-from maulstick.style.exemplar import Exemplar, pool
+from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
 from maulstick.style.store import write_hands, write_style
 
@@ -53,6 +54,8 @@ STYLES: dict[str, tuple[tuple[str, ...], Rule]] = {
         lambda mm, chord, turning, turn: (mm > 9) & (mm < 40) & (turning > 6) & (chord < 0.9),
     ),
 }
+WHOLE = ("elephant", "moscow")
+"""Styles that are drawings: those of most strokes, but for `animal`, which `marks` has."""
 
 
 def main() -> None:
@@ -61,13 +64,19 @@ def main() -> None:
     hands = pool([Hand.of(strokes) for strokes in drawings.values()])
     write_hands(hands, BUILT_IN)
     for name, (sources, rule) in STYLES.items():
-        chosen = [_chosen(drawings[source], rule) for source in sources]
-        strokes = _joined(chosen)
+        strokes = _joined([_chosen(drawings[source], rule) for source in sources])
         rows = np.random.default_rng(0).permutation(len(strokes))[:MOST]
         hand = replace(Hand.of(strokes[np.sort(rows)]), poses=None)  # of several documents, with gaps between them
-        style = Exemplar.fit(name, hand, hands)
-        write_style(style, f"Wacom universal-ink-library 2.1.2, Apache-2.0: {', '.join(sources)}", BUILT_IN)
-        print(f"{name}: {len(style.hand)} of {len(strokes)} strokes, freedom {style.freedom}")
+        _write(name, hand, hands, sources)
+    for name in WHOLE:
+        _write(name, Hand.of(drawings[name]), hands, (name,))
+
+
+def _write(name: str, hand: Hand, hands: PooledHands, sources: tuple[str, ...]) -> None:
+    style = Exemplar.fit(name, hand, hands)
+    write_style(style, f"Wacom universal-ink-library 2.1.2, Apache-2.0: {', '.join(sources)}", BUILT_IN)
+    arranged = "unknown" if style.arrangement is None else f"{len(style.arrangement.groups)} groups"
+    print(f"{name}: {len(hand)} strokes, freedom {style.freedom}, arrangement {arranged}")
 
 
 def _chosen(strokes: Strokes, rule: Rule) -> Strokes:

@@ -25,10 +25,10 @@ def own(studio: RunningStudio) -> str:
 def test_a_gallery_leads_to_the_strokes_of_a_hand_by_mouse_and_by_keyboard(page: Callable[..., Page]) -> None:
     shown = page("/styles")
     expect(shown.locator(".style-card h2")).to_have_text(
-        ["contour", "cursive", "hatching", "loops", "marks", "scribble"]
+        ["contour", "cursive", "elephant", "hatching", "loops", "marks", "moscow", "scribble"]
     )
     expect(shown.get_by_role("button", name="Compare", exact=True)).to_be_disabled()
-    expect(shown.locator(".style-card img")).to_have_count(6, timeout=PATIENCE)
+    expect(shown.locator(".style-card img")).to_have_count(8, timeout=PATIENCE)
 
     shown.get_by_role("button", name="Look closer at marks").press("Enter")
     told = shown.locator(".large-stroke")

@@ -127,7 +127,11 @@ def test_where_strokes_lay_is_kept_and_styles_without_it_have_none(made: store.F
     assert read.hand.poses == pytest.approx(poses, abs=FLOAT32_METRES)
     assert read.hash == made.hash
     assert store.read_style(store.write_style(made, "a drawing of arcs", tmp_path)).hand.poses is None
-    assert all(store.read_style(path).hand.poses is None for path in cards.BUILT_IN.glob("*.json"))
+
+
+def test_built_in_styles_of_a_whole_drawing_are_arranged_and_no_others() -> None:
+    arranged = {path.stem for path in cards.BUILT_IN.glob("*.json") if store.read_style(path).arrangement is not None}
+    assert arranged == {"elephant", "moscow"}
 
 
 def test_a_card_says_what_a_style_is(style: Path) -> None:
