@@ -16,7 +16,8 @@ from maulstick.plots.sheet import PAPER
 from maulstick.plots.style import style_plot
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
-from tests.support.style.synthetic_hands import circle, exemplar_of, line, zigzag
+from tests.support.drawn import as_strokes, hatching
+from tests.support.style.synthetic_hands import all_hands, circle, exemplar_of, line, zigzag
 
 PX = 480
 
@@ -89,6 +90,16 @@ def test_any_number_of_strokes_has_a_sheet_and_a_map(strokes: int) -> None:
     for png in (style_plot(style, "x" * 300, PX), latent_map([style], "$x_1$", PX)):
         for part in parts(pixels(png)):
             assert near(part, COLOURS[0]).any()
+
+
+def test_beside_a_style_that_knows_its_arrangement_stand_the_drawing_and_strokes_arranged_alike() -> None:
+    drawing = as_strokes(hatching(6, seed=0))
+    arranged = Exemplar("hatcher", Hand.of(drawing), all_hands(), 0.0)
+    unknown = replace(arranged, hand=replace(arranged.hand, poses=None))
+    wide, narrow = (pixels(style_plot(style, "", PX)) for style in (arranged, unknown))
+    assert wide.shape[1] > 1.5 * narrow.shape[1]
+    drawn, by_style = (dark(part[:, narrow.shape[1] :]).sum() for part in parts(wide))
+    assert by_style == pytest.approx(drawn, rel=0.3)
 
 
 def alike(style: Exemplar, metres: float) -> Exemplar:

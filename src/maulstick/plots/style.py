@@ -1,19 +1,25 @@
-"""Plot of a style: strokes of the hand that it was learned from, and below them strokes drawn by the style."""
+"""Plot of a style: strokes of the hand that it was learned from, and below them strokes drawn by the style.
+
+Beside both stands how the strokes lie, where that is known: in the hand's drawing, and as the style arranges them.
+"""
 
 import numpy as np
 import torch
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from maulstick.planning.spread import spread
 from maulstick.plots.rows import largest_scale, rows_of
 from maulstick.plots.sheet import ACCENT, INK, Plot, length_text
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.strokes.strokes import path_lengths
+from maulstick.style.arrangement import Arrangement
 from maulstick.style.pressure import pressure_along
 from maulstick.style.store import Fitted
 
 _MOST = 72  # strokes per half: of more, each would be too small to be seen
-_PROPORTION = 1.4  # width of the plot over its height
+_PROPORTION = 1.4  # width of a half over the height of the plot
+_ARRANGED = 0.8  # width of arranged strokes beside it, over that height
 _GAP = 1.5  # lines between strokes
 _LARGEST = 1 / 6  # of the width of a half: the median stroke is enlarged to at most this
 _WIDTH = 0.09  # lines: of a stroke without recorded pressure
@@ -23,12 +29,14 @@ _WIDTHS = 0.04, 0.18  # lines: at pressure 0 and at pressure 1
 def style_plot(style: Fitted, title: str, px: int) -> bytes:
     """Draw a PNG, `px` pixels high: strokes of the hand, and as many drawn by the style, all at one scale.
 
+    Beside them, at another scale, all of the hand's strokes where they were drawn, and as many arranged by the style.
+
     Of more than 72 strokes an even selection by length is shown. Strokes are as wide as their pressure where the
     pressure of the hand was recorded.
     """
-    plot = Plot(_PROPORTION * px, px)
-    margin, line = plot.margin, plot.line
-    hand = style.hand
+    hand, arrangement = style.hand, style.arrangement
+    plot = Plot((_PROPORTION + (0 if arrangement is None else _ARRANGED)) * px, px)
+    margin, line, wide = plot.margin, plot.line, _PROPORTION * px
     lengths = path_lengths(hand.paths)
     shown = np.argsort(-lengths, kind="stable")[np.linspace(0, len(hand) - 1, min(len(hand), _MOST)).astype(int)]
     codes, knots = style.sample(len(shown), torch.Generator().manual_seed(0))
@@ -40,7 +48,7 @@ def style_plot(style: Fitted, title: str, px: int) -> bytes:
         ("by the style", drawn[longest], knots.double().numpy()[longest]),
     ]
     high = (px - plot.foot - margin) / 2
-    room = plot.width - 4 * margin, high - 4.2 * line
+    room = wide - 4 * margin, high - 4.2 * line
     widths = np.ptp(np.concatenate([paths[..., 0] for _, paths, _ in parts]), axis=1)
 
     def fits(scale: float) -> bool:
@@ -49,21 +57,41 @@ def style_plot(style: Fitted, title: str, px: int) -> bytes:
     scale = largest_scale(fits, room[0] * min(1 / widths.max(), _LARGEST / max(float(np.median(widths)), 1e-9)))
     for number, (whose, paths, pressure) in enumerate(parts):
         y = margin + number * (high + margin)
-        axes = plot.paper(margin, y, plot.width - 2 * margin, high, 1.0)
+        axes = plot.paper(margin, y, wide - 2 * margin, high, 1.0)
         plot.text(2 * margin, y + 1.9 * line, whose)
         places, row, tall = _in_rows(paths * scale, room[0], _GAP * line)
         apart = min((room[1] - tall) / max(row.max(), 1), 1.5 * _GAP * line)
         places += [margin, 2.7 * line + (room[1] - tall - apart * row.max()) / 2]
         places[:, 1] += apart * row
         _draw(plot, axes, paths * scale + places[:, None], pressure if pressed else None)
+    if arrangement is not None:
+        _draw_arranged(plot, style, arrangement, wide, high)
     count = f"{len(shown)} of {len(hand)} strokes" if len(shown) < len(hand) else f"{len(hand)} strokes"
     middle, least, most = (length_text(f(lengths)) for f in (np.median, np.min, np.max))
     caption = (
         f"{count} of the hand, {least} to {most}, median {middle}; under them as many drawn by the style {style.name}"
     )
     note = "red where a stroke begins" + ("; as wide as it was pressed" if pressed else "; pressure not recorded")
+    if arrangement is not None:
+        note += "; right, how all of them lie, at another scale"
     plot.caption(title, caption, note, scale)
     return plot.png()
+
+
+def _draw_arranged(plot: Plot, style: Fitted, arrangement: Arrangement, left: float, high: float) -> None:
+    """Draw the hand's drawing and one arranged by the style, right of `left`, each `high`; pixels."""
+    width, height = np.ptp(arrangement.paths, axis=(0, 1)).tolist()
+    arranged = spread(style, arrangement, width, height)
+    parts = [("as the hand lays them", arrangement.paths), ("as the style lays them", arranged)]
+    wide, line, margin = plot.width - left - plot.margin, plot.line, plot.margin
+    room = np.array([wide - 2 * margin, high - 4.2 * line])
+    scale = min(float((room / np.ptp(paths, axis=(0, 1))).min()) for _, paths in parts)
+    for number, (whose, paths) in enumerate(parts):
+        y = margin + number * (high + margin)
+        axes = plot.paper(left, y, wide, high, 1.0)
+        plot.text(left + margin, y + 1.9 * line, whose)
+        middle = (paths.min(axis=(0, 1)) + paths.max(axis=(0, 1))) / 2
+        _draw(plot, axes, (paths - middle) * scale + np.array([wide / 2, 2.7 * line + room[1] / 2]), None)
 
 
 def _in_rows(paths: Floats, wide: float, gap: float) -> tuple[Floats, Ints, float]:
