@@ -4,6 +4,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,7 @@ def test_ctrl_c_ends_the_studio_and_all_its_processes_while_pages_are_open(tmp_p
         children = _children(process.pid)
         for _ in range(times):
             process.send_signal(signal.SIGINT)
+            time.sleep(0.1)  # two at once would be delivered as one
         assert process.wait(PATIENCE) == 130
         never_asks.settimeout(PATIENCE)
         assert never_asks.recv(1) == b""

@@ -40,7 +40,7 @@ def plan(
     ] = PlanOptions.hand_size,
     drawing: Annotated[
         str,
-        _painting(metavar="WHAT", help="What one ink draws: contours and tones (both), lines alone, or tones alone."),
+        _painting(metavar="WHAT", help="Draw contours and tones of one ink (both), lines alone, or tones alone."),
     ] = PlanOptions.drawing,
     arrange: Annotated[
         float,

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from ipaddress import ip_address
 from pathlib import Path
+from types import FrameType
 
 import nicegui
 import uvicorn
@@ -29,6 +30,15 @@ _GRACE = 3  # seconds for pages to close
 _FAVICON = Path(__file__).with_name("favicon.svg")
 
 
+class _PatientServer(uvicorn.Server):
+    """Server that closes once: a second Ctrl-C does not take the studio from a machine that lifts its pen."""
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Begin to close, at the first signal."""
+        if not self.should_exit:
+            super().handle_exit(sig, frame)
+
+
 def serve(root: Path, host: str, port: int, browse: bool) -> None:
     """Serve the studio of this folder until Ctrl-C.
 
@@ -39,7 +49,7 @@ def serve(root: Path, host: str, port: int, browse: bool) -> None:
     with Folder.opened(root) as folder, listening(host, port) as at:
         link = _link(host, at.getsockname()[1], token)
         app = Gate(_app(folder, link, browse), token)
-        server = uvicorn.Server(
+        server = _PatientServer(
             uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=_GRACE, server_header=False)
         )
         server.run(sockets=[at])
