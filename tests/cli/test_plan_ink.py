@@ -125,3 +125,8 @@ def test_a_drawing_that_there_is_not_and_one_without_an_ink_are_refused(tmp_path
     assert (ran.code, ran.mistake) == (2, "there is no drawing 'dots'; there are: both, lines, tones")
     ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--drawing", "lines")
     assert (ran.code, ran.mistake) == (2, "--drawing lines is for one ink; give --ink, or leave it out")
+
+
+def test_lines_of_a_text_are_refused(tmp_path: Path) -> None:
+    ran = run("plan", "--text", "a boat", "--ink", "black", "--drawing", "lines", "--out", tmp_path / "out")
+    assert (ran.code, ran.mistake) == (2, "--drawing lines draws those of a picture; name one, or leave it out")

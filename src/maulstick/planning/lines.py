@@ -15,6 +15,7 @@ from skimage.transform import resize
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.planning.layout import pixel_size
+from maulstick.planning.placement import edges
 from maulstick.storage.arrays import Bools, Floats, Image
 
 _LONGEST_PX = 1024  # lines are found at this size at most: finer ones are no picture's, and take minutes
@@ -51,10 +52,8 @@ def line_drawing(picture: Image, pen: float) -> Image:
 
 def _flow(grey: Floats, sigma: float) -> Floats:
     """Return the direction along edges, (2, H, W): x and y of length 1."""
-    down, right = np.gradient(gaussian_filter(grey, sigma))
-    xx, xy, yy = (gaussian_filter(each, 2 * sigma) for each in (right * right, right * down, down * down))
-    across = np.arctan2(2 * xy, xx - yy) / 2
-    return np.stack([-np.sin(across), np.cos(across)])
+    angle, _ = edges(gaussian_filter(grey, sigma)[None], 2 * sigma)
+    return np.stack([np.cos(angle), np.sin(angle)])
 
 
 def _difference(grey: Floats, along: Floats, sigma: float) -> Floats:

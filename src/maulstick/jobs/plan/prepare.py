@@ -147,7 +147,9 @@ def prepare(
     if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
     picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
-    if picture is not None and options.drawing == "lines":
+    if options.drawing == "lines":
+        if picture is None:
+            raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
         picture = lines_for(picture, sheet, brush, options.fit)
     mural = _mural(options, picture, sheet, brush)
     if mural is None:
