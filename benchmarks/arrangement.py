@@ -21,7 +21,8 @@ printed. The table of docs/styles.md goes to stderr.
 `energy`, to the half that judges; `energy_judging`, by numbers that no optimised price shares; of people, the same of
 all others (`others_…`).  `taken_for`: the nearest of 42 drawings, strokes straightened.  `copied_groups`: `copies.py`.
 `order_nats`: `succession.py`.  `travel`: of the lifted pen to the next stroke, median lengths.  `psnr_blurred`: dB,
-after a blur of 4 pixels, which are 2 mm.  `seconds`: of one processor, planning.
+after a blur of 4 pixels, which are 2 mm; `psnr_tones`, the same beside the picture in the tones that the strokes can
+give.  `seconds`: of one processor, planning.
 """
 
 import argparse
@@ -97,6 +98,7 @@ def measured(case: Case, judge: Judge) -> Measured:
             "strokes": len(painting.strokes),
             "psnr": found["psnr"],
             "psnr_blurred": -10 * float(np.log10(found["tone_mse_sigma4"])),
+            "psnr_tones": found["psnr_blurred"],
             "seconds": found["seconds"],
         }
     paths = placed(learned_by(case))
