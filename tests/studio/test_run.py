@@ -21,7 +21,7 @@ from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
-from maulstick.studio.state.run import Run
+from maulstick.studio.state.run import Run, State
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import Done
 from tests.support.robot.fake_grbl import FakeGrbl
@@ -316,24 +316,27 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
 def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path) -> None:
     painting = put_plan_of_a_picture(tmp_path, "disc")
     picture = tmp_path / "pictures" / "disc" / "picture.png"
+    states: list[State] = []
+
+    def is_planning(state: State) -> bool:
+        return state.progress is not None and state.progress.strokes is None
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
             await run.begin("disc", PaintOptions(robot="sim:real", speed=10.0, look=True, replan=0, picture=picture))
             await until(run, lambda: stroke(run) >= 2)
+            run.changed.subscribe(lambda: states.append(run.state))
             run.replan_now()
             assert run.state.will_look
-            await until(run, lambda: painting.with_name("painting.r1.json").exists())
-            await until(run, lambda: run.state.progress is not None and run.state.progress.strokes is None)
-            assert not run.state.will_look
-            await until(run, lambda: run.state.progress is not None and run.state.progress.strokes is not None)
-            planned_again = read_painting(painting.with_name("painting.r1.json"))
-            assert run.state.progress is not None
-            assert run.state.progress.strokes == len(planned_again.strokes)
+            await until(run, lambda: any(is_planning(state) for state in states) and not is_planning(run.state))
             run.stop()
             assert await outcome(run) == "You stopped it. The pen is lifted."
 
     asyncio.run(paint())
+    assert not next(state for state in states if is_planning(state)).will_look
+    progress = states[-1].progress
+    assert progress is not None
+    assert progress.strokes == len(read_painting(painting.with_name("painting.r1.json")).strokes)
     revisions = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
     assert [entry["file"] for entry in revisions if entry["event"] == "revision"] == [
         "painting.json",

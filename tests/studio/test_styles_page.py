@@ -81,6 +81,7 @@ def test_the_address_leads_back_and_forward_and_stands_a_reload(page: Callable[.
     expect(both).to_be_visible()
     shown.get_by_role("button", name="All hands").click()
     expect(shown.get_by_role("checkbox", name="Compare loops")).to_be_checked()
+    expect(shown).to_have_url(re.compile(r"/styles$"))
     shown.go_back()
     expect(both).to_be_visible()
 
