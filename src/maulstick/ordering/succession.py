@@ -14,8 +14,8 @@ from maulstick.strokes.strokes import path_lengths
 TRAVEL = 4.0
 """Nats that a median stroke's length of travel counts as.
 
-Chosen on plans of `held` strokes (benchmarks/arrangement.py), whose travel it lets grow to at most 1.3 times; 2 lets
-it grow to 1.6, and 8 gains half as much of the order.
+Chosen on plans of `held` strokes (benchmarks/order.py), whose travel it lets grow to 1.3 times at most; 2 lets it grow
+to 1.6.
 """
 
 _LEAST = 0.01  # median lengths: shorter jumps and distances are one, and ends there have no direction
