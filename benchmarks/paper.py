@@ -33,6 +33,7 @@ COMMANDS = {
     "splines": ["benchmarks/splines.py"],
     "held": ["benchmarks/held.py"],
     "arrangement": ["benchmarks/arrangement.py", "--quick"],
+    "order": ["benchmarks/order.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -52,6 +53,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "splines": styles.splines_table,
     "held": held.held_table,
     "arrangement": arrangement.arrangement_table,
+    "order": arrangement.order_table,
 }
 
 

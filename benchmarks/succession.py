@@ -4,6 +4,7 @@ The choice is among the stroke that came next and those left to draw that begin 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from descriptors import end_to_end, principal
@@ -58,6 +59,12 @@ def travel(paths: Floats) -> float:
     """Mean way of the lifted pen to the next of strokes (N, n, 2), median lengths."""
     jumps = np.linalg.norm(paths[1:, 0] - paths[:-1, -1], axis=1)
     return float(jumps.mean() / np.median(path_lengths(paths)))
+
+
+def steps(paths: Floats) -> Floats:
+    """Numbers (N - 1, 7) of each of strokes (N, n, 2) and the next."""
+    paths = paths / np.median(path_lengths(paths))
+    return np.concatenate([_numbers(one, other[None]) for one, other in pairwise(paths)])
 
 
 def _log_chances(numbers: Floats, weights: Floats) -> Floats:

@@ -2,8 +2,8 @@
 
 import numpy as np
 from drawings import HANDS, TUNE_NOTHING
-from intervals import Floats, interval
-from kept import Row, rows_of, table
+from intervals import Floats, interval, mean
+from kept import Row, rows_of, table, with_range
 
 _KEYS = ("energy", "energy_judging")
 
@@ -37,6 +37,34 @@ def arrangement_table() -> str:
     head = ["row", "drawings", "normalised", "by the numbers for judging only", "named", "copied groups", "order"]
     head += ["travel", "blurred", "seconds"]
     return table(head, lines) + "\nHand by hand, normalised:\n\n" + table(["", *titles], each)
+
+
+def order_table() -> str:
+    """In which order strokes are drawn: of people's drawings, and of plans."""
+    rows = rows_of("order")
+    own = {(row["hand"], row["split"]): row["order_nats"] for row in rows if row["strokes"] == "people"}
+    lines = []
+    for strokes, order in dict.fromkeys((row["strokes"], row["order"]) for row in rows):
+        every = [row for row in rows if (row["strokes"], row["order"]) == (strokes, order)]
+        hands = {row["hand"]: [each for each in every if each["hand"] == row["hand"]] for row in every}
+        off = [
+            np.array([abs(row["order_nats"] - own[row["hand"], row["split"]]) for row in of]) for of in hands.values()
+        ]
+        low, high = interval(off, mean)
+        followed = [row["followed"] for row in every if row.get("followed") is not None]
+        line = [
+            strokes.replace("_", " "),
+            order,
+            str(len(every)),
+            f"{np.mean([row['order_nats'] for row in every]):.2f}",
+        ]
+        line.append("" if order == "own" else f"{np.concatenate(off).mean():.2f} ({low:.2f} to {high:.2f})")
+        line.append(f"{np.mean([row['energy'] for row in every]):.2f}")
+        line.append(f"{np.mean(followed):.2f}" if followed else "")
+        line.append(with_range([row["metres"] / row["tour_metres"] for row in every], 2))
+        lines.append(line)
+    head = ["strokes", "order", "drawings", "nats", "nats from the hand's own", "energy", "followed", "travel"]
+    return table(head, lines)
 
 
 _MEANS = {

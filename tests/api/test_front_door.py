@@ -249,3 +249,11 @@ def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tel
     assert brush.widest > 0
     with pytest.raises(InputError, match="the brush marker comes with Maulstick; choose another name"):
         ms.fit_brush("trials", "marker", keep=True)
+
+
+def test_one_ink_in_a_hand_that_is_arranged_is_drawn_in_its_order() -> None:
+    quick: dict[str, Any] = {"strokes": 8, "steps": 2, "px": 24, "size": "60x60mm", "style": "elephant"}
+    assert ms.plan(demo_picture(), ink="black", **quick).succession is not None
+    assert ms.plan(demo_picture(), ink="black", arrange=0, **quick).succession is None
+    assert ms.plan(demo_picture(), paints=2, **quick).succession is None
+    assert ms.plan(demo_picture(), ink="black", **quick | {"style": "free"}).succession is None

@@ -11,6 +11,7 @@ from maulstick.painting import painting as paintings
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.raster import Canvas
+from maulstick.painting.succession import Succession
 from maulstick.rendering.preview import preview
 from tests.support.tolerances import CREASED, MARK_METRES, SAME_PICTURE
 
@@ -21,6 +22,7 @@ COLOURS = ((0.0, 0.0, 0.0), (0.8, 0.1, 0.2), (0.1, 0.3, 0.9))
 # Wide and soft, so that pixels show its marks as they are: hard edges are drawn broader than they are.
 SOFT = Brush(name="soft", source="for tests", alpha=0.002, beta=0.004, opacity=0.7, nib=(0.2, 0.1))
 PEN = Brush(name="pen", source="for tests", alpha=0.0, beta=0.0005)
+HATCHER = Succession(jump=-1.0, distance=-1.0, along=-2.0, parallel=3.0, same_way=3.0, unlike=-1.0)
 
 
 def _painting(strokes: list[tuple[int, tuple[Point, ...]]], brush: Brush = PEN) -> Painting:
@@ -62,8 +64,10 @@ def _random(count: int, rng: np.random.Generator, brush: Brush, length: float = 
 
 
 def _paintings(brush: Brush) -> st.SearchStrategy[Painting]:
+    """Paintings whose hand is unknown, and of a hand whose order is known."""
     seeds = st.integers(0, 10**6).map(np.random.default_rng)
-    return st.builds(_random, st.integers(0, 30), seeds, st.just(brush))
+    unknown = st.builds(_random, st.integers(0, 30), seeds, st.just(brush))
+    return unknown | unknown.map(lambda painting: painting.model_copy(update={"succession": HATCHER}))
 
 
 @given(_paintings(SOFT))
@@ -151,6 +155,13 @@ def test_the_pen_goes_to_what_is_near() -> None:
         update={"strokes": tuple(s.model_copy(update={"paint": 0}) for s in painting.strokes)}
     )
     assert _travel(sequenced(one_ink, HOME)) < 0.3 * _travel(one_ink)
+
+
+def test_a_known_hand_goes_out_of_its_way_to_draw_as_it_does() -> None:
+    painting = _painting([(0, _line(0.01 * i, 0.01, 0.01 * i, 0.03)) for i in range(1, 10)])
+    quick, by_hand = (sequenced(painting.model_copy(update={"succession": hand}), HOME) for hand in (None, HATCHER))
+    assert [sum(s.trajectory[0] < s.trajectory[-1] for s in each.strokes) for each in (quick, by_hand)] == [5, 9]
+    assert _travel(quick) < _travel(by_hand) < 3 * _travel(quick)
 
 
 def test_the_first_stroke_is_near_the_pen_and_the_next_run_near_the_last_stroke() -> None:

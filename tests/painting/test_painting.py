@@ -30,6 +30,7 @@ from maulstick.painting.painting import (
 )
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
+from maulstick.painting.succession import Succession
 from tests.support.nominal import nominal
 
 MICROMETRE = 1e-6
@@ -168,6 +169,14 @@ def test_a_stroke_is_a_line_of_the_file(tmp_path: Path) -> None:
     assert lines[2] == '{"id": 5, "paint": 1, "trajectory": [[0.01, 0.02, 0.0]]}'
     assert list(json.loads(text)) == ["schema_version", "sheet", "area", "provenance", "brushes", "paints", "strokes"]
     assert json.loads(text)["provenance"]["options"] == {"steps": 9, "ink": None}
+
+
+def test_the_order_of_a_hand_is_kept_where_it_is_known(tmp_path: Path) -> None:
+    succession = Succession(jump=-1 / 3, distance=0, along=1, parallel=2, same_way=3, unlike=1e-12)
+    painting = a_painting().model_copy(update={"succession": succession})
+    write_painting(painting, tmp_path / "painting.json")
+    assert read_painting(tmp_path / "painting.json") == painting
+    assert json.loads((tmp_path / "painting.json").read_text())["succession"]["jump"] == -0.333333333
 
 
 def test_four_thousand_strokes_are_written_and_read_in_under_two_seconds(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
-    tone = Weighted(Halftone(target, weights, 2.0) if halftone else Tone(target, weights), 1.0)
+    tone = Weighted(Halftone(target, weights, 2.0, target) if halftone else Tone(target, weights), 1.0)
     return PlanningProblem(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
 
 

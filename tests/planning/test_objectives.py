@@ -18,7 +18,7 @@ def noise(seed: int, *shape: int) -> Tensor:
 
 def tone(target: Tensor, weights: Tensor | None = None, *, spacing: float | None = None) -> Objective:
     weights = torch.ones_like(target[0]) if weights is None else weights
-    return Tone(target, weights) if spacing is None else Halftone(target, weights, spacing)
+    return Tone(target, weights) if spacing is None else Halftone(target, weights, spacing, target)
 
 
 @kinds
@@ -94,12 +94,14 @@ def test_one_ink_makes_grey_of_lines_however_far_they_are_apart(every: int) -> N
     assert tone(grey).loss(lines, 1.0).item() >= tone(grey).loss(blank, 1.0).item(), "it would pay to draw nothing"
 
 
-def test_contours_earn_most_for_a_line_along_their_dark_side() -> None:
-    target = torch.ones(3, 64, 64)
-    target[:, :, 32:] = 0.8
+@pytest.mark.parametrize("blank", [False, True])
+def test_contours_earn_most_for_a_line_along_their_dark_side_where_tones_leave_them_blank_too(blank: bool) -> None:
+    picture = torch.ones(3, 64, 64)
+    picture[:, :, 32:] = 0.8
+    target = torch.ones_like(picture) if blank else picture
 
     def losses(*, contours: bool) -> Tensor:
-        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, contours)
+        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, picture if contours else None)
         lines = 1 - torch.eye(64)[:, None, None, :].expand(64, 3, 64, 64)
         return torch.stack([halftone.loss(canvas, 0.5) for canvas in lines])
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Sheet
 from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.tones import InkSupply, ink_per_stroke
+from maulstick.planning.tones import Amounts, InkSupply, ink_per_stroke
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
 from tests.support.style.synthetic_hands import exemplar_of, line
@@ -66,17 +66,25 @@ def test_a_picture_in_its_tones_needs_the_ink_that_there_is(greys: list[float], 
         assert again.enough == pytest.approx(strokes, rel=0.1, abs=2)
 
 
-def test_the_lightest_tone_becomes_paper_before_contrast_falls() -> None:
-    layout = of_grey(0.8, 0.4)
-    some = supply(layout).tones(round(0.75 * supply(layout).enough))
-    few = supply(layout).tones(round(0.2 * supply(layout).enough))
-    assert some.contrast == 1
-    assert 0 < some.veil < 0.2
-    assert few.contrast < 1
-    assert few.veil == pytest.approx(0.2, abs=0.01)
-    assert some.lightest > 80
-    assert few.lightest == pytest.approx(100, abs=0.5)
-    assert some.darkest < few.darkest < few.lightest
+def test_the_lights_are_left_blank_so_that_the_darks_get_the_ink() -> None:
+    layout = of_grey(0.8, 0.7, 0.2)
+    own = supply(layout).tones(supply(layout).enough)
+    for share in (0.7, 0.3, 0.05):
+        tones = supply(layout).tones(round(share * supply(layout).enough))
+        assert tones.veil > 0.19
+        assert tones.lightest == pytest.approx(100, abs=0.5)
+    assert supply(layout).tones(round(0.7 * supply(layout).enough)).darkest == pytest.approx(own.darkest, abs=8)
+
+
+def test_what_lines_tell_is_the_number_of_tones_that_their_chance_leaves_apart() -> None:
+    def told(*amounts: float, lines: float = 10_000) -> float:
+        return Amounts.of(np.array(amounts)).told(lines)
+
+    assert told(0.5) == pytest.approx(0, abs=1e-3)
+    assert told(0.2, 0.5) == pytest.approx(np.log(2), abs=1e-3)
+    assert told(0.1, 0.3, 0.5, 0.7) == pytest.approx(np.log(4), abs=1e-3)
+    assert told(0.2, 0.5, lines=4) < 0.2
+    assert told(0.2, 0.5, lines=1) < told(0.2, 0.5, lines=4) < told(0.0, 0.5, lines=4)
 
 
 def test_a_note_says_what_so_few_strokes_can_give_and_how_many_would_do() -> None:

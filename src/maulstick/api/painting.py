@@ -13,8 +13,8 @@ _NOTEBOOK_PX = 512  # height of the picture in a notebook, pixels: fits beside i
 class Painting(records.Painting):
     """Strokes in painting order, with their sheet, brushes and paints; the record itself, and ways to show and save it.
 
-    Fields are those of the file painting.json: `sheet`, `area`, `provenance`, `brushes`, `paints`, `strokes`; lengths
-    in metres, colours sRGB in [0, 1].
+    Fields are those of the file painting.json: `sheet`, `area`, `provenance`, `brushes`, `paints`, `strokes`, and
+    `succession` where strokes are drawn in the order of a hand; lengths in metres, colours sRGB in [0, 1].
 
         >>> import maulstick as ms
         >>> painting = ms.plan(demo_picture, strokes=5, steps=2, px=16)

@@ -7,6 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from maulstick.ordering.layers import runs
+from maulstick.ordering.succession import drawn_by
 from maulstick.ordering.tour import tour
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
@@ -20,16 +21,20 @@ _SMOOTHED = 0.05  # half-widths: tolerance of a mark's simplified centre line; t
 def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
     """Return the painting with its strokes in a quick order for a pen at `start`, metres; it looks the same.
 
+    Where the painting knows its hand's succession, strokes come as the hand would draw them, at little more travel.
     Strokes keep their ids, and overlapping strokes of different paints keep their order. Strokes of one paint may come
     in any order, as a colour over itself is the same colour. The paint never changes more often than before. A stroke
     may be reversed where its pressure is even, it has no speeds of its own, and its mark stays the same.
     """
     paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
     ends = np.array([[s.trajectory[0][:2], s.trajectory[-1][:2]] for s in painting.strokes]).reshape(-1, 2, 2)
-    reversible = np.concatenate([_reversible(part) for part in painting.parts()])
+    may = reversible(painting)
     strokes: list[Stroke] = []
     for run in runs(paint_of, _overlaps(refined(painting), paint_of)):
-        way = tour(ends[run], reversible[run], start)
+        way = tour(ends[run], may[run], start)
+        if painting.succession is not None:
+            part = painting.model_copy(update={"strokes": tuple(painting.strokes[i] for i in run)})
+            way = drawn_by(painting.succession, part.trajectories()[..., :2], may[run], way)
         strokes += [
             _turned(painting.strokes[run[i]]) if turned else painting.strokes[run[i]]
             for i, turned in zip(way.order, way.turned, strict=True)
@@ -42,8 +47,12 @@ def _turned(stroke: Stroke) -> Stroke:
     return stroke.model_copy(update={"trajectory": stroke.trajectory[::-1]})
 
 
+def reversible(painting: Painting) -> Bools:
+    """Return whether each stroke, (N,), leaves the same mark when drawn backwards, and has no speeds of its own."""
+    return np.concatenate([_reversible(part) for part in painting.parts()])
+
+
 def _reversible(painting: Painting) -> Bools:
-    """Return whether each stroke, (N,), leaves the same mark when drawn backwards."""
     trajectories = painting.trajectories()
     even = np.ptp(trajectories[..., 2], axis=1) == 0
     hasty = np.array([stroke.speed is not None for stroke in painting.strokes], dtype=np.bool_)

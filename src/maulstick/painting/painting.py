@@ -27,6 +27,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.painting.brush import Brush, Name
 from maulstick.painting.picture import decode_png, spread
 from maulstick.painting.raster import Canvas
+from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write, file_to_read
 
@@ -198,6 +199,7 @@ class Painting(_Part):
     sheet: what is painted on; no commanded point lies more than `OFF_SHEET` beyond its edges, or a machine would draw
     on its bed.  area: the picture's place on it, (x, y, width, height), metres.
     brushes: all brushes by name.  paints: the list that a stroke's `paint` is an index into.
+    succession: what the hand draws next, where strokes are to be drawn in its order; not in the file where None.
     Raises ValidationError where a field is wrong or two of them do not agree.
     """
 
@@ -208,6 +210,7 @@ class Painting(_Part):
     brushes: dict[Name, Brush]
     paints: tuple[Paint, ...]
     strokes: tuple[Stroke, ...]
+    succession: Succession | None = None
 
     @model_validator(mode="after")
     def _agrees_with_itself(self) -> Self:
@@ -284,7 +287,7 @@ def write_painting(painting: Painting, path: str | Path) -> None:
 
     Raises OutputError where that fails; what was at `path` is then still there.
     """
-    fields = painting.model_dump(mode="json")
+    fields = _said(painting.model_dump(mode="json"))
     fields["sheet"] = _said(fields["sheet"])
     for name in ("paints", "strokes"):
         fields[name] = [_said(entry) for entry in fields[name]]

@@ -43,20 +43,22 @@ def problem_of(
     importance: Image | None = None,
     device: torch.device = _CPU,
     tones: Tones | None = None,
+    bare: Image | None = None,
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
     device: renders, and compares with the picture.  tones: those of one ink that the picture is planned in, if any.
+    bare: (H, W, 3), the sheet without what is painted, on which tones are made; when left out, the layout's.
     Raises InputError for losses that cannot be had.
     """
     importance = importance_of(layout, loss_options.faces) if importance is None else importance
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
-    target = None if layout.target is None else _channels_first(layout.target).to(device)
-    if target is not None and tones is not None:
-        target = tones.apply(target, paper, options.palette[0])
+    target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
+    if picture is not None and tones is not None:
+        target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device), options.palette[0])
     spacing = _spacing(target, paper, brush, layout, options) if options.one_ink else None
-    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing)
+    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture)
     return PlanningProblem(
         target, paper, weights, layout.canvas, brush, style, *losses_of(loss_options, reference, network)
     )

@@ -96,12 +96,14 @@ class Reference:
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
     spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
+    picture: (3, H, W), the target in its own tones, whose contours one ink draws, or None.
     """
 
     target: Tensor | None
     weights: Tensor
     paper: Tensor
     spacing: float | None
+    picture: Tensor | None = None
 
     @property
     def one_ink(self) -> bool:
@@ -133,7 +135,8 @@ def _objective(name: str, reference: Reference, contours: bool) -> Objective:
     if name == "edges":
         return Edges(reference.target, reference.weights)
     if reference.spacing is not None:
-        return Halftone(reference.target, reference.weights, reference.spacing, contours)
+        contoured = reference.picture if contours else None
+        return Halftone(reference.target, reference.weights, reference.spacing, contoured)
     return Tone(reference.target, reference.weights)
 
 

@@ -1,12 +1,12 @@
-"""Tones of one ink: how dark so many strokes of a hand can make a sheet, and the picture made as light as that."""
+"""Tones of one ink: how dark so many strokes of a hand can make a sheet, and the picture with no more ink than that."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, e, log, pi, sqrt
 from typing import Self
 
 import numpy as np
 import torch
+from scipy.ndimage import gaussian_filter, gaussian_filter1d
 from scipy.optimize import brentq
 from torch import Tensor
 
@@ -26,6 +26,10 @@ _MOST = 0.95  # share of a place that ink may be asked to hide: the last white b
 _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1 - exp(-ink); 0: they never cross
 _NOTHING = 1e-3  # amount below which a place is paper
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
+_GLANCE = 2e-3  # metres: standard deviation of a Gaussian, within which an eye takes lines together to a tone
+_LEVELS = 512  # amounts that are told apart while tones are chosen
+_VEILS = 64  # tried
+_BINS = 20  # of a histogram, for each standard deviation of what lines tell
 
 Colour = tuple[float, float, float]
 
@@ -34,8 +38,7 @@ Colour = tuple[float, float, float]
 class Tones:
     """How amounts of ink in a picture, from 0 (paper) to 1 (ink), become what strokes can give.
 
-    amount' = contrast * max(amount - veil, 0): first the lightest tone becomes the paper, so that differences stay;
-    where that is not enough, contrast falls.
+    amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank.
 
     lightest, darkest: L* of the picture's tones in this way.
     """
@@ -56,19 +59,22 @@ class Tones:
             return target
         full = torch.tensor(ink).to(paper)[:, None, None] - paper
         amount = ((target - paper) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)
-        return paper + self.contrast * (amount.clamp(0, 1) - self.veil).clamp(min=0) * full
+        return paper + (self.contrast * (amount.clamp(0, 1) - self.veil)).clamp(0, 1) * full
 
 
 @dataclass(frozen=True)
 class InkSupply:
     """Ink that a picture needs, and that a stroke of a hand gives.
 
-    amounts: (H, W), ink that the picture shows on the sheet as it is.  per_stroke: pixels that a stroke hides alone.
+    amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
+    per_stroke: pixels that a stroke hides alone.  lines: number that would hide what an eye takes together.
     paper, ink: colours, sRGB in [0, 1].
     """
 
     amounts: Floats
+    glanced: Floats
     per_stroke: float
+    lines: float
     paper: Colour
     ink: Colour
 
@@ -79,18 +85,32 @@ class InkSupply:
             return None
         image, under = (each.transpose(2, 0, 1).astype(np.float64) for each in (layout.target, layout.under))
         amounts = ink_density(image, under, np.array(ink))
-        return cls(amounts, ink_per_stroke(brush, style, layout.canvas.pixels_per_metre), layout.sheet.paper, ink)
+        resolution = layout.canvas.pixels_per_metre
+        glanced = gaussian_filter(amounts, _GLANCE * resolution)
+        per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
+        return cls(amounts, glanced, per_stroke, lines, layout.sheet.paper, ink)
 
     @property
     def enough(self) -> int:
         """Number of strokes that give all the ink that the picture needs."""
-        return max(1, ceil(_needed(self.amounts) / self.per_stroke))
+        return max(1, ceil(Amounts.of(self.amounts).needed / self.per_stroke))
 
     def tones(self, strokes: int) -> Tones:
-        """Return the tones that so many strokes can give."""
-        veil, contrast = _compressed(self.amounts, strokes * self.per_stroke)
-        shown = self.amounts[self.amounts > _NOTHING] if (self.amounts > _NOTHING).any() else self.amounts
-        ends = contrast * (np.quantile(shown, (_LIGHT, _DARK)) - veil).clip(min=0)
+        """Return the tones that so many strokes can give: of all that need their ink, those that tell most.
+
+        A person leaves the lights blank, and has ink for the darks. Lines lie by chance: n of them where an eye takes
+        them together spread by sqrt(n), so 2 sqrt(n) spreads by 1 in all tones (Anscombe 1948), and what a picture
+        tells is the entropy of that number with this noise, less the noise's own.
+        """
+        given = strokes * self.per_stroke
+        shown = self.amounts > _NOTHING
+        lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
+        veil, contrast = 0.0, 1.0
+        if given < (amounts := Amounts.of(self.amounts)).needed:
+            seen = Amounts.of(self.glanced[shown])
+            choices = _choices(amounts, darkest, given)
+            veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.lines))
+        ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
         return Tones(veil, contrast, *lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist())
 
@@ -104,16 +124,6 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.enough:,} strokes would reach them"
         )
-
-
-def in_tones(layout: Layout, brush: Brush, style: Style, ink: Colour, strokes: int) -> Layout:
-    """Return the layout with its picture in the tones that so many strokes can give."""
-    supply = InkSupply.of(layout, brush, style, ink)
-    if supply is None or layout.target is None:
-        return layout
-    target, paper = (torch.from_numpy(each.transpose(2, 0, 1).copy()) for each in (layout.target, layout.under))
-    image = supply.tones(strokes).apply(target, paper, ink).permute(1, 2, 0).numpy()
-    return replace(layout, target=np.ascontiguousarray(image))
 
 
 @one_torch_thread()
@@ -136,21 +146,49 @@ def ink_per_stroke(brush: Brush, style: Style, pixels_per_metre: float) -> float
     return hidden / _SAMPLES
 
 
-def _needed(amounts: Floats) -> float:
-    """Ink of strokes, in pixels hidden by each alone, that makes these amounts (H, W) where strokes cross."""
-    amounts = amounts.clip(0, _MOST)
-    return float((amounts + _CROSSING * (-np.log1p(-amounts) - amounts)).sum())
+@dataclass(frozen=True)
+class Amounts:
+    """Histogram of amounts of ink: values (N,) and pixels (N,) of each."""
+
+    values: Floats
+    pixels: Floats
+
+    @classmethod
+    def of(cls, amounts: Floats) -> Self:
+        """Return the histogram of amounts in [0, 1]."""
+        level = (amounts.clip(0, 1) * (_LEVELS - 1)).round().astype(np.int64)
+        return cls(np.linspace(0, 1, _LEVELS), np.bincount(level.ravel(), minlength=_LEVELS).astype(np.float64))
+
+    def inked(self, veil: float, contrast: float) -> Self:
+        """Return them as `Tones` make them."""
+        return replace(self, values=(contrast * (self.values - veil)).clip(0, 1))
+
+    @property
+    def needed(self) -> float:
+        """Ink of strokes, in pixels hidden by each alone, that makes these amounts where strokes cross."""
+        amounts = self.values.clip(0, _MOST)
+        return float(self.pixels @ (amounts + _CROSSING * (-np.log1p(-amounts) - amounts)))
+
+    def told(self, lines: float) -> float:
+        """Return what they tell, nats, where 1 is so many lines; see `InkSupply.tones`."""
+        seen = 2 * np.sqrt(lines * self.values) * _BINS
+        margin = 5 * _BINS
+        counts = np.bincount(seen.round().astype(np.int64) + margin, self.pixels, round(seen.max()) + 2 * margin + 1)
+        share = gaussian_filter1d(counts / counts.sum(), _BINS, mode="constant")
+        share = share[share > 0]
+        return float(-(share * np.log(share * _BINS)).sum()) - log(2 * pi * e) / 2
 
 
-def _compressed(amounts: Floats, given: float) -> tuple[float, float]:
-    """Return veil and contrast that make amounts (H, W) need no more ink than is given."""
-    if _needed(amounts) <= given:
-        return 0.0, 1.0
-    lightest = float(np.quantile(amounts[amounts > _NOTHING], _LIGHT))
-    if _needed((amounts - lightest).clip(min=0)) <= given:
-        return _root(lambda veil: _needed((amounts - veil).clip(min=0)) - given, lightest), 1.0
-    return lightest, _root(lambda contrast: _needed(contrast * (amounts - lightest).clip(min=0)) - given, 1.0)
+def _choices(amounts: Amounts, darkest: float, given: float) -> list[tuple[float, float]]:
+    """Return veils and contrasts that need so much ink: from no veil on, until the darkest tone is its own."""
+    choices = []
+    for veil in np.linspace(0, darkest, _VEILS, endpoint=False).tolist():
+        most = darkest / (darkest - veil)
+        if amounts.inked(veil, most).needed < given:
+            break
+        choices.append((veil, _contrast(amounts, veil, most, given)))
+    return choices
 
 
-def _root(excess: Callable[[float], float], most: float) -> float:
-    return float(brentq(excess, 0.0, most, xtol=1e-6))
+def _contrast(amounts: Amounts, veil: float, most: float, given: float) -> float:
+    return float(brentq(lambda contrast: amounts.inked(veil, contrast).needed - given, 0.0, most, xtol=1e-6))

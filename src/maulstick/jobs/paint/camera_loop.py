@@ -4,7 +4,6 @@ The only place where planning and machines meet.
 """
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -26,7 +25,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.schedule import REPLAN
-from maulstick.planning.tones import in_tones
+from maulstick.planning.tones import InkSupply
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.routine import NOTHING
@@ -114,9 +113,8 @@ def replanned(
     exact = options.get("exact") is True
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
-    if settings.one_ink:
-        bare = lay_out_for(picture, painting.sheet, brush, fit, pixels)
-        layout = replace(layout, target=in_tones(bare, brush, style, palette[0], len(painting.strokes)).target)
+    bare = lay_out_for(picture, painting.sheet, brush, fit, pixels)
+    supply = InkSupply.of(bare, brush, style, palette[0]) if settings.one_ink else None
     device = choose_device("auto").device
     problem = problem_of(
         layout,
@@ -125,6 +123,8 @@ def replanned(
         settings,
         LossOptions(weights=weights, contours=options.get("drawing") != "tones"),
         device=device,
+        tones=None if supply is None else supply.tones(len(painting.strokes)),
+        bare=bare.under,
     )
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
     again = as_painting(planned, layout, brush, style, painting.provenance)

@@ -110,6 +110,9 @@ class Prepared:
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
         painting = as_painting(planned, self.layout, self.brush, self.style, self.provenance, self.names)
+        arrangement = self.style.arrangement
+        if arrangement is not None and self.settings.one_ink and self.settings.arrange:
+            painting = painting.model_copy(update={"succession": arrangement.succession})
         return with_metrics(painting, self.layout, self.problem, self.tones)
 
     def weighed(self, weights: Mapping[str, float]) -> "Prepared":

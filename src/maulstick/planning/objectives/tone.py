@@ -48,20 +48,22 @@ class Halftone(Objective):
     """Tone of one ink, whose greys are made of the distance between lines, and contours beside it.
 
     target: (C, H, W).  weights: (H, W), how much each pixel counts.  spacing: pixels between lines in usual greys.
-    contours: whether they count beside tones.
+    picture: (C, H, W), whose contours count beside tones: the target, or what it was in its own tones.
 
     Squared differences are those of halved images alone whose pixels hold a line: finer ones tell a line from paper,
-    and would pay for leaving it out. What they could show is asked for otherwise: ink where the target is darker than
+    and would pay for leaving it out. What they could show is asked for otherwise: ink where the picture is darker than
     around it earns as much as ink where it is lighter costs, so contours draw lines to them and the tone stays.
     """
 
-    def __init__(self, target: Tensor, weights: Tensor, spacing: float, contours: bool = True) -> None:
+    def __init__(self, target: Tensor, weights: Tensor, spacing: float, picture: Tensor | None = None) -> None:
         self._target, self._scale = target, weights.sqrt()
         last = levels_of(target) - 1
         self._levels = range(max(0, min(round(log2(max(spacing, 1))), last)), last + 1)
-        sigma = _AROUND * target.shape[1]
-        around = gaussian_filter(target.cpu().numpy(), (0, sigma, sigma))
-        self._relief = contours * (target - torch.from_numpy(around).to(target)) * weights
+        self._relief = torch.zeros_like(target)
+        if picture is not None:
+            sigma = _AROUND * picture.shape[1]
+            around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
+            self._relief = (picture - torch.from_numpy(around).to(picture)) * weights
 
     @property
     def name(self) -> str:

@@ -8,9 +8,11 @@ import numpy as np
 import shapely
 import torch
 
+from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
 from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Laid, Neighbourhoods
+from maulstick.style.arrangement.order import succession_of
 
 FEWEST = 30
 """Least number of strokes that an arrangement can be learned from."""
@@ -62,6 +64,11 @@ class Arrangement:
         apart = shapely.distance(lines[1:], lines[:-1]) > np.median(path_lengths(self.paths))
         runs = np.split(np.arange(len(self.paths)), np.flatnonzero(apart) + 1)
         return tuple(run[first : first + _MOST] for run in runs for first in range(0, len(run), _MOST))
+
+    @cached_property
+    def succession(self) -> Succession:
+        """Which stroke comes after which."""
+        return succession_of(self.paths)
 
     def size_for(self, strokes: int, area: float) -> float:
         """Return times how large the hand draws, at most 1, so that so many strokes lie no denser than its own.
