@@ -76,7 +76,7 @@ def draw(page: Page, url: str, out: Path) -> None:
 def look_at_styles(page: Page, url: str, out: Path) -> None:
     """At the one that was learned, and one of its strokes."""
     page.goto(f"{url}/styles?style=anna")
-    strokes_of_it = page.locator(".stroke-map [data-stroke]")
+    strokes_of_it = page.locator(".stroke-map path[data-stroke]")
     expect(strokes_of_it.first).to_be_visible(timeout=PATIENCE)
     strokes_of_it.nth(9).press("Enter")
     expect(page.get_by_text("No stroke is chosen yet.")).to_be_hidden(timeout=PATIENCE)

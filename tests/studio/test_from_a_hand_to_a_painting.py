@@ -48,7 +48,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
 
     tab.get_by_role("button", name="Plan a picture with it").click()
     bring_a_picture(tab, tmp_path)
-    expect(tab.get_by_label("Hand")).to_have_value("anna")
+    expect(tab.get_by_label("Hand", exact=True)).to_have_value("anna")
     tab.get_by_label("Strokes", exact=True).fill(f"{_STROKES}")
     tab.get_by_label("How many", exact=True).fill("3")
     tab.get_by_label("How long").click()

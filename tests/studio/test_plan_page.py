@@ -1,5 +1,6 @@
 """Panel where paintings are planned, in a browser."""
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -108,3 +109,64 @@ def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
     opened.get_by_label("Strokes", exact=True).fill("")
     opened.get_by_role("button", name="Plan it").click()
     expect(opened.get_by_text("the number of strokes is nothing; it must be a whole number from 1 to")).to_be_visible()
+
+
+def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_notes_stay_with_it(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    opened = page("/plan?style=elephant")
+    drawing, strokes = opened.get_by_label("What it draws"), opened.get_by_label("Strokes", exact=True)
+    enough = opened.get_by_role("checkbox", name="As many strokes as the picture needs")
+    arranged = opened.get_by_label("As the hand arranges")
+
+    def choose(label: str, name: str) -> None:
+        opened.get_by_label(label, exact=True).click()
+        opened.get_by_role("option", name=name).click()
+        expect(opened.get_by_role("listbox")).to_have_count(0)
+
+    choose("Colours", "One ink")
+    expect(arranged).to_be_visible()
+    expect(drawing).to_be_hidden()  # there is no picture that has lines
+    bring_a_picture(opened, tmp_path)
+    choose("What it draws", "Lines alone")
+    choose("Hand", "loops")
+    expect(arranged).to_be_hidden()
+    choose("Hand", "free")
+    expect(enough).to_be_hidden()
+    choose("Hand", "elephant")
+    expect(arranged).to_be_visible()
+    enough.click()
+    expect(strokes).to_be_disabled()
+    choose("Colours", "Paints")
+    for each in (drawing, enough, arranged):
+        expect(each).to_be_hidden()
+    expect(strokes).to_be_enabled()
+    choose("Colours", "One ink")
+    expect(strokes).to_be_disabled()
+
+    opened.get_by_label("Hand size").fill("")
+    opened.get_by_role("button", name="Plan it").click()
+    expect(opened.get_by_text("hand size is nothing; it must be a number of times")).to_be_visible()
+    opened.get_by_label("Hand size").fill("0.001")
+    opened.get_by_role("button", name="Plan it").click()
+    expect(opened.get_by_text("hand size is 0.001; it must be from 0.02 to 50")).to_be_visible()
+    opened.get_by_label("Hand size").fill("0.4")
+    arranged.press("ArrowLeft")
+    choose("Brush", "fineliner")
+    choose("How long", "Fine, and slowly")
+    opened.get_by_role("button", name="Plan it").click()
+    notes = card(opened).get_by_role("list", name="Notes")
+    expect(notes).to_contain_text("strokes, chosen for the picture's ink", timeout=_PATIENCE)
+    asked = (
+        "elephant at 0.4 times its size, fineliner, as many strokes as it needs, one ink, 200 by 160 mm, lines alone"
+    )
+    expect(card(opened).get_by_text(f"{asked}, 75% as the hand arranges")).to_be_visible()
+    options = json.loads((studio.folder / "plans" / "my-sunset" / "request.json").read_bytes())["options"]
+    wanted = {"strokes": "auto", "hand_size": 0.4, "drawing": "lines", "arrange": 0.75, "ink": "#000000"}
+    assert {name: options[name] for name in wanted} == wanted
+
+    card(opened).get_by_role("button", name="Stop and keep").click()
+    expect(card(opened).locator(".phase")).to_have_text("stopped early", timeout=_PATIENCE)
+    expect(notes).to_contain_text("strokes, chosen for the picture's ink")
+    opened.reload()
+    expect(notes).to_contain_text("strokes, chosen for the picture's ink")

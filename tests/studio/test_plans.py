@@ -12,6 +12,7 @@ from skimage.data import data_dir
 
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
 from maulstick.studio.state.folder import Folder
@@ -58,6 +59,25 @@ def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Fo
     assert made.frames == len(painting.strokes) + 1
     assert order_frame(made.folder, 0).is_file()
     assert [done for done, _ in made.curve] == sorted(done for done, _ in made.curve)
+
+
+def test_what_may_be_unexpected_of_a_plan_is_said_while_it_is_made_and_in_a_studio_opened_later(folder: Folder) -> None:
+    request = request_with(ink="black", paints=None, style="elephant", brush="fineliner")
+
+    async def plan() -> tuple[list[tuple[Phase, tuple[str, ...]]], Plan]:
+        plans, said = Plans(folder), list[tuple[Phase, tuple[str, ...]]]()
+        plan = plans.add(request)
+        plan.stepped.subscribe(lambda: said.append((plan.phase, plan.notes)))
+        await until(lambda: not plan.is_busy)
+        await until(lambda: not plans._processes)
+        return said, plan
+
+    said, made = asyncio.run(plan())
+    notes = tuple(prepare(request).notes)
+    assert notes[0].startswith("20 strokes of this length give")
+    assert said[0] == (Phase.PLANNING, notes)
+    assert made.notes == notes
+    assert Plans(folder).of(made.name).notes == notes
 
 
 def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_opened_later(folder: Folder) -> None:

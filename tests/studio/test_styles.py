@@ -45,6 +45,7 @@ class Found:
     sheets: list[Path]
     size: tuple[int, int]
     refusal: str
+    arranged: list[str]
     map: Map
     differences: tuple[Difference, ...]
 
@@ -69,6 +70,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Found]:
                 [sheet, again],
                 size,
                 str(refused.value),
+                [name for name in (*THREE, "elephant") if await styles.is_arranged(name)],
                 await styles.map_of(THREE),
                 await styles.differences_of(THREE),
             )
@@ -90,6 +92,10 @@ def test_a_sheet_is_drawn_once_and_kept(found: Found) -> None:
 def test_a_style_with_damaged_arrays_is_refused_in_a_sentence(found: Found) -> None:
     assert "torn.safetensors does not belong to" in found.refusal
     assert "\n" not in found.refusal
+
+
+def test_a_style_of_a_whole_drawing_is_arranged_and_others_are_not(found: Found) -> None:
+    assert found.arranged == ["elephant"]
 
 
 def test_a_map_has_every_stroke_of_its_styles_once_and_with_its_length(found: Found) -> None:

@@ -58,7 +58,7 @@ def test_a_survey_is_built_answered_by_two_and_told(
         theirs.context.close()
 
     expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
-    taken = shown.get_by_role("table", name="For whose strokes they were taken")
+    taken = shown.get_by_role("table", name="For whose hand they were taken")
     expect(taken.get_by_role("columnheader")).to_have_text(["drawn by", "<b>Ann</b>", "Bo"])
     expect(shown.get_by_role("row", name="all hands")).to_contain_text("of 2")
     counts = [int(cell.split()[0]) for cell in taken.locator("td").all_inner_texts() if cell != "-"]
@@ -76,6 +76,9 @@ def test_a_survey_is_built_answered_by_two_and_told(
 
 def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Callable[..., Page]) -> None:
     shown = page("/survey")
+    shown.get_by_label("What people are asked").click()
+    shown.get_by_role("option", name="In whose hand is this drawing?").click()
+    expect(shown.get_by_text("People see a drawing by the machine beside a whole drawing by each")).to_be_visible()
     shown.get_by_role("button", name="Another hand").click()
     shown.get_by_role("group", name="Hand 3").get_by_label("Name").fill("Cy")
     shown.get_by_label("First look, as in: loops").fill("loops")
@@ -85,6 +88,7 @@ def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Calla
     expect(shown.get_by_role("heading", name="Mix the paints")).to_be_visible()
     shown.get_by_role("link", name="Survey").click()
     expect(shown.get_by_role("group", name="Hand 3").get_by_label("Name")).to_have_value("Cy")
+    expect(shown.get_by_label("What people are asked")).to_have_value("In whose hand is this drawing?")
     expect(shown.get_by_label("In loops")).to_be_visible()
     expect(shown.get_by_label("In lines")).to_be_visible()
     expect(shown.get_by_text("Something in Maulstick is broken")).to_have_count(0)

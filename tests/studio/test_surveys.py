@@ -32,7 +32,8 @@ KEYS = [f"pictures/{name}/picture.png" for name in PICTURES]
 def whole() -> Draft:
     """Make a complete draft, with an empty row in each part."""
     hands = [HandDraft("Ann", KEYS[0], [KEYS[2]]), HandDraft("Bo", KEYS[1], [KEYS[3]]), HandDraft()]
-    return Draft(" Strokes? ", hands, 1, "loops", "lines", [PairDraft(KEYS[0], KEYS[2], KEYS[3]), PairDraft()])
+    pairs = [PairDraft(KEYS[0], KEYS[2], KEYS[3]), PairDraft()]
+    return Draft(" Strokes? ", "whose drawing", hands, 1, "loops", "lines", pairs)
 
 
 @pytest.fixture
@@ -97,6 +98,7 @@ def test_a_survey_is_made_answered_thrown_away_and_taken_back(folder: Folder) ->
             assert made.title == "Strokes?"
             assert made.match is not None
             assert made.opinions is not None
+            assert made.match.question == "whose drawing"
             assert [hand.name for hand in made.match.hands] == ["Ann", "Bo"]
             assert len(made.opinions.pairs) == 1
 

@@ -10,6 +10,7 @@ from PIL.PngImagePlugin import PngInfo
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
+from maulstick.strokes.ink import Ink, write_ink
 from maulstick.survey.questionnaire import Match, Opinions, Pair, Survey, SurveyHand, build, read_survey
 from tests.survey.conftest import named, sources
 
@@ -48,6 +49,29 @@ def test_nothing_but_pixels_goes_into_a_survey_and_not_too_many(tmp_path: Path) 
     assert b"secret" not in copy.read_bytes()
     with Image.open(copy) as image:
         assert image.size == (1024, 512)
+
+
+def test_ink_is_shown_as_it_was_drawn(tmp_path: Path) -> None:
+    match, _ = sources(tmp_path / "sources")
+    ada, *others = match.hands
+    write_ink(Ink.of([np.array([[0, 0.05, 0.05, 1], [1, 0.15, 0.05, 1]])], (0.2, 0.1)), tmp_path / "ada.ink.npz")
+    drawn = ada.model_copy(update={"by_hand": tmp_path / "ada.ink.npz"})
+    build(tmp_path / "survey", "Whose?", Match(question="whose drawing", hands=(drawn, *others)), None)
+    with Image.open(tmp_path / "survey" / "hand-1.png") as image:
+        dark = np.array(image.convert("L")) < 128
+    assert dark.shape == (512, 1024)
+    assert dark[256, 256:768].all()
+    assert not dark[np.r_[:250, 262:512]].any()
+    assert not dark[:, np.r_[:250, 774:1024]].any()
+
+
+def test_a_survey_from_before_whole_drawings_asks_what_it_asked(folder: Path) -> None:
+    record = json.loads((folder / "survey.json").read_text())
+    del record["match"]["question"]
+    (folder / "survey.json").write_text(json.dumps(record))
+    match = read_survey(folder).match
+    assert match is not None
+    assert match.question == "same hand"
 
 
 def test_a_bad_picture_is_told_before_anything_is_written(tmp_path: Path) -> None:

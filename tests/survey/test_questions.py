@@ -3,7 +3,7 @@ from collections import Counter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.survey.questions import OPINIONS, SAME_HAND, questions
+from maulstick.survey.questions import OPINIONS, SAME_HAND, WHOSE_DRAWING, questions
 from tests.support.tolerances import SURVEY_BALANCE
 from tests.survey.conftest import named
 
@@ -28,6 +28,23 @@ def test_every_match_shows_one_motif_in_the_style_of_every_hand(seed: int, hands
         for choice in question.choices:
             assert choice.picture.name == f"h{choice.name.removeprefix('hand ')}-m{motif}.png"
         assert question.reference.name == f"h{question.about.removeprefix('hand ')}.png"
+
+
+@given(SEEDS, st.integers(2, 10), st.integers(1, 4), st.integers(1, 2))
+def test_every_drawing_of_unknown_hand_stands_beside_a_drawing_by_each_person(
+    seed: int, hands: int, motifs: int, asked: int
+) -> None:
+    survey = named(hands=hands, motifs=motifs, asked=asked)
+    assert survey.match is not None
+    match = survey.match.model_copy(update={"question": WHOSE_DRAWING})
+    drawn = [each for each in questions(survey.model_copy(update={"match": match}), seed) if each.kind == "match"]
+    assert len({question.about for question in drawn}) == len(drawn) == asked
+    for question in drawn:
+        assert question.asks == WHOSE_DRAWING
+        assert question.reference.name.partition("-m")[0] == f"h{question.about.removeprefix('hand ')}"
+        assert sorted(choice.name for choice in question.choices) == sorted(hand.name for hand in match.hands)
+        for choice in question.choices:
+            assert choice.picture.name == f"h{choice.name.removeprefix('hand ')}.png"
 
 
 @given(SEEDS, st.integers(2, 6), st.integers(1, 2))

@@ -67,7 +67,7 @@ def test_a_survey_without_answers_has_results(folder: Path) -> None:
     assert (found.links, found.begun, found.finished) == (2, 0, 0)
     assert found.matching is not None
     assert matching_rows(found.matching).rows[0] == ("Ada", "-", "-", "-")
-    assert right_rows(found.matching).rows[-1] == ("all hands", "0 of 0", "-", "-", "-")
+    assert right_rows(found.matching).rows[-1] == ("all hands", "0 of 0", "-", "-", "-", "33%")
     assert opinions_rows(SYSTEMS, found.opinions).rows[0][1:] == ("0", "0", "-", "-", "-")
 
 
@@ -105,11 +105,11 @@ def test_the_rows_tell_counts_shares_intervals_and_probabilities() -> None:
     matching = Matching(("Ada", "Bo"), np.array([[8, 2], [0, 0]]))
     assert matching_rows(matching).heads == ("drawn by", "Ada", "Bo")
     assert matching_rows(matching).rows == (("Ada", "8 (80%)", "2 (20%)"), ("Bo", "-", "-"))
-    assert right_rows(matching).heads == ("drawn by", "right", "share", "95 % interval", "p")
+    assert right_rows(matching).heads == ("drawn by", "right", "share", "95 % interval", "p", "by guessing")
     assert right_rows(matching).rows == (
-        ("Ada", "8 of 10", "80%", "49% to 94%", "0.109"),
-        ("Bo", "0 of 0", "-", "-", "-"),
-        ("all hands", "8 of 10", "80%", "49% to 94%", "0.109"),
+        ("Ada", "8 of 10", "80%", "49% to 94%", "0.109", "50%"),
+        ("Bo", "0 of 0", "-", "-", "-", "50%"),
+        ("all hands", "8 of 10", "80%", "49% to 94%", "0.109", "50%"),
     )
 
 

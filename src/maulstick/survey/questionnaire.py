@@ -12,13 +12,19 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.painting.ink_picture import ink_picture
 from maulstick.painting.picture import encode_png, read_picture
+from maulstick.storage.arrays import Image, kind_of
 from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record, write_record
+from maulstick.strokes.ink import KIND, read_ink
 
 LONGEST_PX: Final = 1024
 """Longest side of a picture of a survey, pixels: two or three stand side by side on a page."""
+
+MatchQuestion = Literal["same hand", "whose drawing"]
+"""What the matching questionnaire asks."""
 
 _RECORD = "survey.json"
 
@@ -40,6 +46,7 @@ class _Part(BaseModel):
 class SurveyHand(_Part):
     """A person's hand: a drawing by the person, and drawings by a machine in the person's style.
 
+    by_hand: a picture, or ink, which is drawn as it was recorded.
     by_machine: one file per motif, with the same motifs in the same order for every hand of a survey.
     """
 
@@ -49,11 +56,14 @@ class SurveyHand(_Part):
 
 
 class Match(_Part):
-    """Matching questionnaire: participants look for the drawing by a machine in the style of a hand.
+    """Matching questionnaire: participants find out which drawings by a machine and by people belong together.
 
+    question: ``same hand`` shows a drawing by a person, and asks which of the machine's has the same strokes; ``whose
+    drawing`` shows one of the machine's, and asks which of the drawings by people is by the person whose hand it is in.
     asked: number of hands that one participant is asked about.
     """
 
+    question: MatchQuestion = "same hand"
     hands: Annotated[tuple[SurveyHand, ...], Field(min_length=2, max_length=10)]
     asked: Annotated[int, Field(ge=1)] = 1
 
@@ -122,8 +132,8 @@ class Survey(_Part):
 def build(folder: Path, title: str, match: Match | None, opinions: Opinions | None) -> Survey:
     """Make a survey in a new folder, with copies of all pictures: their pixels alone, at most 1024 per side.
 
-    The folder is written whole or not at all. Raises InputError where a picture cannot be read or the survey asks
-    nothing, and OutputError where the folder has something in it or cannot be written.
+    Ink becomes a picture. The folder is written whole or not at all. Raises InputError where a picture cannot be read
+    or the survey asks nothing, and OutputError where the folder has something in it or cannot be written.
     """
     _check_new(folder)
     sources: dict[Path, Path] = {}
@@ -133,7 +143,7 @@ def build(folder: Path, title: str, match: Match | None, opinions: Opinions | No
         )
     except ValidationError as error:
         raise InputError(f"this is not a survey: {validation_fault(error)}") from error
-    pictures = {name: encode_png(read_picture(source, LONGEST_PX)) for name, source in sources.items()}
+    pictures = {name: encode_png(_pixels(source)) for name, source in sources.items()}
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
@@ -168,6 +178,12 @@ def _check_new(folder: Path) -> None:
         raise OutputError(f"cannot look into {folder}: {error.strerror}; choose another folder") from error
 
 
+def _pixels(source: Path) -> Image:
+    if source.is_file() and kind_of(source) == KIND:
+        return ink_picture(read_ink(source), LONGEST_PX)
+    return read_picture(source, LONGEST_PX)
+
+
 def _with_new_names(match: Match | None, sources: dict[Path, Path]) -> Match | None:
     """Return the questionnaire with new, plain file names; put their sources into `sources`."""
     if match is None:
@@ -178,7 +194,7 @@ def _with_new_names(match: Match | None, sources: dict[Path, Path]) -> Match | N
         by_machine = {Path(f"hand-{number}-machine-{row}.png"): path for row, path in enumerate(hand.by_machine, 1)}
         sources |= {by_hand: hand.by_hand} | by_machine
         hands.append(SurveyHand(name=hand.name, by_hand=by_hand, by_machine=tuple(by_machine)))
-    return Match(hands=tuple(hands), asked=match.asked)
+    return match.model_copy(update={"hands": tuple(hands)})
 
 
 def _with_new_pair_names(opinions: Opinions | None, sources: dict[Path, Path]) -> Opinions | None:

@@ -11,7 +11,10 @@ from maulstick.survey.questionnaire import Match, Opinions, Survey
 Kind = Literal["match", "opinion"]
 
 SAME_HAND: Final = "same hand"
-"""Key of the question of the matching questionnaire."""
+"""Key of the question which of the machine's drawings has the strokes of a drawing by a person."""
+
+WHOSE_DRAWING: Final = "whose drawing"
+"""Key of the question in which person's hand the machine's drawing is, beside a whole drawing by each."""
 
 OPINIONS: Final = {
     "human": "Which drawing looks more like it was drawn by a human (rather than a robot)?",
@@ -35,7 +38,8 @@ class Choice:
 class Question:
     """Question of a participant.
 
-    asks: `SAME_HAND`, or one of `OPINIONS`.  about: the hand, or the file of the picture, that it is asked about.
+    asks: `SAME_HAND`, `WHOSE_DRAWING`, or one of `OPINIONS`.
+    about: the hand, or the file of the picture, that it is asked about.
     reference: picture that the choices are compared with.  choices: in the order in which they are shown.
     """
 
@@ -55,11 +59,20 @@ def questions(survey: Survey, seed: int) -> tuple[Question, ...]:
 
 
 def _matches(match: Match, rng: Random) -> Iterator[Question]:
-    """Yield questions with a random hand beside one motif in the style of every hand: a row of the paper's figure."""
+    """Yield questions about random hands, each about one motif.
+
+    A drawing by a person stands beside the motif in the style of every hand, as in a row of the paper's figure; or the
+    motif in one style beside a drawing by every person.
+    """
     for hand in rng.sample(match.hands, match.asked):
         motif = rng.randrange(len(hand.by_machine))
-        choices = tuple(Choice(each.name, each.by_machine[motif]) for each in match.hands)
-        yield Question("match", SAME_HAND, hand.name, hand.by_hand, tuple(rng.sample(choices, len(choices))))
+        if match.question == WHOSE_DRAWING:
+            reference = hand.by_machine[motif]
+            choices = tuple(Choice(each.name, each.by_hand) for each in match.hands)
+        else:
+            reference = hand.by_hand
+            choices = tuple(Choice(each.name, each.by_machine[motif]) for each in match.hands)
+        yield Question("match", match.question, hand.name, reference, tuple(rng.sample(choices, len(choices))))
 
 
 def _opinions(opinions: Opinions, rng: Random) -> Iterator[Question]:

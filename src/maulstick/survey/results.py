@@ -147,8 +147,11 @@ def matching_rows(matching: Matching) -> Rows:
 def right_rows(matching: Matching) -> Rows:
     """Table of how often the right hand was chosen: for each hand, and for all together."""
     tallies = zip((*matching.hands, "all hands"), (*matching.right, matching.all_right), strict=True)
-    rows = tuple((name, f"{tally.count} of {tally.of}", *_statistics(tally)) for name, tally in tallies)
-    return Rows(("drawn by", "right", *_STATISTICS), rows)
+    rows = tuple(
+        (name, f"{tally.count} of {tally.of}", *_statistics(tally), f"{tally.by_guessing:.0%}")
+        for name, tally in tallies
+    )
+    return Rows(("drawn by", "right", *_STATISTICS, "by guessing"), rows)
 
 
 def opinions_rows(systems: tuple[str, str], opinions: Sequence[Opinion]) -> Rows:

@@ -18,7 +18,7 @@ from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.workers.planner import Leave, Planned, Step, Stop, Weigh, order_frame
+from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
 
@@ -46,7 +46,8 @@ class Plan:
 
     curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG.  seen: number of canvases that came.
     left: estimated seconds, None while unknown.  metrics: of the painting, once there is one.
-    why: reason of a failure.  stepped: event at every message of its process.
+    notes: sentences on what may be other than people expect.  why: reason of a failure.
+    stepped: event at every message of its process.
     """
 
     def __init__(self, name: str, folder: Path, request: PlanRequest) -> None:
@@ -57,6 +58,7 @@ class Plan:
         self.canvas, self.seen = b"", 0
         self.left: float | None = None
         self.metrics: tuple[str, ...] = ()
+        self.notes: tuple[str, ...] = ()
         self.why = ""
         self._began: tuple[float, float] | None = None
 
@@ -90,13 +92,15 @@ class Plan:
         atomic_write(self.folder / _REQUEST, json.dumps(self.request.as_json(), indent=1).encode())
 
     def write_story(self) -> None:
-        """Write its metrics and its curve into its folder, for a studio that is opened later."""
-        story = {"metrics": self.metrics, "curve": [[done, dict(parts)] for done, parts in self.curve]}
+        """Write its metrics, curve and notes into its folder, for a studio that is opened later."""
+        curve = [[done, dict(parts)] for done, parts in self.curve]
+        story = {"metrics": self.metrics, "curve": curve, "notes": self.notes}
         atomic_write(self.folder / _STORY, json.dumps(story).encode())
 
     def begin(self) -> None:
         """Note that its process begins to plan."""
         self.phase, self.curve, self._began, self.left, self.why = Phase.PLANNING, [], None, None, ""
+        self.notes = ()
 
     def take(self, step: Step) -> None:
         """Take a step of its process."""
@@ -213,9 +217,12 @@ class Plans:
     def _begin(self, plan: Plan) -> None:
         outcome = Phase.STOPPED
 
-        def hear(message: Step | Planned | Failed) -> None:
+        def hear(message: Begun | Step | Planned | Failed) -> None:
             nonlocal outcome
             match message:
+                case Begun(notes=notes):
+                    plan.notes = notes
+                    plan.stepped.emit()
                 case Step():
                     plan.take(message)
                     plan.stepped.emit()
@@ -247,5 +254,6 @@ def _read_plan(name: str, folder: Path) -> Plan | None:
     with suppress(OSError, ValueError, KeyError):  # without it there is less to see
         story = json.loads((folder / _STORY).read_bytes())
         plan.metrics, plan.curve = tuple(story["metrics"]), [(done, parts) for done, parts in story["curve"]]
+        plan.notes = tuple(story["notes"])
     plan.phase = Phase.PLANNED if plan.is_painting and not state_files(folder) else Phase.STOPPED
     return plan

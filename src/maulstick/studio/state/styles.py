@@ -16,7 +16,7 @@ from maulstick.errors import InputError
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.style_work import Difference, Map, differences_of, draw_sheet, map_of
+from maulstick.studio.workers.style_work import Difference, Map, differences_of, draw_sheet, is_arranged, map_of
 from maulstick.style.cards import STYLES, StyleCard, read_card, rename_style
 
 MOST = 6
@@ -76,6 +76,13 @@ class Styles:
         if not sheet.is_file():
             await self._desk.do(draw_sheet, self._path(name), sheet)
         return sheet
+
+    async def is_arranged(self, name: str) -> bool:
+        """Return whether it is known how a style's hand arranges its strokes.
+
+        Raises MaulstickError where the style cannot be used.
+        """
+        return await self._desk.do(is_arranged, self._path(name))
 
     async def map_of(self, names: Sequence[str]) -> Map:
         """Map the strokes of the styles' hands. Raises MaulstickError where there are no styles, or more than six."""

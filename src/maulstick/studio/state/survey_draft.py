@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.survey.questionnaire import Match, Opinions, Pair, SurveyHand
+from maulstick.survey.questions import SAME_HAND
 
 _Part = TypeVar("_Part", bound=BaseModel)
 
@@ -43,9 +44,13 @@ class PairDraft:
 
 @dataclass
 class Draft:
-    """Draft of a survey. Empty rows do not count; a questionnaire without rows is left out."""
+    """Draft of a survey. Empty rows do not count; a questionnaire without rows is left out.
+
+    question: what is asked about the hands, see `Match`.
+    """
 
     title: str = ""
+    question: str = SAME_HAND
     hands: list[HandDraft] = field(default_factory=lambda: [HandDraft(), HandDraft()])
     hands_asked: int = 1
     first_look: str = ""
@@ -73,7 +78,7 @@ class Draft:
             raise InputError(
                 f"{hands[0].name} is the only hand; add another, so that there is something to choose from"
             )
-        return _made(Match, hands=tuple(hands), asked=self.hands_asked)
+        return _made(Match, question=self.question, hands=tuple(hands), asked=self.hands_asked)
 
     def opinions(self, path_of: Callable[[str], Path]) -> Opinions | None:
         """Make the questionnaire of opinions. path_of: file of a drawing. Raises InputError where it is not whole."""

@@ -1,16 +1,16 @@
 """Tasks of the desk with hands: ink from drawings and from uploaded recordings, and styles from ink."""
 
 import shutil
-from io import BytesIO
 from pathlib import Path
 from typing import Annotated, Literal
 from zipfile import ZipFile
 
 import numpy as np
-from PIL import Image, ImageDraw
 from pydantic import BaseModel, ConfigDict, Field
 
 from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.painting.ink_picture import ink_picture
+from maulstick.painting.picture import encode_png
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import write_record
@@ -21,9 +21,6 @@ from maulstick.studio.workers.uploads import known_as
 DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
 
 _LONGER = 1024  # pixels of a picture's longer side
-_FINER = 3  # times larger it is drawn before it is scaled down, against jagged edges
-_LINE = 0.5e-3  # metres: width of a stroke in a picture
-_PAPER, _LINE_COLOUR = 255, 30  # greys of a picture, of 255
 _LARGEST_INK = 256 * 2**20  # bytes, unpacked: so that the desk's memory suffices
 _LONGEST_PEN = 2e3  # millimetres: beyond, another unit was meant
 
@@ -109,21 +106,6 @@ def _tracked(file: Path, pen_millimetres: float | None) -> Ink:
 
 def _keep(ink: Ink, hand: Path) -> None:
     write_ink(ink, hand / INK)
-    atomic_write(hand / PICTURE, _picture(ink))
+    atomic_write(hand / PICTURE, encode_png(ink_picture(ink, _LONGER)))
     pressed = bool(np.isfinite(ink.samples[:, 3]).any())
     write_record(HandCard(strokes=len(ink), pressed=pressed), hand / CARD)
-
-
-def _picture(ink: Ink) -> bytes:
-    scale = _LONGER / max(ink.size)
-    width, height = (max(1, round(scale * side)) for side in ink.size)
-    picture = Image.new("L", (_FINER * width, _FINER * height), _PAPER)
-    draw = ImageDraw.Draw(picture)
-    line = max(round(_FINER * scale * _LINE), _FINER)
-    for stroke in ink.strokes():
-        places = [(x, y) for x, y in (_FINER * scale * stroke[:, 1:3]).tolist()]
-        draw.line(places, _LINE_COLOUR, line, joint="curve")
-        draw.circle(places[0], line / 2, _LINE_COLOUR)  # a dot has no length
-    png = BytesIO()
-    picture.resize((width, height), Image.Resampling.BOX).save(png, "PNG")
-    return png.getvalue()

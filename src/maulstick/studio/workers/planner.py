@@ -47,6 +47,13 @@ class Weigh:
 
 
 @dataclass(frozen=True)
+class Begun:
+    """First message of a plan. notes: sentences for people on what may be other than they expect."""
+
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Step:
     """Progress of planning. done: share in [0, 1].  parts: weighted terms of the loss by name.  canvas: a JPEG."""
 
@@ -121,6 +128,7 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
         prepared = prepare(request)
+        line.say(Begun(tuple(prepared.notes)))
         if prepared.layout.target is not None:
             atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
         painting = plan_with(prepared, folder, request, watch, control.take_weights)

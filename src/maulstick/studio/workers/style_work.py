@@ -63,6 +63,13 @@ def draw_sheet(style: Path, sheet: Path) -> None:
         atomic_write(sheet, style_plot(read_style(style), style.stem, _PX))
 
 
+def is_arranged(style: Path) -> bool:
+    """Return whether it is known how the hand of a style, given by its JSON file, arranges its strokes."""
+    from maulstick.style.store import read_style  # loads torch
+
+    return read_style(style).arrangement is not None
+
+
 def map_of(styles: dict[str, Path]) -> Map:
     """Map the strokes of the styles' hands. styles: their JSON files by name."""
     from maulstick.plots.latent_map import places_of  # these load torch

@@ -5,8 +5,9 @@ from math import ceil
 from nicegui import html, ui
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.studio.panels.plan.form import in_words
+from maulstick.studio.panels.plan.form import DRAWN, in_words
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
@@ -44,11 +45,13 @@ class PlanCard:
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
             ui.label(_summary(plan.request)).classes("hint")
             self._figures = ui.label().classes("hint figure")
+            self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()
             self._weights = PlanWeights(studio, plan)
             with ui.element().classes("line"):
                 self._buttons()
         self._frames = 0
+        self._noted: tuple[str, ...] = ()
         shown_by(self._card, plan.stepped, self.show)
 
     def delete(self) -> None:
@@ -68,6 +71,7 @@ class PlanCard:
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
         self._figures.set_text(_outcome(plan))
+        self._show_notes()
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
         self._weights.follow()
@@ -102,6 +106,15 @@ class PlanCard:
             f'flat aria-label="Throw {plan.name} away"'
         )
 
+    def _show_notes(self) -> None:
+        self._notes.visible = bool(self.plan.notes)
+        if self._noted != self.plan.notes:
+            self._noted = self.plan.notes
+            self._notes.clear()
+            with self._notes:
+                for note in self._noted:
+                    html.li(note)
+
     def _show_canvas(self, finished: bool) -> None:
         plan = self.plan
         if finished:
@@ -133,11 +146,18 @@ class PlanCard:
 
 
 def _summary(request: PlanRequest) -> str:
-    """Return the main options of a plan in one line."""
-    options = request.options
+    """Return the main options of a plan in one line, and others where they are not the usual ones."""
+    options, usual = request.options, PlanOptions()
     mixed = options.mixed_paints
+    hand = f"{options.style} at {options.hand_size:g} times its size" if options.hand_size != 1 else options.style
+    strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
     colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
-    return f"{options.style}, {options.brush}, {options.strokes} strokes, {colours}, {in_words(options.size)}"
+    parts = [hand, options.brush, strokes, colours, in_words(options.size)]
+    if options.drawing != usual.drawing:
+        parts.append(DRAWN[options.drawing].lower())
+    if options.arrange != usual.arrange:
+        parts.append(f"{options.arrange:.0%} as the hand arranges")
+    return ", ".join(parts)
 
 
 def _outcome(plan: Plan) -> str:

@@ -1,12 +1,14 @@
-"""Form for a new plan: picture or text, size, brush, paints, hand, and weights of the loss."""
+"""Form for a new plan: picture or text, hand, brush, paints, strokes, size, and weights of the loss."""
 
+from contextlib import suppress
 from importlib.util import find_spec
+from typing import Literal
 
 from nicegui import app, html, ui
 
 from maulstick.colour.palette import parse_colour
-from maulstick.errors import InputError
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.errors import InputError, MaulstickError, option
+from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import BRUSHES
 from maulstick.painting.raster import parse_size
@@ -14,18 +16,26 @@ from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.slider import Slider
 
 _SHEET_SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
 _DEFAULT = PlanOptions()
+DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
+"""What one ink draws of a picture, for people."""
+
+_FREE = "free"  # the style of nobody's hand
 _EFFORTS = {300: "A sketch, quickly", _DEFAULT.steps: "As usual", 4000: "Fine, and slowly"}  # by steps of the optimiser
 _FIRST_VALUES = {
     "text": "",
+    "hand_size": _DEFAULT.hand_size,
     "brush": _DEFAULT.brush,
-    "strokes": _DEFAULT.strokes,
     "size": _DEFAULT.size,
     "kind": "paints",
     "paints": _DEFAULT.mixed_paints,
     "ink": "#000000",
+    "strokes": _DEFAULT.strokes,
+    "enough": False,
+    "drawing": _DEFAULT.drawing,
     "effort": _DEFAULT.steps,
 }
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
@@ -40,36 +50,64 @@ class PlanForm:
         kept = app.storage.client.setdefault("plan", dict(_FIRST_VALUES))  # while a person is at other panels
         with ui.element().classes("sheet"):
             html.h2("What")
-            self._picture = PictureChoice(studio)
+            self._picture = PictureChoice(studio, self._follow)
             self._text = ui.input("Or say in words what to paint").bind_value(kept, "text").props("maxlength=300")
         with ui.element().classes("sheet"):
             html.h2("With what")
             with ui.element().classes("numbers"):
-                self._style = ui.select([], label="Hand")
+                self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
+                self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
-                self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
-                self._strokes.bind_value(kept, "strokes")
                 self._size = ui.select({size: in_words(size) for size in _SHEET_SIZES}, label="Sheet").bind_value(
                     kept, "size"
                 )
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
                 self._ink = ui.color_input("The ink").bind_value(kept, "ink")
-            self._paints.bind_visibility_from(self._kind, "value", value="paints")
-            self._ink.bind_visibility_from(self._kind, "value", value="ink")
+                self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
+                self._strokes.bind_value(kept, "strokes")
+                self._drawing = ui.select(DRAWN, label="What it draws").bind_value(kept, "drawing")
+                self._enough = ui.checkbox("As many strokes as the picture needs").bind_value(kept, "enough")
         with ui.element().classes("sheet"):
             html.h2("What matters")
             self._weights = weight_sliders({name: float(name == "tone") for name in PICTURE_TERMS})
+            self._arrange = Slider("As the hand arranges", 1, 0.25, _DEFAULT.arrange)
             self._effort = ui.select(_EFFORTS, label="How long").bind_value(kept, "effort")
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
+        self._is_arranged = False
+        for choice in (self._kind, self._enough):
+            choice.on_value_change(self._follow)
         shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
+        self._follow()
+
+    def _follow(self) -> None:
+        """Show what means something beside what is chosen."""
+        one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
+        self._paints.visible, self._ink.visible = not one_ink, one_ink
+        self._drawing.visible = one_ink and of_picture
+        self._enough.visible = one_ink and of_picture and self._style.value != _FREE
+        self._strokes.set_enabled(not self._takes_enough)
+        self._arrange.element.visible = one_ink and self._is_arranged
+
+    async def _learn_of_hand(self) -> None:
+        """Find out whether the chosen hand has an arrangement."""
+        style, found = str(self._style.value), False
+        with suppress(MaulstickError):  # a style that cannot be used is refused once it is planned
+            found = style != _FREE and await self._studio.styles.is_arranged(style)
+        if style == self._style.value and not self._style.is_deleted:
+            self._is_arranged = found
+            self._follow()
+
+    @property
+    def _takes_enough(self) -> bool:
+        return bool(self._enough.visible and self._enough.value)
 
     def _show_styles(self, wanted: str) -> None:
-        names = ["free", *self._studio.styles.names()]
+        names = [_FREE, *self._studio.styles.names()]
         chosen = self._style.value if self._style.value in names else wanted if wanted in names else "loops"
-        self._style.set_options({name: "free (nobody's)" if name == "free" else name for name in names}, value=chosen)
+        self._style.set_options({name: "free (nobody's)" if name == _FREE else name for name in names}, value=chosen)
 
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._request())
@@ -85,23 +123,31 @@ class PlanForm:
             raise InputError("there is nothing to paint yet; bring a picture, or write a text")
         if text is not None and find_spec("open_clip") is None:
             raise InputError("this studio cannot read texts, for CLIP is not installed; bring a picture")
-        strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
+        strokes: int | Literal["auto"] = AUTO
+        if not self._takes_enough:
+            strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
+        if self._hand_size.value is None:
+            raise InputError.of_range(option("hand_size"), "nothing", "a number of times")
         size, ink = str(self._size.value), str(self._ink.value) if self._kind.value == "ink" else None
         parse_size(size)
+        paints = None
         if ink is not None:
             parse_colour(ink)
+        elif strokes != AUTO:
+            paints = min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes)
         weights = {name: slider.value for name, slider in self._weights.items()}
         options = PlanOptions(
             text=text,
             weights={} if picture is None else weights if text is not None else check_weights(weights),
             size=size,
             strokes=strokes,
-            paints=None
-            if ink is not None
-            else min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes),
+            paints=paints,
             ink=ink,
             brush=str(self._brush.value),
             style=str(self._style.value),
+            hand_size=self._hand_size.value,
+            drawing=str(self._drawing.value) if self._drawing.visible else _DEFAULT.drawing,
+            arrange=self._arrange.value if self._arrange.element.visible else _DEFAULT.arrange,
             steps=int(self._effort.value or 0),
         )
         return PlanRequest(picture, options)

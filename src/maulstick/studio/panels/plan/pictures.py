@@ -1,6 +1,6 @@
 """Choice of the picture to be painted: one of those that were brought, or none."""
 
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 from nicegui import events, html, ui
@@ -13,10 +13,10 @@ _ENDINGS = ".jpg,.jpeg,.png,.webp,.tif,.tiff,.gif,.bmp"
 
 
 class PictureChoice:
-    """Thumbnails to choose from, and buttons to bring another picture."""
+    """Thumbnails to choose from, and buttons to bring another picture. chosen: called after another was chosen."""
 
-    def __init__(self, studio: Studio) -> None:
-        self._studio = studio
+    def __init__(self, studio: Studio, chosen: Callable[[], object]) -> None:
+        self._studio, self._on_chosen = studio, chosen
         names = studio.gallery.names()
         self._chosen = names[0] if names else None
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
@@ -44,6 +44,7 @@ class PictureChoice:
     def _offer(self, name: str | None) -> None:
         def choose() -> None:
             self._chosen = name
+            self._on_chosen()
 
         with html.label().classes("thumb").props(f'title="{name or "No picture"}"'):
             button = html.input_(type="radio", name=f"picture-{self._group.id}").on("change", choose)
@@ -63,3 +64,4 @@ class PictureChoice:
     async def _take(self, kept: Awaitable[str]) -> None:
         self._chosen = await kept
         self._show()
+        self._on_chosen()

@@ -10,8 +10,23 @@ from maulstick.studio.state.survey_draft import Draft, HandDraft, PairDraft
 from maulstick.studio.state.surveys import address_of
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
+from maulstick.survey.questions import SAME_HAND, WHOSE_DRAWING
 
 _ENDINGS = ".png,.jpg,.jpeg,.webp,.tif,.tiff,.bmp"
+_MATCHES = {
+    SAME_HAND: (
+        "Which drawing has the same strokes?",
+        "People see a drawing by a person beside drawings by the machine, each in the style of another person, and "
+        "look for the same strokes.",
+    ),
+    WHOSE_DRAWING: (
+        "In whose hand is this drawing?",
+        "People see a drawing by the machine beside a whole drawing by each person, and say who draws like "
+        "this. Choose plans of the same pictures for all hands.",
+    ),
+}
+"""What can be asked about hands, and how people see it, by the question's key."""
+
 _KEPT = "survey"  # key of the draft, which a page remembers while it is open
 
 
@@ -52,12 +67,13 @@ class SurveyForm:
         self._parts.clear()
         self._looks.clear()
         with self._parts:
-            with html.section().classes("sheet").props('aria-label="Whose strokes are these?"'):
-                html.h2("Whose strokes are these?")
-                html.p(
-                    "People see a drawing by a person beside drawings by the machine, each in the style of another "
-                    "person, and look for the same strokes. To leave this part out, leave it empty."
-                ).classes("hint")
+            with html.section().classes("sheet").props('aria-label="Whose hand is it?"'):
+                html.h2("Whose hand is it?")
+                asks = ui.select({key: text for key, (text, _) in _MATCHES.items()}, label="What people are asked")
+                asks.bind_value(self._draft, "question").props("outlined dense").classes("asks")
+                ui.label().classes("hint").bind_text_from(
+                    asks, "value", lambda key: f"{_MATCHES[key][1]} To leave this part out, leave it empty."
+                )
                 for number, hand in enumerate(self._draft.hands, start=1):
                     self._show_hand(number, hand)
                 with ui.element().classes("line"):

@@ -9,7 +9,7 @@ def confusion_table(matching: Matching) -> None:
     """Show the confusion matrix; the larger a share, the darker its cell."""
     rows = matching_rows(matching)
     shades = [["" if share != share else f"--share: {share:.3f}" for share in row] for row in matching.shares.tolist()]
-    _table("For whose strokes they were taken", rows, shades)
+    _table("For whose hand they were taken", rows, shades)
 
 
 def right_table(right: Rows) -> None:

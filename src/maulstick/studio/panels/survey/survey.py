@@ -24,7 +24,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     ui.add_css(_STYLE)
     html.h1("Ask people")
     html.p(
-        "Can they tell whose strokes these are? Which of two looks do they prefer? Everyone gets a link of their own."
+        "Can they tell whose hand it is? Which of two looks do they prefer? Everyone gets a link of their own."
     ).classes("hint")
     with ui.element().classes("desk survey"):
         _Panel(studio)
