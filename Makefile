@@ -1,4 +1,4 @@
-# make demo           install into .venv and paint a photograph into demo/
+# make demo           install into .venv and paint a photograph into demo/, and draw it in ink into demo-ink/
 # make test           lint, import contracts, types and tests
 # make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
@@ -40,6 +40,8 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
+	$(BIN)/maulstick plan --demo --style elephant --hand-size 0.35 --brush fineliner --ink black --strokes 2000 --size 160x160mm \
+		--weight faces=6 --steps 500 --out demo-ink --overwrite
 
 test: $(VENV)/installed-dev
 	$(BIN)/ruff check
@@ -63,7 +65,7 @@ paper: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/paper.py
 
 clean:
-	rm -rf $(VENV) build demo .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build demo demo-ink .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
 
 $(VENV)/installed: $(SOURCES)
 	$(environment)
