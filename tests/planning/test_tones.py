@@ -26,8 +26,8 @@ def of_grey(*greys: float) -> Layout:
     return lay_out_for(np.repeat(picture, 3, axis=2), SHEET, PEN, "contain", 60)
 
 
-def supply(layout: Layout, ink: tuple[float, float, float] = BLACK) -> InkSupply:
-    found = InkSupply.of(layout, PEN, HAND, ink)
+def supply(layout: Layout, ink: tuple[float, float, float] = BLACK, *, drawn: bool = True) -> InkSupply:
+    found = InkSupply.of(layout, PEN, HAND, ink, drawn=drawn)
     assert found is not None
     return found
 
@@ -76,6 +76,15 @@ def test_the_lights_are_left_blank_so_that_the_darks_get_the_ink() -> None:
     assert supply(layout).tones(round(0.7 * supply(layout).enough)).darkest == pytest.approx(own.darkest, abs=8)
 
 
+def test_the_lines_of_a_picture_are_as_dark_as_ink_is_short_and_left_out_where_only_tones_are_drawn() -> None:
+    layout = of_grey(0.9, 0.6, 0.3)
+    enough = supply(layout).enough
+    for share in (0.1, 0.5, 0.9):
+        assert supply(layout).tones(round(share * enough)).lines == pytest.approx(1 - share, abs=0.02)
+        assert supply(layout, drawn=False).tones(round(share * enough)).lines == 0
+    assert supply(layout).tones(enough).lines == 0
+
+
 def test_what_lines_tell_is_the_number_of_tones_that_their_chance_leaves_apart() -> None:
     def told(*amounts: float, lines: float = 10_000) -> float:
         return Amounts.of(np.array(amounts)).told(lines)
@@ -108,8 +117,8 @@ def test_white_and_black_pictures_have_tones(grey: float) -> None:
 
 def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> None:
     layout = of_grey(0.5)
-    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK) is None
-    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK) is None
+    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK, drawn=True) is None
+    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK, drawn=True) is None
 
 
 def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -> None:

@@ -94,6 +94,11 @@ class Brush(BaseModel):
         return max(self.beta, 0.0)
 
     @property
+    def finest(self) -> float:
+        """Half-width of fine lines, metres: the thinnest, or a quarter of the widest where that leaves no mark."""
+        return self.thinnest or self.widest / 4
+
+    @property
     def widest(self) -> float:
         """Half-width at pressure 1, metres."""
         return self.alpha + self.beta

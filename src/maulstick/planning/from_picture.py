@@ -15,6 +15,7 @@ from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
+from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.placement import ink_density
 from maulstick.planning.planner import PlanResult
@@ -56,7 +57,11 @@ def problem_of(
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
     if picture is not None and tones is not None:
-        target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device), options.palette[0])
+        ink = options.palette[0]
+        target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device), ink)
+        if tones.lines:
+            dark = tones.lines * torch.from_numpy(lines_on(layout, brush)).to(device)
+            target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
     spacing = _spacing(target, paper, brush, layout, options) if options.one_ink else None
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture)
     return PlanningProblem(
@@ -68,7 +73,7 @@ def _spacing(
     target: torch.Tensor | None, paper: torch.Tensor, brush: Brush, layout: Layout, options: PlannerSettings
 ) -> float:
     """Return the pixels between thinnest lines of one ink in the usual grey of a target (C, H, W)."""
-    width = 2 * (brush.thinnest or brush.widest / 4) * layout.canvas.pixels_per_metre
+    width = 2 * brush.finest * layout.canvas.pixels_per_metre
     if target is None:
         return width
     amounts = ink_density(as_array(target), as_array(paper), np.array(options.palette[0]))

@@ -75,7 +75,7 @@ def canvas_for(
         height = min(picture.shape[0] * pixel_size(picture, sheet, fit), sheet.height)
     longest = max(sheet.width, sheet.height)
     if height_px is None:
-        resolution = min(max(HEIGHT_PX / height, 1 / (brush.thinnest or brush.widest / 4)), LONGEST_PX / longest)
+        resolution = min(max(HEIGHT_PX / height, 1 / brush.finest), LONGEST_PX / longest)
     elif height_px < 1:
         raise InputError.of_range("the height of the picture", f"{height_px} pixels", "at least 1")
     else:

@@ -14,7 +14,7 @@ from skimage.transform import resize
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
-from maulstick.planning.layout import pixel_size
+from maulstick.planning.layout import Layout, pixel_size
 from maulstick.planning.placement import edges
 from maulstick.storage.arrays import Bools, Floats, Image
 
@@ -29,8 +29,17 @@ _STEEP = 80.0  # a difference of 1/80 makes a line three quarters dark
 
 def lines_for(picture: Image, sheet: Sheet, brush: Brush, fit: str) -> Image:
     """Return the lines of a picture (H, W, 3), as wide as the brush's thinnest on that sheet."""
-    width = 2 * (brush.thinnest or brush.widest / 4)
-    return line_drawing(picture, width / (picture.shape[0] * pixel_size(picture, sheet, fit)))
+    return line_drawing(picture, 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit)))
+
+
+def lines_on(layout: Layout, brush: Brush) -> Image:
+    """Return how dark the lines of a layout's picture are, (H, W), 0 where there is none."""
+    dark = np.zeros(layout.under.shape[:2], dtype=np.float32)
+    if layout.target is not None:
+        picture, part = layout.crop(layout.target), layout.crop(dark)
+        lines = line_drawing(picture, 2 * brush.finest * layout.canvas.pixels_per_metre / picture.shape[0])
+        part[:] = resize(1 - lines[..., 0], part.shape, anti_aliasing=True)
+    return dark
 
 
 def line_drawing(picture: Image, pen: float) -> Image:

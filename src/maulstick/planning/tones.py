@@ -41,12 +41,14 @@ class Tones:
     amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank.
 
     lightest, darkest: L* of the picture's tones in this way.
+    lines: how dark the lines that carry the picture are drawn over its tones, from 0 to 1.
     """
 
     veil: float
     contrast: float
     lightest: float
     darkest: float
+    lines: float = 0.0
 
     @property
     def compressed(self) -> bool:
@@ -67,19 +69,20 @@ class InkSupply:
     """Ink that a picture needs, and that a stroke of a hand gives.
 
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
-    per_stroke: pixels that a stroke hides alone.  lines: number that would hide what an eye takes together.
-    paper, ink: colours, sRGB in [0, 1].
+    per_stroke: pixels that a stroke hides alone.  crossing: lines that would hide what an eye takes together.
+    paper, ink: colours, sRGB in [0, 1].  drawn: whether lines are drawn over tones, as dark as ink is short.
     """
 
     amounts: Floats
     glanced: Floats
     per_stroke: float
-    lines: float
+    crossing: float
     paper: Colour
     ink: Colour
+    drawn: bool
 
     @classmethod
-    def of(cls, layout: Layout, brush: Brush, style: Style, ink: Colour) -> Self | None:
+    def of(cls, layout: Layout, brush: Brush, style: Style, ink: Colour, *, drawn: bool) -> Self | None:
         """Return the supply; None without a picture, and for a style that may grow its strokes."""
         if layout.target is None or style.lengths(1) is None:
             return None
@@ -87,8 +90,8 @@ class InkSupply:
         amounts = ink_density(image, under, np.array(ink))
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
-        per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
-        return cls(amounts, glanced, per_stroke, lines, layout.sheet.paper, ink)
+        per_stroke, crossing = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
+        return cls(amounts, glanced, per_stroke, crossing, layout.sheet.paper, ink, drawn)
 
     @property
     def enough(self) -> int:
@@ -105,14 +108,16 @@ class InkSupply:
         given = strokes * self.per_stroke
         shown = self.amounts > _NOTHING
         lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
-        veil, contrast = 0.0, 1.0
+        veil, contrast, lines = 0.0, 1.0, 0.0
         if given < (amounts := Amounts.of(self.amounts)).needed:
+            lines = self.drawn * (1 - given / amounts.needed)
             seen = Amounts.of(self.glanced[shown])
             choices = _choices(amounts, darkest, given)
-            veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.lines))
+            veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.crossing))
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
-        return Tones(veil, contrast, *lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist())
+        light, dark = lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist()
+        return Tones(veil, contrast, light, dark, lines)
 
     def note(self, strokes: int) -> str | None:
         """Return a sentence for people where so many strokes cannot give the picture's tones."""

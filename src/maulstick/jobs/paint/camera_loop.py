@@ -113,15 +113,16 @@ def replanned(
     exact = options.get("exact") is True
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
-    bare = lay_out_for(picture, painting.sheet, brush, fit, pixels)
-    supply = InkSupply.of(bare, brush, style, palette[0]) if settings.one_ink else None
+    bare, drawing = lay_out_for(picture, painting.sheet, brush, fit, pixels), options.get("drawing", "both")
+    drawn = drawing == "both"
+    supply = InkSupply.of(bare, brush, style, palette[0], drawn=drawn) if settings.one_ink else None
     device = choose_device("auto").device
     problem = problem_of(
         layout,
         brush,
         style,
         settings,
-        LossOptions(weights=weights, contours=options.get("drawing") != "tones"),
+        LossOptions(weights=weights, contours=drawing != "tones"),
         device=device,
         tones=None if supply is None else supply.tones(len(painting.strokes)),
         bare=bare.under,
