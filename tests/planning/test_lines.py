@@ -1,11 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Sheet
-from maulstick.planning.lines import line_drawing, lines_for
+from maulstick.planning.layout import lay_out_for
+from maulstick.planning.lines import line_drawing, lines_for, lines_on
 from maulstick.storage.arrays import Floats, Image
 from tests.support.nominal import nominal
 
@@ -94,3 +98,15 @@ def test_any_picture_has_lines_between_black_and_white(picture: Image) -> None:
     assert drawn.dtype == np.float32
     assert drawn.min() >= 0
     assert drawn.max() <= 1
+
+
+def test_lines_lie_on_the_sheet_where_its_picture_does_and_nowhere_else() -> None:
+    layout = lay_out_for(disc(60), Sheet(width=0.2, height=0.1), load_brush("fineliner"), "contain", 100)
+    dark = lines_on(layout, load_brush("fineliner"))
+    assert dark.shape == layout.under.shape[:2]
+    inside = layout.crop(dark)
+    assert np.count_nonzero(inside) == np.count_nonzero(dark) > 0
+    ring = np.hypot(*(np.mgrid[: inside.shape[0], : inside.shape[1]] - inside.shape[0] / 2 + 0.5))
+    assert dark.max() > 0.3
+    assert inside[np.abs(ring - 29) > 4].max() < 0.05, "a disc of 60 pixels of 200 is one of 30 of 100"
+    assert not lines_on(replace(layout, target=None), load_brush("fineliner")).any()

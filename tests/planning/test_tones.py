@@ -5,11 +5,14 @@ import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from skimage.data import astronaut
 
 from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Sheet
+from maulstick.planning.from_picture import problem_of
 from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.tones import Amounts, InkSupply, ink_per_stroke
+from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
 from tests.support.style.synthetic_hands import exemplar_of, line
@@ -123,3 +126,23 @@ def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> Non
 
 def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -> None:
     assert ink_per_stroke(round_brush, HAND, 1000.0) > 10 * ink_per_stroke(PEN, HAND, 1000.0)
+
+
+def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
+    ink = (0.1, 0.1, 0.4)
+    layout = lay_out_for(astronaut()[:256, 90:346] / np.float32(255), SHEET, PEN, "contain", 100)
+    blank = Tones(veil=1.0, contrast=1.0, lightest=100.0, darkest=100.0)
+    wanted = PlannerSettings(strokes=30, paints=None, palette=(ink,))
+
+    def asked(tones: Tones) -> torch.Tensor:
+        target = problem_of(layout, PEN, HAND, wanted, tones=tones).target
+        assert target is not None
+        return target
+
+    paper = torch.from_numpy(layout.under.transpose(2, 0, 1).copy())
+    assert torch.allclose(asked(blank), paper, atol=1e-6)
+    faint, dark = (asked(replace(blank, lines=lines)) for lines in (0.25, 1.0))
+    assert torch.allclose(4 * (paper - faint), paper - dark, atol=1e-5)
+    share = (paper - dark) / (paper - torch.tensor(ink)[:, None, None])
+    assert torch.allclose(share[0], share[2], atol=1e-4), "towards the ink"
+    assert 0.02 < (share[0] > 0.5).float().mean().item() < 0.4
