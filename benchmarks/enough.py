@@ -32,7 +32,7 @@ def fewest(hand: str, picture: str) -> tuple[int, int]:
     """What is taken, and what bisecting finds."""
     style, brush = style_of(hand), load_brush("fineliner")
     layout = lay_out_for(load(picture), Sheet(width=SHEET[0], height=SHEET[1]), brush, "contain", PX)
-    supply = InkSupply.of(layout, brush, style, BLACK, drawn=False)
+    supply = InkSupply.of(layout, brush, style, BLACK, with_lines=False)
     assert supply is not None
 
     def reaches(strokes: int) -> bool:

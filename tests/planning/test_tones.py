@@ -29,8 +29,8 @@ def of_grey(*greys: float) -> Layout:
     return lay_out_for(np.repeat(picture, 3, axis=2), SHEET, PEN, "contain", 60)
 
 
-def supply(layout: Layout, ink: tuple[float, float, float] = BLACK, *, drawn: bool = True) -> InkSupply:
-    found = InkSupply.of(layout, PEN, HAND, ink, drawn=drawn)
+def supply(layout: Layout, ink: tuple[float, float, float] = BLACK, *, with_lines: bool = True) -> InkSupply:
+    found = InkSupply.of(layout, PEN, HAND, ink, with_lines=with_lines)
     assert found is not None
     return found
 
@@ -84,7 +84,7 @@ def test_the_lines_of_a_picture_are_as_dark_as_ink_is_short_and_left_out_where_o
     enough = supply(layout).enough
     for share in (0.1, 0.5, 0.9):
         assert supply(layout).tones(round(share * enough)).lines == pytest.approx(1 - share, abs=0.02)
-        assert supply(layout, drawn=False).tones(round(share * enough)).lines == 0
+        assert supply(layout, with_lines=False).tones(round(share * enough)).lines == 0
     assert supply(layout).tones(enough).lines == 0
 
 
@@ -120,8 +120,8 @@ def test_white_and_black_pictures_have_tones(grey: float) -> None:
 
 def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> None:
     layout = of_grey(0.5)
-    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK, drawn=True) is None
-    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK, drawn=True) is None
+    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK, with_lines=True) is None
+    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK, with_lines=True) is None
 
 
 def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -> None:

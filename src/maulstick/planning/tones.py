@@ -26,7 +26,7 @@ _MOST = 0.95  # share of a place that ink may be asked to hide: the last white b
 _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1 - exp(-ink); 0: they never cross
 _NOTHING = 1e-3  # amount below which a place is paper
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
-_GLANCE = 2e-3  # metres: standard deviation of a Gaussian, within which an eye takes lines together to a tone
+_GLANCE = 2e-3  # metres: standard deviation of a Gaussian, within which an eye sees lines at once, as a tone
 _LEVELS = 512  # amounts that are told apart while tones are chosen
 _VEILS = 64  # tried
 _BINS = 20  # of a histogram, for each standard deviation of what lines tell
@@ -69,20 +69,20 @@ class InkSupply:
     """Ink that a picture needs, and that a stroke of a hand gives.
 
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
-    per_stroke: pixels that a stroke hides alone.  crossing: lines that would hide what an eye takes together.
-    paper, ink: colours, sRGB in [0, 1].  drawn: whether lines are drawn over tones, as dark as ink is short.
+    per_stroke: pixels that a stroke hides alone.  glance_lines: those that hide what an eye sees at once.
+    paper, ink: colours, sRGB in [0, 1].  with_lines: whether lines are drawn over tones, as dark as ink is short.
     """
 
     amounts: Floats
     glanced: Floats
     per_stroke: float
-    crossing: float
+    glance_lines: float
     paper: Colour
     ink: Colour
-    drawn: bool
+    with_lines: bool
 
     @classmethod
-    def of(cls, layout: Layout, brush: Brush, style: Style, ink: Colour, *, drawn: bool) -> Self | None:
+    def of(cls, layout: Layout, brush: Brush, style: Style, ink: Colour, *, with_lines: bool) -> Self | None:
         """Return the supply; None without a picture, and for a style that may grow its strokes."""
         if layout.target is None or style.lengths(1) is None:
             return None
@@ -90,8 +90,8 @@ class InkSupply:
         amounts = ink_density(image, under, np.array(ink))
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
-        per_stroke, crossing = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
-        return cls(amounts, glanced, per_stroke, crossing, layout.sheet.paper, ink, drawn)
+        per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
+        return cls(amounts, glanced, per_stroke, lines, layout.sheet.paper, ink, with_lines)
 
     @property
     def enough(self) -> int:
@@ -101,8 +101,8 @@ class InkSupply:
     def tones(self, strokes: int) -> Tones:
         """Return the tones that so many strokes can give: of all that need their ink, those that tell most.
 
-        A person leaves the lights blank, and has ink for the darks. Lines lie by chance: n of them where an eye takes
-        them together spread by sqrt(n), so 2 sqrt(n) spreads by 1 in all tones (Anscombe 1948), and what a picture
+        A person leaves the lights blank, and has ink for the darks. Lines lie by chance: n of them where an eye sees
+        them at once spread by sqrt(n), so 2 sqrt(n) spreads by 1 in all tones (Anscombe 1948), and what a picture
         tells is the entropy of that number with this noise, less the noise's own.
         """
         given = strokes * self.per_stroke
@@ -110,10 +110,10 @@ class InkSupply:
         lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
         veil, contrast, lines = 0.0, 1.0, 0.0
         if given < (amounts := Amounts.of(self.amounts)).needed:
-            lines = self.drawn * (1 - given / amounts.needed)
+            lines = self.with_lines * (1 - given / amounts.needed)
             seen = Amounts.of(self.glanced[shown])
             choices = _choices(amounts, darkest, given)
-            veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.crossing))
+            veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.glance_lines))
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
         light, dark = lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist()

@@ -114,8 +114,8 @@ def replanned(
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
     bare, drawing = lay_out_for(picture, painting.sheet, brush, fit, pixels), options.get("drawing", "both")
-    drawn = drawing == "both"
-    supply = InkSupply.of(bare, brush, style, palette[0], drawn=drawn) if settings.one_ink else None
+    with_lines = drawing == "both"
+    supply = InkSupply.of(bare, brush, style, palette[0], with_lines=with_lines) if settings.one_ink else None
     device = choose_device("auto").device
     problem = problem_of(
         layout,

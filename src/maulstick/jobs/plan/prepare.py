@@ -162,7 +162,7 @@ def prepare(
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     settings, supply = _settings(options, tubes), None
     if settings.one_ink:
-        supply = InkSupply.of(layout, brush, style, settings.palette[0], drawn=options.drawing == "both")
+        supply = InkSupply.of(layout, brush, style, settings.palette[0], with_lines=options.drawing == "both")
     if options.strokes == AUTO:
         settings = replace(settings, strokes=_enough(supply))
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
