@@ -138,7 +138,7 @@ def test_a_drawing_in_one_ink_is_planned_again_in_the_tones_that_it_was_planned_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     options = PlanOptions(
-        strokes=40, style="contour", hand_size=0.5, ink="black", brush="fineliner", size="60x60mm", px=48, steps=8
+        strokes=40, style="contour", hand_size=0.3, ink="black", brush="fineliner", size="60x60mm", px=48, steps=8
     )
     prepared = prepare(PlanRequest(None, options), picture())
     painting = prepared.painting(prepared.plan(lambda progress: True, None))
@@ -157,7 +157,7 @@ def test_a_drawing_in_one_ink_is_planned_again_in_the_tones_that_it_was_planned_
     assert prepared.problem.target.mean().item() > picture().mean() + 0.1, "there is too little ink"
     assert torch.allclose(seen[0].target, prepared.problem.target, atol=1e-5)
     lengths = (np.sort(each.lengths()) for each in (painting, again))
-    assert next(lengths) == pytest.approx(next(lengths), rel=2e-2), "and strokes stay as long"
+    assert next(lengths) == pytest.approx(next(lengths), rel=5e-3), "and strokes stay as long"
 
 
 def test_lines_are_planned_again_as_lines(monkeypatch: pytest.MonkeyPatch) -> None:

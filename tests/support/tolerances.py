@@ -130,7 +130,7 @@ MOVED, TURNED = 0.06e-3, 0.4e-3  # metres and radians, of a sheet by its edges o
 # A painting in another order, and a stroke drawn backwards: metres of its mark, and steps of colour in float32.
 MARK_METRES = 1e-6
 SAME_PICTURE = 1e-5
-CREASED = 0.002  # of the pixels: they lie as near to two steps of a stroke, and float32 decides
+CREASED = 0.001  # of the pixels: they lie as near to two steps of a stroke, and float32 decides
 
 # Machines. Places of a sheet before a machine, of metres; and profiles of motion against sums over small steps of time.
 FLOAT64_METRES_NEAR = 1e-12
