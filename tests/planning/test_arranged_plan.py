@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import torch
 
@@ -54,6 +55,23 @@ def test_strokes_lie_as_the_hands_do_and_without_arrangement_they_do_not(
 ) -> None:
     alone = plan(problem, replace(INK, arrange=0.0))
     assert far(planned.strokes) < 0.5 * far(alone.strokes)
+
+
+def test_strokes_lie_along_the_stripes_of_a_picture_as_the_hands_lie_along_their_groups(
+    problem: PlanningProblem,
+) -> None:
+    height, width = problem.weights.shape
+    stripes = 0.6 + 0.3 * np.sin(np.arange(width, dtype=np.float32) / 3)
+    picture = np.broadcast_to(stripes[:, None], (height, width, 3))
+    striped = replace(problem_for(picture, problem.brush, halftone=True), style=HAND)
+    found, alone = (plan(striped, replace(INK, arrange=arrange)).strokes for arrange in (1.0, 0.0))
+
+    def upright(strokes: StrokeParameters) -> float:
+        laid = Laid.of(HAND.decode(strokes.codes), strokes.centres, strokes.angles)
+        return float(-(2 * laid.axes).cos().mean())
+
+    assert upright(found) > 0.9
+    assert upright(found) > upright(alone)
 
 
 def test_a_seed_repeats_an_arranged_plan_to_the_bit_and_another_seed_does_not(

@@ -25,6 +25,17 @@ def test_a_step_goes_down_the_loss_by_the_rate_of_each_parameter() -> None:
         assert (tensor < before[name]).any(), name
 
 
+def test_strokes_that_turn_by_a_share_of_the_rate_turn_by_so_much_less() -> None:
+    turned = []
+    for turning in (1.0, 0.3):
+        descent = Descent(strokes(5), spacing=0.01, turning=turning)
+        before = {k: x.detach().clone() for k, x in descent.strokes.each().items()}
+        descent.step(pull(descent.strokes, 1.0), progress=0.0)
+        turned.append({k: x.detach() - before[k] for k, x in descent.strokes.each().items()})
+    assert torch.allclose(turned[1].pop("angles"), 0.3 * turned[0].pop("angles"))
+    assert all(torch.equal(moved, turned[0][k]) for k, moved in turned[1].items())
+
+
 def test_pressure_and_colours_stay_between_0_and_1() -> None:
     descent = Descent(strokes(5), spacing=0.01)
     for way in (1.0, -1.0):

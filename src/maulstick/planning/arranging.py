@@ -3,29 +3,57 @@
 import torch
 from torch import Generator, Tensor
 
+from maulstick.planning.directions import directions
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.style import Style
+from maulstick.planning.placement import at_pixels
+from maulstick.planning.problem import PlanningProblem
+from maulstick.planning.stroke_canvas import as_array
 from maulstick.style.arrangement import Arrangement
 from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid
+from maulstick.style.traits import quantiles
 
 _WEIGHT = 3e-3  # beside a loss of tones; a third of it leaves groups apart
 
 
 class Arranging:
-    """The price of strokes that lie otherwise beside each other than the hand's.
+    """The price of strokes that lie otherwise beside each other, and on the picture, than the hand's.
 
-    strokes: that a plan begins with, as dense as they will be.  share: in [0, 1], of the price.
+    strokes: that a plan begins with, as dense as they will be.  spacing: metres between them.
+    share: in [0, 1], of the price.
     """
 
-    def __init__(self, arrangement: Arrangement, style: Style, strokes: StrokeParameters, share: float) -> None:
-        self._style, self._weight = style, _WEIGHT * share
+    def __init__(
+        self,
+        arrangement: Arrangement,
+        problem: PlanningProblem,
+        strokes: StrokeParameters,
+        spacing: float,
+        share: float,
+    ) -> None:
+        self._style, self._weight = problem.style, _WEIGHT * share
         self._neighbourhoods = arrangement.neighbourhoods.crowded(self._laid(strokes).density())
+        self._alignments = torch.from_numpy(arrangement.alignments)
+        self._scale = problem.canvas.pixels_per_metre
+        picture = problem.paper if problem.target is None else problem.target
+        self._lines = directions(as_array(picture), spacing * self._scale, arrangement.leaning)
 
     def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
         """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""
         if len(strokes) <= NEAREST:
             return torch.zeros(())
-        return self._weight * self._neighbourhoods.price(self._laid(strokes), torch_rng)
+        laid = self._laid(strokes)
+        return self._weight * (self._neighbourhoods.price(laid, torch_rng) + self._misaligned(laid))
+
+    def _misaligned(self, laid: Laid) -> Tensor:
+        """Return how far strokes are from lying along the picture's lines as the hand's lie along their groups.
+
+        Squared Wasserstein distance, where lines are sure.
+        """
+        height, width = self._lines.shape
+        lines = torch.from_numpy(self._lines[at_pixels(self._scale * laid.centres.detach().numpy(), width, height)])
+        along, order = (laid.straightness * (2 * laid.axes - lines.angle()).cos()).sort()
+        wanted = torch.quantile(self._alignments, quantiles(len(along)))
+        return (lines.abs()[order] * (along - wanted).square()).mean()
 
     def _laid(self, strokes: StrokeParameters) -> Laid:
         return Laid.of(self._style.decode(strokes.codes).detach(), strokes.centres, strokes.angles)

@@ -22,13 +22,14 @@ class Descent:
     """Adam over the parameters of strokes, and later of paints.
 
     spacing: metres between strokes, which a step of their centres is measured by.
+    turning: share of the usual rate at which strokes turn.
     """
 
-    def __init__(self, strokes: StrokeParameters, spacing: float) -> None:
+    def __init__(self, strokes: StrokeParameters, spacing: float, turning: float = 1.0) -> None:
         self.strokes = strokes
         self._paints: Tensor | None = None
         self._steps = 0
-        rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing}
+        rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing, "angles": turning * _RATES["angles"]}
         groups = [
             {"params": [tensor], "full_rate": rates[name]}
             for name, tensor in strokes.each().items()

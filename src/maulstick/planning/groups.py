@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from maulstick.planning.placement import Places, at_pixels, colours_at, edges
-from maulstick.storage.arrays import Floats, Ints
+from maulstick.planning.directions import directions
+from maulstick.planning.placement import Places, at_pixels, colours_at, edge_size
+from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement import Arrangement
 
@@ -27,13 +28,12 @@ def place_groups(
 
     Return the places, and the rows of the hand's strokes that they are like, (N,). All groups of the hand are used
     before one is used again; the longest are placed first. Each is laid where its lines miss most of what the density
-    wants, turned by the edges there; where there is no edge it lies as the hand drew it.
+    wants, turned by the `directions` there; where there are none it lies as the hand drew it.
 
     room: distance between strokes, pixels.  scale: pixels per metre.
     """
     height, width = density.shape
-    sigma = max(1.0, min(room / 3, min(height, width) / 40))
-    along_edge, coherence = edges(target, sigma)
+    lines = directions(target, room, arrangement.leaning)
     paths = arrangement.paths * scale
     chosen = sorted(_choose(arrangement, count, rng), key=lambda rows: -path_lengths(paths[rows]).sum())
     wanted = density + 1e-9  # an empty density counts as an even one
@@ -43,7 +43,7 @@ def place_groups(
         middle = paths[rows].mean(axis=(0, 1))
         tried = ink.likely(_TRIED, rng)
         at = at_pixels(tried, width, height)
-        turn = _turns(arrangement.angles[rows], along_edge[at], coherence[at])
+        turn = _turns(arrangement.directions[rows].sum(), lines[at])
         moved = tried[:, None, None] + _turned(paths[rows] - middle, turn)
         best = int(np.argmax(ink.missing(moved)))
         ink.draw(moved[best])
@@ -54,7 +54,7 @@ def place_groups(
         where,
         arrangement.angles[strokes] + np.concatenate(turns),
         np.full(count, room),
-        colours_at(target, where, sigma),
+        colours_at(target, where, edge_size(room, height, width)),
     )
     return places, strokes
 
@@ -72,12 +72,11 @@ def _choose(arrangement: Arrangement, count: int, rng: np.random.Generator) -> l
     return chosen
 
 
-def _turns(angles: Floats, along_edge: Floats, coherence: Floats) -> Floats:
-    """Turns (k,), at most a quarter, of a group with strokes of these angles: along a sure edge, without one none."""
-    own = np.exp(2j * angles).mean()
-    main = np.angle(own) / 2
-    wanted = coherence * np.exp(2j * along_edge) + (1 - coherence) * np.exp(2j * main)
-    turns: Floats = (np.angle(wanted) / 2 - main + np.pi / 2) % np.pi - np.pi / 2
+def _turns(group: complex, lines: Complexes) -> Floats:
+    """Turns (k,), at most a quarter, of a group that lies this way: along sure lines, and without lines none."""
+    main = np.angle(group)
+    wanted = lines + (1 - np.abs(lines)) * np.exp(1j * main)
+    turns: Floats = ((np.angle(wanted) - main) / 2 + np.pi / 2) % np.pi - np.pi / 2
     return turns
 
 

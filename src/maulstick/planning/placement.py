@@ -66,10 +66,15 @@ def find_places(target: Floats, density: Floats, count: int, rng: np.random.Gene
     centres, spacing = _stipple(density, count, rng)
     height, width = density.shape
     spacing = spacing.clip(max=room)
-    sigma = max(1.0, min(float(np.median(spacing)) / 3, min(height, width) / 40))
+    sigma = edge_size(float(np.median(spacing)), height, width)
     along_edge, coherence = (each[at_pixels(centres, width, height)] for each in edges(target, sigma))
     wander = rng.normal(size=count) * (1 - coherence) * np.pi / 2
     return Places(centres, along_edge + wander, spacing, colours_at(target, centres, sigma))
+
+
+def edge_size(spacing: float, height: int, width: int) -> float:
+    """Return how large edges are that strokes of this spacing show: a Gaussian's standard deviation, all in pixels."""
+    return max(1.0, min(spacing / 3, min(height, width) / 40))
 
 
 def edges(target: Floats, sigma: float) -> tuple[Floats, Floats]:

@@ -33,6 +33,7 @@ _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to
 _STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
 _COST_SAMPLES = 256  # strokes, at least, whose mean cost counts as usual for the style: enough for a steady mean
 _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, since each move changes the rest
+_TURNING_OF_GROUPS = 0.3  # of the usual rate: strokes lie side by side already, and would turn out of their hatching
 _NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
@@ -116,7 +117,7 @@ class _Planning:
         if start is None:
             start, self._spacing = self._initialiser.first()
             if arrangement is not None:
-                self._arranging = Arranging(arrangement, self._style, start, options.arrange)
+                self._arranging = Arranging(arrangement, problem, start, self._spacing, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         usual = self._style.usual_cost(max(_COST_SAMPLES, options.strokes), torch.Generator().manual_seed(options.seed))
@@ -134,7 +135,8 @@ class _Planning:
         )
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
-        self._descent = Descent(strokes, self._spacing)
+        turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
+        self._descent = Descent(strokes, self._spacing, turning)
         self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far

@@ -16,6 +16,9 @@ from maulstick.storage.files import atomic_write, file_to_read
 Floats = NDArray[np.float64]
 """Real numbers, in double precision."""
 
+Complexes = NDArray[np.complex128]
+"""Directions without a sign, exp(2i angle), times how sure or how long they are."""
+
 Ints = NDArray[np.int64]
 """Counts, or indices into another array."""
 

@@ -61,3 +61,23 @@ def test_a_hand_that_draws_half_as_large_is_arranged_the_same() -> None:
     assert half.arrangement is not None
     assert half.arrangement.paths == pytest.approx(0.5 * hand.arrangement.paths)
     assert len(half.arrangement.groups) == len(hand.arrangement.groups)
+
+
+def test_a_hand_leans_as_its_strokes_do_and_turned_by_a_quarter_the_other_way() -> None:
+    level = np.zeros((40, 32, 2))
+    level[..., 0], level[..., 1] = np.linspace(0, 0.02, 32), 0.002 * np.arange(40)[:, None]
+    for drawn, leaning in ((level, 1), (level[..., ::-1], -1)):
+        arrangement = learned(as_strokes(drawn))
+        assert arrangement is not None
+        assert arrangement.leaning == pytest.approx(leaning)
+        assert arrangement.directions == pytest.approx(np.full(40, 0.02 * leaning))
+
+
+def test_strokes_along_their_group_are_aligned_and_one_across_it_is_not() -> None:
+    drawn = hatching(6, seed=0)
+    middle = drawn[3].mean(axis=0)
+    drawn[3] = middle + (drawn[3] - middle) @ np.array([[0, 1], [-1, 0]])
+    arrangement = learned(as_strokes(drawn))
+    assert arrangement is not None
+    assert arrangement.alignments[3] < -0.8
+    assert np.delete(arrangement.alignments, 3).min() > 0.8

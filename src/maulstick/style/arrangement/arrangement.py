@@ -9,7 +9,7 @@ import shapely
 import torch
 
 from maulstick.painting.succession import Succession
-from maulstick.storage.arrays import Floats, Ints
+from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
 from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Laid, Neighbourhoods
 from maulstick.style.arrangement.order import succession_of
@@ -48,6 +48,27 @@ class Arrangement:
         """The strokes as far as their neighbourhoods depend on them."""
         paths = torch.from_numpy(self.paths)
         return Laid.of(paths, paths.mean(dim=1), paths.new_zeros(len(paths)))
+
+    @cached_property
+    def directions(self) -> Complexes:
+        """Which way each stroke lies, (M,): exp(2i angle) of its principal axis, times its length and straightness."""
+        laid = self.laid
+        found: Complexes = (laid.lengths * laid.straightness * (2j * laid.axes).exp()).numpy()
+        return found
+
+    @cached_property
+    def leaning(self) -> complex:
+        """Which way the hand leans: its strokes' mean direction, from 0 to 1 in size, 1 where all lie alike."""
+        return complex(self.directions.sum() / float(self.laid.lengths.sum()))
+
+    @cached_property
+    def alignments(self) -> Floats:
+        """How far each stroke lies along its group, (M,): cos 2Δθ from the group's direction, times straightness."""
+        main = np.zeros(len(self.paths))
+        for rows in self.groups:
+            main[rows] = np.angle(self.directions[rows].sum())
+        found: Floats = (self.directions * np.exp(-1j * main)).real / self.laid.lengths.numpy()
+        return found
 
     @cached_property
     def neighbourhoods(self) -> Neighbourhoods:

@@ -28,11 +28,9 @@ def told(arrangement: Arrangement) -> str:
 
 def _leaning(arrangement: Arrangement) -> str:
     """Return which way most strokes lie, seen on a sheet whose y goes down; nothing where they lie all ways."""
-    laid = arrangement.laid
-    mean = (laid.straightness * laid.lengths * (2j * laid.axes).exp()).sum() / laid.lengths.sum()
-    if abs(mean) < _LEANING:
+    if abs(arrangement.leaning) < _LEANING:
         return ""
-    angle = float(mean.angle()) / 2 % np.pi
+    angle = float(np.angle(arrangement.leaning)) / 2 % np.pi
     if min(angle, np.pi - angle) < _LEVEL:
         return ", level"
     if abs(angle - np.pi / 2) < _LEVEL:
