@@ -104,3 +104,16 @@ def clip_size_table() -> str:
         "2,000 steps would take": "{minutes:.1f} minutes",
     }
     return table_of(rows_of("clip_size"), columns)
+
+
+def startup_table() -> str:
+    """What a plan takes beside its steps, in seconds and in those that PyTorch takes to load."""
+    rows = {(row["case"], row["stage"]): row for row in rows_of("startup")}
+    cases, stages = (list(dict.fromkeys(key[i] for key in rows)) for i in (0, 1))
+    lines = []
+    for stage in stages:
+        line = [stage]
+        for case in cases:
+            line += [f"{rows[case, stage]['seconds']:.2f} s", f"{rows[case, stage]['torch']:.2f}"]
+        lines.append(line)
+    return table(["stage", *(title for case in cases for title in (case, "times `import torch`"))], lines)

@@ -142,3 +142,16 @@ def test_what_takes_long_to_load_is_not_loaded_for_help() -> None:
     script = "import sys, maulstick.cli.app; print(*{'torch', 'sklearn', 'open_clip'} & set(sys.modules))"
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert ran.stdout.split() == []
+
+
+@pytest.mark.parametrize("words", [[], ["--style", "loops", "--ink", "black"]], ids=["free", "loops"])
+def test_a_plan_ends_without_what_takes_as_long_to_load_as_to_plan(words: list[str], tmp_path: Path) -> None:
+    asked = ["plan", "--demo", "--strokes", "20", "--steps", "2", "--px", "64", "--out", str(tmp_path / "out"), *words]
+    script = "import sys, maulstick.cli; maulstick.cli.main()"
+    told = "import atexit, sys; atexit.register(lambda: print('loaded', *sys.modules, file=sys.stderr))"
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{told}; {script}", *asked], capture_output=True, text=True, check=True
+    )
+    loaded = set(ran.stderr.splitlines()[-1].split())
+    assert {"loaded", "torch", "maulstick.planning.planner"} <= loaded
+    assert not loaded & {"torch._dynamo", "sympy", "sklearn", "pandas", "matplotlib", "scipy.stats"}

@@ -3,9 +3,10 @@ import math
 import numpy as np
 import pytest
 import torch
+from skimage.feature import structure_tensor, structure_tensor_eigenvalues
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.placement import Places, detail, find_places, ink_density, start_strokes
+from maulstick.planning.placement import Places, detail, edges, find_places, ink_density, start_strokes
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
 from maulstick.storage.arrays import Image as Picture
@@ -236,3 +237,15 @@ def test_a_start_from_the_picture_is_nearer_to_it_than_one_from_anywhere(portrai
             canvas = paint(problem.paper, strokes.trajectories(style), strokes.colours, brushes, ppm)
             errors.append(mse(canvas, problem.target))
     assert np.mean(errors[::2]) < 0.6 * np.mean(errors[1::2])
+
+
+def test_edges_are_those_of_the_structure_tensor_of_scikit_image(portrait: Picture) -> None:
+    target = portrait.transpose(2, 0, 1).astype(np.float64)
+    tensors = [structure_tensor(channel, sigma=2.5, order="rc", mode="nearest") for channel in target]
+    rr, rc, cc = np.sum(tensors, axis=0)
+    eigenvalues = structure_tensor_eigenvalues([rr, rc, cc])
+    angles, coherence = edges(target, 2.5)
+    assert coherence == pytest.approx((eigenvalues[0] - eigenvalues[1]) / (eigenvalues.sum(axis=0) + 1e-6), abs=1e-9)
+    along = np.stack([np.sin(angles), np.cos(angles)])  # row and column: the slope is least along an edge
+    least = rr * along[0] ** 2 + 2 * rc * along[0] * along[1] + cc * along[1] ** 2
+    assert least == pytest.approx(eigenvalues[1], abs=1e-9)

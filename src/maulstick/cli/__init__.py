@@ -5,6 +5,7 @@ import sys
 from io import TextIOWrapper
 
 from maulstick.cli.exit_codes import FAILED, MACHINE, STOPPED, UNUSABLE
+from maulstick.cli.loading import no_garbage
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import MachineError, MaulstickError, OutputError
 
@@ -14,7 +15,8 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # names of files may be any bytes
     try:
-        from maulstick.cli.app import run  # takes a moment, in which Ctrl-C may come
+        with no_garbage():
+            from maulstick.cli.app import run  # takes a moment, in which Ctrl-C may come
 
         sys.exit(run())
     except KeyboardInterrupt:

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.metrics import PlanMetrics, blurred_psnr, compare
+from maulstick.painting.metrics import PlanMetrics, blurred_psnr, compare, psnr
 from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
@@ -143,8 +143,8 @@ def _compared(true: Image, planned: Image, layout: Layout) -> PlanMetrics | None
     if layout.target is None:
         return None
     target = layout.crop(layout.target)
-    seen, own = compare(layout.crop(true), target), compare(layout.crop(planned), target)
-    return PlanMetrics(**asdict(seen), psnr_planned=own.psnr)
+    seen = compare(layout.crop(true), target)
+    return PlanMetrics(**asdict(seen), psnr_planned=psnr(layout.crop(planned), target))
 
 
 def as_painting(

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude
+from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude, sobel
 from scipy.spatial import cKDTree
-from skimage.feature import structure_tensor
 from torch import Generator
 
 from maulstick.painting.brush import Brush
@@ -78,9 +77,12 @@ def edge_size(spacing: float, height: int, width: int) -> float:
 
 
 def edges(target: Floats, sigma: float) -> tuple[Floats, Floats]:
-    """Return the angle along the edges of the target (C, H, W), radians, and in [0, 1] how sure it is, (H, W) each."""
-    tensors = [structure_tensor(channel, sigma=sigma, order="rc", mode="nearest") for channel in target]
-    rr, rc, cc = (sum(channels) for channels in zip(*tensors, strict=True))
+    """Return the angle along the edges of the target (C, H, W), radians, and in [0, 1] how sure it is, (H, W) each.
+
+    They are those of the structure tensor of all channels together.
+    """
+    r, c = (np.stack([sobel(channel, axis, mode="nearest") for channel in target]) for axis in (0, 1))
+    rr, rc, cc = (gaussian_filter(slopes.sum(axis=0), sigma, mode="nearest") for slopes in (r * r, r * c, c * c))
     return 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2, np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
 
 

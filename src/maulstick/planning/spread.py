@@ -3,6 +3,7 @@
 import numpy as np
 import torch
 
+from maulstick.planning.adam import Adam
 from maulstick.planning.groups import place_groups
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import place
@@ -24,15 +25,10 @@ def spread(style: Style, arrangement: Arrangement, width: float, height: float, 
     paths = style.decode(style.sample_around(torch.from_numpy(rows), torch_rng)[0]).detach().double()
     centres, angles = torch.from_numpy(places.centres / scale), torch.from_numpy(places.angles)
     hand = arrangement.neighbourhoods.crowded(Laid.of(paths, centres, angles).density())
-    adam = torch.optim.Adam(
-        [
-            {"params": [centres.requires_grad_()], "lr": _MOVED * hand.unit},
-            {"params": [angles.requires_grad_()], "lr": _TURNED},
-        ]
-    )
+    adam = Adam()
+    adam.add(centres.requires_grad_(), _MOVED * hand.unit)
+    adam.add(angles.requires_grad_(), _TURNED)
     for _ in range(_STEPS if count > NEAREST else 0):
-        adam.zero_grad()
-        hand.price(Laid.of(paths, centres, angles), torch_rng).backward()
-        adam.step()
+        adam.step(hand.price(Laid.of(paths, centres, angles), torch_rng))
     away = (paths - paths.mean(dim=1, keepdim=True)).numpy()
     return place(away, np.column_stack([centres.detach().numpy(), angles.detach().numpy()]))

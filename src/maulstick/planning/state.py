@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from pydantic import JsonValue
-from torch import Generator, Tensor
+from torch import Generator
 
 from maulstick.errors import InputError
 from maulstick.storage.arrays import read_arrays, write_arrays
@@ -46,19 +46,3 @@ def restore_rng(state: State, rng: np.random.Generator, torch_rng: Generator) ->
     """Put both generators into the states that `rng_state` returned."""
     rng.bit_generator.state = json.loads(str(state["rng"]))
     torch_rng.set_state(torch.from_numpy(state["torch_rng"]))
-
-
-def optimiser_state(optimiser: torch.optim.Optimizer) -> State:
-    """Return what an optimiser keeps per tensor, such as its moments."""
-    moments = optimiser.state_dict()["state"]
-    return {f"adam.{i}.{name}": entry.numpy() for i, each in moments.items() for name, entry in each.items()}
-
-
-def restore_optimiser(state: State, optimiser: torch.optim.Optimizer) -> None:
-    """Give an optimiser of the same tensors what `optimiser_state` returned."""
-    moments: dict[int, dict[str, Tensor]] = {}
-    for name, array in state.items():
-        if name.startswith("adam."):
-            _, index, entry = name.split(".")
-            moments.setdefault(int(index), {})[entry] = torch.from_numpy(np.array(array))
-    optimiser.load_state_dict({"state": moments, "param_groups": optimiser.state_dict()["param_groups"]})

@@ -73,7 +73,8 @@ def _slope_and_curvature(difference: Tensor, numbers: Tensor, generator: Generat
     """Return the slope of the sum of squared differences, linear in the numbers, and an estimate of its curvature."""
 
     def backward(signal: Tensor) -> Tensor:
-        (gradient,) = torch.autograd.grad(difference, numbers, signal, retain_graph=True)
+        total = (difference * signal).sum()  # to give `grad` the signal would load a library of symbols
+        (gradient,) = torch.autograd.grad(total, numbers, retain_graph=True)
         return gradient
 
     slope = backward(2 * difference.detach())

@@ -7,7 +7,6 @@ from typing import Self
 
 import numpy as np
 import torch
-from scipy.stats import ks_2samp
 from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
@@ -89,6 +88,8 @@ class Exemplar(Style):
 
     def _apart(self) -> Floats:
         """Kolmogorov-Smirnov distance of samples from the hand, (3,), in how bent, rough and wavy they are."""
+        from scipy.stats import ks_2samp  # takes a moment, and a style that is loaded needs none
+
         codes, _ = self.sample(_TRIALS, torch.Generator().manual_seed(0))
         both = [describe(paths)[:, CURVINESS].T for paths in (self.decode(codes).double().numpy(), self.hand.paths)]
         return np.array([ks_2samp(drawn, seen).statistic for drawn, seen in zip(*both, strict=True)])

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from maulstick.cli.folder import check_free
+from maulstick.cli.loading import no_garbage
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, demo_picture, state_files
@@ -144,7 +145,8 @@ def plan(
     """
     if resume is not None:
         _refuse_other_options(context)
-        from maulstick.cli.plan.run import go_on  # loads torch
+        with no_garbage():
+            from maulstick.cli.plan.run import go_on  # loads torch
 
         go_on(resume)
         return
@@ -183,7 +185,8 @@ def plan(
             "or add --overwrite"
         )
     check_free(out, overwrite)
-    from maulstick.cli.plan.run import begin  # loads torch
+    with no_garbage():
+        from maulstick.cli.plan.run import begin  # loads torch
 
     begin(request, out)
 
