@@ -1,5 +1,6 @@
 """Palettes: k-means of colours in CIELAB, where distance is what the eye sees (paper: Planning)."""
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,11 +8,8 @@ from PIL import Image, ImageColor, ImageDraw, ImageFont
 from skimage.color import lab2rgb, rgb2lab
 from threadpoolctl import threadpool_limits
 
-from maulstick.colour.clusters import k_means
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats, Ints
-
-_STARTS = 4  # of k-means, which comes to rest in one of many places
 
 
 def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
@@ -19,11 +17,16 @@ def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
 
     k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
     """
-    with threadpool_limits(1):  # several threads add up in any order
+    from sklearn.cluster import KMeans  # takes a second to load
+    from sklearn.exceptions import ConvergenceWarning
+
+    with threadpool_limits(1), warnings.catch_warnings():  # several threads add up in any order
+        warnings.simplefilter("ignore", ConvergenceWarning)  # fewer different colours than k
         lab = rgb2lab(colours)
         k = min(k, len(np.unique(lab.round(3), axis=0)))
-        centres = k_means(lab, amounts, k, _STARTS, seed)
-    paints: Floats = np.clip(lab2rgb(centres[np.argsort(-centres[:, 0])]), 0, 1)
+        found = KMeans(k, n_init=4, random_state=seed).fit(lab, sample_weight=amounts)
+    centres = found.cluster_centers_[np.argsort(-found.cluster_centers_[:, 0])]
+    paints: Floats = np.clip(lab2rgb(centres), 0, 1)
     return paints
 
 
