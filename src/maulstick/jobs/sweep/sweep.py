@@ -89,7 +89,8 @@ def opened(grid: Grid, folder: Path, out: Path, note: Callable[[str], None]) -> 
             for cell, request in requests:
                 if (changed := begin(out / cell.name, request)) is not None:
                     note(f"{cell.name} was planned with another {changed} before, and is planned anew")
-                standings.append(Standing(cell, out / cell.name, is_finished(out / cell.name)))
+                at = out / cell.name
+                standings.append(Standing(cell, at, is_finished(at), share_of(at)))
             yield standings
 
 
@@ -128,9 +129,14 @@ def finish(
                     each.share = share_of(each.folder)
                     continue
                 del running[each]
-                each.finished, each.share = is_finished(each.folder), 0.0
-                fault = None if each.finished else _fault(job)
-                if fault is not None and not stopping and _is_tried_again(each, fault, retries, note):
+                fault = _fault(job)
+                each.finished = is_finished(each.folder)
+                if (
+                    fault is not None
+                    and not each.finished
+                    and not stopping
+                    and _is_tried_again(each, fault, retries, note)
+                ):
                     waiting.append(each)
     finally:
         working.close()
