@@ -1,9 +1,11 @@
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import time
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from PIL import Image
 from maulstick.jobs.plan.request import state_files
 from maulstick.jobs.sweep import local
 from maulstick.jobs.sweep.cell import is_finished, read_cell
+from maulstick.jobs.sweep.grid import grid_of
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, contents, run
 
 OPTIONS = "[options]\nsteps = 30\nstrokes = 20\npx = 48\n"  # those of QUICK
@@ -231,3 +234,11 @@ def test_a_folder_that_holds_something_else_is_left_alone(tmp_path: Path) -> Non
     assert ran.code == 1
     assert ran.mistake.endswith("is not empty, and no cell of a sweep; choose another folder")
     assert os.listdir(mine.parent) == ["mine.txt"]
+
+
+def test_the_grids_of_the_documentation_can_be_planned() -> None:
+    text = (ROOT / "docs" / "sweep.md").read_text(encoding="utf-8")
+    plain, more = (tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", text, re.DOTALL))
+    cells = grid_of({**plain, **more}, "docs/sweep.md").cells(Path())
+    assert f"These are {len(cells)} cells." in text
+    assert f"`{cells[0].name}/`" in text

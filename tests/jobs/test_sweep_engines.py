@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import maulstick as ms
-from maulstick.errors import InputError
+from maulstick.errors import InputError, MachineError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.jobs.sweep import run
 from maulstick.jobs.sweep.on_slurm import OnSlurm, PlanCell
@@ -129,3 +129,19 @@ def test_a_ray_cluster_plans_all_cells_the_same_to_the_bit_and_leaves_signals_al
     assert ran.stdout.splitlines()[-1] == "done"
     for cell in ("seed-0", "seed-1"):
         assert results(tmp_path / "out" / cell) == results(planned_here / cell)
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "127.0.0.1:99999"])
+def test_a_ray_cluster_that_is_not_there_is_told_in_one_line(tmp_path: Path, address: str) -> None:
+    pytest.importorskip("ray", reason="Ray is not installed: pip install 'maulstick[ray]'")
+    with pytest.raises(MachineError, match=f"the Ray cluster {address} does not answer: .*; start it, or check its"):
+        ms.sweep(GRID, tmp_path / "out", on=f"ray:{address}")
+
+
+def test_an_engine_that_is_not_installed_is_told_with_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for on, module in (("ray", "ray"), ("slurm", "submitit")):
+        monkeypatch.setitem(sys.modules, module, None)
+        with pytest.raises(InputError, match=rf"install it: pip install 'maulstick\[{on}\]'"):
+            ms.sweep(GRID, tmp_path / "out", on=on)

@@ -2,6 +2,7 @@
 
 import math
 import signal
+import socket
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -12,6 +13,8 @@ from typing import Any
 from maulstick.errors import InputError, MachineError
 from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.jobs.sweep.cell import needs_gpu, plan_cell
+
+_PATIENCE = 5.0  # seconds
 
 
 class OnRay:
@@ -27,6 +30,8 @@ class OnRay:
             import ray
         except ImportError as error:
             raise InputError("ray needs the package of this name; install it: pip install 'maulstick[ray]'") from error
+        if address is not None:
+            _check_answers(address)
         self._ray = ray
         self.room = math.inf if at_once is None else float(at_once)
         own = {"num_cpus": at_once} if address is None else {}
@@ -40,10 +45,7 @@ class OnRay:
                     **own,
                 )
         except (OSError, RuntimeError, ValueError) as error:
-            where = "on this machine" if address is None else f"at {address}"
-            raise MachineError(
-                f"the Ray cluster {where} does not answer: {str(error).splitlines()[0]}; start it, or check its address"
-            ) from error
+            raise _silent(address or "on this machine", error) from error
         self._task: Any = ray.remote(max_retries=0)(plan_cell)  # those that fail are tried again by the sweep
 
     def submit(self, folders: Sequence[Path]) -> list["Future[str | None]"]:
@@ -74,3 +76,18 @@ def _our_signals() -> Iterator[None]:
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
+
+
+def _check_answers(address: str) -> None:
+    """Raise MachineError where nobody listens at HOST:PORT, at which Ray would knock for minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if port.isdigit():
+        try:
+            socket.create_connection((host, int(port)), _PATIENCE).close()
+        except (OSError, OverflowError) as error:
+            raise _silent(address, error) from error
+
+
+def _silent(where: str, error: Exception) -> MachineError:
+    reason = (str(error) or type(error).__name__).splitlines()[0]
+    return MachineError(f"the Ray cluster {where} does not answer: {reason}; start it, or check its address")
