@@ -144,7 +144,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_its_cell_is_tried_again(
 
 
 def test_ctrl_c_keeps_all_plans_and_the_same_command_finishes_them(tmp_path: Path) -> None:
-    grid, out = grid_in(tmp_path, "seed = [0, 1]", OPTIONS.replace("30", "2500")), tmp_path / "out"
+    grid, out = grid_in(tmp_path, "seed = [0, 1]", OPTIONS.replace("30", "1200")), tmp_path / "out"
     running = Running("sweep", grid, "--out", out, "--at-once", "1")
     running.interrupt_after(r"seed-0.* [1-9]\d?%")
     assert running.leave() == 130

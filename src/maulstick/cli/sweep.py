@@ -30,7 +30,9 @@ def sweep(
         int | None,
         typer.Option(metavar="N", show_default="cores; on clusters, all", help="Number of plans at a time, at most."),
     ] = None,
-    retries: Annotated[int, typer.Option(metavar="N", help="How often a plan that failed is tried again.")] = 2,
+    retries: Annotated[
+        int, typer.Option(metavar="N", help="Number of times that a plan that failed is tried again.")
+    ] = 2,
 ) -> None:
     """Plan every combination of some options, each in a folder of its own.
 
@@ -85,7 +87,9 @@ class _Bars:
         done = sum(each.finished for each in standings)
         share = sum(1.0 if each.finished else each.share for each in standings) / len(standings)
         self._bars.update(self._all, completed=share, told=f"{done} of {len(standings)} finished")
-        running = {each.cell.name: each for each in standings if each.running}
+        under_way = [each for each in standings if each.running]
+        crowded = len(under_way) > _SHOWN  # on a cluster, most of them wait
+        running = {each.cell.name: each for each in under_way if each.share or not crowded}
         for name in [name for name in self._own if name not in running]:
             self._bars.remove_task(self._own.pop(name))
         for name, each in running.items():

@@ -56,7 +56,7 @@ def begin(folder: Path, request: PlanRequest) -> str | None:
         folder.mkdir(exist_ok=True)
         if not file.exists() and any(folder.iterdir()):
             raise OutputError(f"the folder {folder} is not empty, and no cell of a sweep; choose another folder")
-    record, changed = CellRecord(request=request.as_json()), None
+    record, older, changed = CellRecord(request=request.as_json()), None, None
     if file.exists():
         try:
             older = read_cell(folder)
@@ -68,7 +68,8 @@ def begin(folder: Path, request: PlanRequest) -> str | None:
         with as_output_error(folder):
             for old in (*(folder / name for name in _RESULTS), *state_files(folder)):
                 old.unlink(missing_ok=True)
-    write_record(record, file)
+    if record != older:
+        write_record(record, file)
     return changed
 
 

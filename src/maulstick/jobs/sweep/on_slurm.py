@@ -44,25 +44,27 @@ class OnSlurm:
         except ImportError as error:
             raise InputError("slurm needs submitit; install it: pip install 'maulstick[slurm]'") from error
         self.room = math.inf if at_once is None else float(at_once)
+        self._jobs: list[Any] = []
+        self._executors: dict[bool, Any] = {}  # by whether its jobs have a GPU
         try:
-            self._executor = AutoExecutor(folder=out.absolute() / ".jobs", cluster=cluster)
-            self._executor.update_parameters(**{"name": "maulstick", "timeout_min": _MINUTES, **parameters})
+            for gpu in (False, True):
+                more = {"gpus_per_node": 1} if gpu else {}
+                executor = AutoExecutor(folder=out.absolute() / ".jobs", cluster=cluster)
+                executor.update_parameters(**{"name": "maulstick", "timeout_min": _MINUTES, **more, **parameters})
+                self._executors[gpu] = executor
         except RuntimeError as error:
             raise InputError(f"there is no Slurm here ({error}); run this on a machine that submits jobs") from error
         except (NameError, TypeError, ValueError, AssertionError) as error:
             raise InputError(f"the grid's parameters of slurm cannot be used: {str(error).splitlines()[0]}") from error
-        self._gpus = parameters.get("gpus_per_node")
-        self._jobs: list[Any] = []
 
     def submit(self, folders: Sequence[Path]) -> Sequence[Job]:
         """Submit an array of jobs; cells that ask for a GPU get one each."""
         jobs: dict[Path, Any] = {}
-        for gpus in (0, 1):
-            these = [folder for folder in folders if needs_gpu(folder) == bool(gpus)]
+        for gpu, executor in self._executors.items():
+            these = [folder for folder in folders if needs_gpu(folder) == gpu]
             if these:
-                self._executor.update_parameters(gpus_per_node=self._gpus if self._gpus is not None else gpus)
                 paths = [str(folder.absolute()) for folder in these]
-                jobs |= zip(these, self._executor.map_array(PlanCell(), paths), strict=True)
+                jobs |= zip(these, executor.map_array(PlanCell(), paths), strict=True)
         self._jobs += jobs.values()
         return [jobs[folder] for folder in folders]
 

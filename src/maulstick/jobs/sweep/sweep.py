@@ -16,7 +16,9 @@ from maulstick.storage.files import file_sum, held
 from maulstick.storage.folders import as_output_error, made_folder
 
 _LOOK = 0.3  # seconds between two looks at the jobs: enough for a progress bar
+_LOOK_EACH = 1e-3  # seconds more for each job: a disk that machines share is slow
 _MOST_RETRIES = 100
+_UNSEEN = "what it wrote is not seen here; all machines must see the sweep's folder at the same path"
 
 
 class Job(Protocol):
@@ -122,21 +124,16 @@ def finish(
             if room := int(min(working.room - len(running), len(waiting))):
                 begun = [waiting.popleft() for _ in range(room)]
                 running.update(zip(begun, working.submit([each.folder for each in begun]), strict=True))
-            time.sleep(_LOOK)
+            time.sleep(max(_LOOK, _LOOK_EACH * len(running)))
             for each, job in list(running.items()):
                 each.running = not job.done()
                 if each.running:
                     each.share = share_of(each.folder)
                     continue
                 del running[each]
-                fault = _fault(job)
+                fault = _fault(job) or _UNSEEN
                 each.finished = is_finished(each.folder)
-                if (
-                    fault is not None
-                    and not each.finished
-                    and not stopping
-                    and _is_tried_again(each, fault, retries, note)
-                ):
+                if not each.finished and not stopping and _is_tried_again(each, fault, retries, note):
                     waiting.append(each)
     finally:
         working.close()
