@@ -94,6 +94,35 @@ def test_without_slurm_or_with_a_parameter_that_is_none_it_is_told_in_one_line(t
         OnSlurm(tmp_path, None, {"minutes": 3}, cluster="local")
 
 
+SLURM = {
+    "srun": "exit 0",
+    "sbatch": 'cat "$1" >> submitted; echo Submitted batch job 7$(grep -c array= submitted)',
+    "sacct": "echo 'JobID|State|NodeList'; for job in 71_0 71_1 72_0 72_1; do echo \"$job|PENDING|\"; done",
+    "scancel": "echo $@ >> cancelled",
+}
+"""Commands of a cluster whose machines are always busy."""
+
+
+def test_slurm_gets_arrays_with_what_the_grid_says_and_ctrl_c_cancels_what_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("submitit", reason="submitit is not installed: pip install 'maulstick[slurm]'")
+    for name, script in SLURM.items():
+        (tmp_path / name).write_text(f"#!/bin/sh\ncd {tmp_path}\n{script}\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    axes = {"device": ["cpu", "cuda"], "seed": [0, 1]}
+    grid = {"axes": axes, "options": OPTIONS, "slurm": {"slurm_partition": "short", "timeout_min": 9}}
+    looks: list[Mapping[str, float]] = []
+    table = ms.sweep(grid, tmp_path / "out", on="slurm", progress=lambda shares: looks.append(shares) or len(looks) < 3)
+    assert list(table.fault) == ["not finished"] * 4
+    submitted = (tmp_path / "submitted").read_text()
+    assert submitted.count("#SBATCH --array=0-1") == 2
+    assert submitted.count("#SBATCH --partition=short") == submitted.count("#SBATCH --time=9") == 2
+    assert submitted.count("#SBATCH --gpus-per-node=1") == 1
+    assert sorted((tmp_path / "cancelled").read_text().split()) == ["71_0", "71_1", "72_0", "72_1"]
+
+
 RAY = """
 import os, signal, sys
 import maulstick as ms

@@ -39,8 +39,9 @@ class Local:
         """Begin to plan the cells in these folders."""
         return [self._pool.submit(self._plan, folder) for folder in folders]
 
-    def stop(self) -> None:
-        """Do nothing: all that was taken has begun."""
+    def stop(self) -> tuple[()]:
+        """Take nothing back: all that was taken has begun."""
+        return ()
 
     def close(self) -> None:
         """End all processes, whose plans in the making are kept."""

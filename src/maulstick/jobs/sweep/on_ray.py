@@ -55,8 +55,9 @@ class OnRay:
             raise InputError("device is cuda, and no machine of the Ray cluster has a GPU; leave it out")
         return [self._task.options(num_gpus=gpus[folder]).remote(str(folder.absolute())).future() for folder in folders]
 
-    def stop(self) -> None:
-        """Do nothing: what begins from now on sees that it is to stop before it loads anything."""
+    def stop(self) -> tuple[()]:
+        """Take nothing back: what begins from now on sees that it is to stop before it loads anything."""
+        return ()
 
     def close(self) -> None:
         """Leave the cluster, which ends what still runs."""

@@ -68,11 +68,13 @@ class OnSlurm:
         self._jobs += jobs.values()
         return [jobs[folder] for folder in folders]
 
-    def stop(self) -> None:
-        """Cancel the jobs that wait in the queue."""
-        for job in self._jobs:
-            if job.state in ("PENDING", "REQUEUED"):
-                job.cancel()
+    def stop(self) -> Sequence[Job]:
+        """Cancel the jobs that wait in the queue, and return them."""
+        waiting = [job for job in self._jobs if job.state in ("PENDING", "REQUEUED")]
+        for job in waiting:
+            job.cancel()
+        self._jobs = [job for job in self._jobs if job not in waiting]
+        return waiting
 
     def close(self) -> None:
         """Cancel all jobs that are not done."""

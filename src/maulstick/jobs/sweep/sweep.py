@@ -45,8 +45,8 @@ class Engine(Protocol):
         """Begin to plan the cells in these folders, at least one."""
         ...
 
-    def stop(self) -> None:
-        """Take back what has not begun; what has sees the file that stops it."""
+    def stop(self) -> Sequence[Job]:
+        """Take back what has not begun, and return it; what has begun sees the file that stops it."""
         ...
 
     def close(self) -> None:
@@ -120,7 +120,8 @@ def finish(
                 stopping = True
                 waiting.clear()
                 _stop(out)
-                working.stop()
+                taken_back = working.stop()
+                running = {each: job for each, job in running.items() if job not in taken_back}
             if room := int(min(working.room - len(running), len(waiting))):
                 begun = [waiting.popleft() for _ in range(room)]
                 running.update(zip(begun, working.submit([each.folder for each in begun]), strict=True))
@@ -137,6 +138,8 @@ def finish(
                     waiting.append(each)
     finally:
         working.close()
+        for each in standings:
+            each.running = False
         (out / STOP).unlink(missing_ok=True)
 
 
