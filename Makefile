@@ -74,7 +74,7 @@ $(VENV)/installed: $(SOURCES)
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,studio,ur,video,wacom,xarm]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,ray,slurm,studio,ur,video,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

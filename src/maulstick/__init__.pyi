@@ -2,6 +2,7 @@ from .api.learning import fit_brush, fit_style, load_style, read_ink
 from .api.machine import paint
 from .api.painting import Painting, read_painting
 from .api.planning import compare, plan, render
+from .api.sweeping import sweep
 from .jobs.plan.options import PlanOptions
 from .painting.brush import load_brush
 from .robot.robot import Robot
@@ -23,4 +24,5 @@ __all__ = [
     "read_ink",
     "read_painting",
     "render",
+    "sweep",
 ]

@@ -94,6 +94,11 @@ class Running:
         self.wait_for(text)
         os.killpg(self._process.pid, signal.SIGINT)
 
+    @property
+    def pid(self) -> int:
+        """The process."""
+        return self._process.pid
+
     def kill(self) -> None:
         """As a power cut would."""
         self._process.kill()

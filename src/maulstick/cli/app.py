@@ -21,6 +21,7 @@ from maulstick.cli.show import show
 from maulstick.cli.studio import studio
 from maulstick.cli.style import style
 from maulstick.cli.survey import survey
+from maulstick.cli.sweep import sweep
 
 _UsageError: Final[Any] = typer.BadParameter.__base__  # Click's, or that of the copy of Click within Typer
 
@@ -28,6 +29,7 @@ app = typer.Typer(
     rich_markup_mode="markdown", add_completion=True, no_args_is_help=True, pretty_exceptions_enable=False
 )
 app.command()(plan)
+app.command()(sweep)
 app.command()(paint)
 app.command()(render)
 app.command()(show)
@@ -51,7 +53,7 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback(
     epilog="Exit codes: 0 done; 1 a result could not be written; 2 a file or an option cannot be used; "
-    "3 a machine or a camera failed; 130 stopped with Ctrl-C (plan saves the plan so far)."
+    "3 a machine or a camera failed; 130 stopped with Ctrl-C (plan and sweep save the plans so far)."
 )
 def maulstick(
     version: Annotated[

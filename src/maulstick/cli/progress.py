@@ -39,14 +39,16 @@ def progress_bar(console: Console, strokes: int) -> Iterator[Callable[[float, fl
 
 
 @contextmanager
-def stop_on_interrupt(console: Console) -> Iterator[Callable[[], bool]]:
+def stop_on_interrupt(
+    console: Console, saying: str = "stopping: finishing the plan so far (Ctrl-C again leaves without it)"
+) -> Iterator[Callable[[], bool]]:
     """Yield a function that returns whether to go on: True until the first Ctrl-C. The second interrupts as usual."""
     going = [True]
 
     def stop(*_: object) -> None:
         going[0] = False
         signal.signal(signal.SIGINT, before)
-        console.print("stopping: finishing the plan so far (Ctrl-C again leaves without it)")
+        console.print(saying)
 
     before = signal.signal(signal.SIGINT, stop)
     try:

@@ -55,6 +55,8 @@ EXTRAS: Final = {
     "clip": Extra("paintings of texts", "open-clip-torch", "open_clip"),
     "video": Extra("videos as MP4", "av", "av"),
     "studio": Extra("the studio and surveys", "nicegui", "nicegui"),
+    "ray": Extra("sweeps on Ray", "ray", "ray"),
+    "slurm": Extra("sweeps on Slurm", "submitit", "submitit"),
     "mocap": Extra("motion capture live", "natnet", "natnet"),
     "wacom": Extra("Wacom's files of ink", "universal-ink-library", "uim"),
     "franka": Extra("Franka's arms", "franky-control", "franky"),

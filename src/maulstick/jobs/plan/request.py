@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -49,9 +50,9 @@ class PlanRequest:
                     f"{option('video')} records one plan, and {option('tries')} makes several; leave one of them out"
                 )
 
-    def with_sums(self, more: dict[str, str]) -> "PlanRequest":
+    def with_sums(self, more: dict[str, str], sum_file: Callable[[Path], str] = file_sum) -> "PlanRequest":
         """Return the same with the sums of its files, and `more` sums by name."""
-        return replace(self, sums={**{str(path): file_sum(path) for path in self._files()}, **more})
+        return replace(self, sums={**{str(path): sum_file(path) for path in self._files()}, **more})
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the request as JSON, for a file."""

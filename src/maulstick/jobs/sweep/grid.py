@@ -1,0 +1,144 @@
+"""Grid of a sweep: a TOML file of options with several values, whose combinations are its cells."""
+
+import hashlib
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from itertools import product
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
+
+from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.storage.files import read_whole
+
+MOST_CELLS: Final = 10_000
+"""Cells of one sweep; more are most likely a mistake."""
+
+_PICTURE = "picture"
+_KNOWN = {_PICTURE, *(each.name for each in fields(PlanOptions))}
+_FILES = (_PICTURE, "look", "background", "paints_from", "clip_weights")
+_LIBRARIES = ("style", "brush")  # names, or files
+_LARGEST = 2**20  # bytes: far more than any grid takes
+_LONG_VALUE, _LONG_NAME = 40, 160  # letters: longer ones are cut, and end in a sum of the whole
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One combination. name: of its folder.  values: those of its axes, as the grid writes them."""
+
+    name: str
+    values: Mapping[str, JsonValue]
+    request: PlanRequest
+
+
+class Grid(BaseModel):
+    """A sweep as it is asked for.
+
+    axes: lists of values by option; `picture` is one of them.  options: values that all cells have.
+    slurm: parameters of submitit for Slurm, as timeout_min and slurm_partition.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    axes: dict[str, list[JsonValue]]
+    options: dict[str, JsonValue] = Field(default_factory=dict)
+    slurm: dict[str, JsonValue] = Field(default_factory=dict)
+
+    def cells(self, folder: Path) -> list[Cell]:
+        """Return all combinations, the last axis fastest; paths of files are relative to `folder`.
+
+        Raises InputError for an unknown option, an axis without values, and a combination that contradicts itself.
+        """
+        self._check()
+        cells = [self._cell(dict(zip(self.axes, values, strict=True)), folder) for values in product(*self._lists())]
+        name, times = Counter(cell.name.casefold() for cell in cells).most_common(1)[0]
+        if times > 1:
+            raise InputError(f"{times} cells would share the folder {name}; name each value of an axis once")
+        return cells
+
+    def columns(self) -> int:
+        """Return how many cells stand beside each other: those of the last axis that has several values."""
+        return next((len(values) for values in reversed(self._lists()) if len(values) > 1), 1)
+
+    def _lists(self) -> list[list[JsonValue]]:
+        return list(self.axes.values())
+
+    def _check(self) -> None:
+        if not self.axes:
+            raise InputError("axes names no option; give at least one, as in seed = [0, 1, 2]")
+        for name in (*self.axes, *self.options):
+            if name not in _KNOWN:
+                raise InputError.of_choice("option", name, _KNOWN)
+        cells = 1
+        for name, values in self.axes.items():
+            if not values:
+                raise InputError(f"the axis {name} has no value; give it some, or leave it out")
+            if name in self.options:
+                raise InputError(f"{name} is an axis and an option of all cells; leave one of them out")
+            cells *= len(values)
+        if cells > MOST_CELLS:
+            raise InputError.of_range("the number of cells", cells, f"at most {MOST_CELLS}; shorten an axis")
+
+    def _cell(self, values: dict[str, JsonValue], folder: Path) -> Cell:
+        name = _cut("_".join(_label(*each) for each in values.items()), _LONG_NAME)
+        given: dict[str, Any] = {
+            each: _placed(each, value, folder) for each, value in {**self.options, **values}.items()
+        }
+        picture = given.pop(_PICTURE, None)
+        if picture is None and given.get("text") is None:
+            raise InputError("there is nothing to paint; give the axes or the options a picture, or a text")
+        try:
+            return Cell(name, values, _REQUEST.validate_python({"picture": picture, "options": given}))
+        except ValidationError as error:
+            ours = error.errors()[0].get("ctx", {}).get("error")
+            raise InputError(f"the cell {name}: {ours or validation_fault(error)}") from error
+
+
+_REQUEST = TypeAdapter(PlanRequest)
+
+
+def read_grid(path: str | Path) -> Grid:
+    """Return the grid in a TOML file. Raises InputError, naming it, where there is none."""
+    try:
+        plain = tomllib.loads(read_whole(path, "grid", _LARGEST).decode())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} is not TOML: {error}; see maulstick sweep --help for a grid") from error
+    return grid_of(plain, str(path))
+
+
+def grid_of(plain: Mapping[str, object], source: str) -> Grid:
+    """Return the grid of a mapping, which errors call `source`. Raises InputError where it is none."""
+    try:
+        return Grid.model_validate(plain)
+    except ValidationError as error:
+        raise InputError(f"{source} is not a grid: {validation_fault(error)}") from error
+
+
+def _placed(name: str, value: JsonValue, folder: Path) -> Any:
+    """Return the path of a file that is named relative to a folder, and any other value as it is."""
+    if isinstance(value, str) and (name in _FILES or (name in _LIBRARIES and Path(value).suffix == ".json")):
+        path = (folder / value).absolute()
+        return path if name in _FILES else str(path)
+    return value
+
+
+def _label(name: str, value: JsonValue) -> str:
+    """Return a value for the name of a folder; those that say what they are of stand alone."""
+    text = re.sub(r"[^\w.+-]+", "-", _plain(value)).strip("-.") or "none"
+    return _cut(text if name in (_PICTURE, *_LIBRARIES) else f"{name}-{text}", _LONG_VALUE)
+
+
+def _plain(value: JsonValue) -> str:
+    if isinstance(value, dict):
+        return "-".join(f"{name}-{_plain(each)}" for name, each in value.items())
+    return "-".join(map(_plain, value)) if isinstance(value, list) else str(value)
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most - 9]}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"

@@ -1,0 +1,66 @@
+"""Table and contact sheet of a sweep: one row, and one small painting, per cell."""
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from math import ceil, sqrt
+from pathlib import Path
+from typing import Final
+
+from maulstick.jobs.sweep.cell import read_cell
+from maulstick.jobs.sweep.sweep import Standing
+from maulstick.painting.painting import read_painting
+from maulstick.plots.cells import Print, contact_sheet
+from maulstick.storage.files import atomic_write
+
+TABLE: Final = "sweep.csv"
+"""Name of the table."""
+
+SHEET: Final = "sweep.png"
+"""Name of the contact sheet."""
+
+_WIDEST = 12  # paintings beside each other, unless an axis has more values
+
+Row = dict[str, object]
+
+
+def rows_of(standings: Sequence[Standing]) -> list[Row]:
+    """Return a row per cell: its axes, and, where it is finished, the numbers of its painting."""
+    return [_row(each) for each in standings]
+
+
+def write_table(standings: Sequence[Standing], rows: Sequence[Row], columns: int, out: Path) -> list[str]:
+    """Write the table and the contact sheet into the folder `out`, and return their names.
+
+    columns: cells that belong beside each other.  Raises OutputError where they cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    atomic_write(out / TABLE, text.getvalue().encode())
+    beside = columns if 1 < columns <= _WIDEST else min(_WIDEST, ceil(sqrt(len(rows))))
+    varied = [name for name in standings[0].cell.values if len({str(row[name]) for row in rows}) > 1]
+    prints = [_print(each, row, varied) for each, row in zip(standings, rows, strict=True)]
+    atomic_write(out / SHEET, contact_sheet(prints, beside))
+    return [TABLE, SHEET]
+
+
+def _row(each: Standing) -> Row:
+    values = {name: value if isinstance(value, str) else json.dumps(value) for name, value in each.cell.values.items()}
+    row: Row = {"cell": each.cell.name, **values}
+    if not each.finished:
+        return {**row, "fault": each.fault or "not finished"}
+    painting, record = read_painting(each.folder / "painting.json"), read_cell(each.folder)
+    drawn = {"strokes_drawn": len(painting.strokes), "metres": round(float(painting.metres_of_paints().sum()), 4)}
+    told = {"seconds": round(record.seconds, 2), "notes": "; ".join(record.notes)}
+    return {**row, **drawn, **painting.provenance.metrics, **told, "fault": ""}
+
+
+def _print(each: Standing, row: Row, varied: Sequence[str]) -> Print:
+    name = ", ".join(f"{axis} {row[axis]}" for axis in varied) or each.cell.name
+    if not each.finished:
+        return Print(None, (name, str(row["fault"])))
+    likeness = f", {row['psnr']:.1f} dB" if "psnr" in row else ""
+    return Print(each.folder / "preview.png", (name, f"{row['strokes_drawn']} strokes{likeness}"))

@@ -1,0 +1,61 @@
+"""Grids: their cells, and the names of these."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from maulstick.errors import InputError
+from maulstick.jobs.sweep.grid import MOST_CELLS, grid_of
+
+
+def cells(axes: dict[str, Any], folder: Path = Path(), **options: Any) -> list[Any]:
+    return grid_of({"axes": axes, "options": options}, "the grid").cells(folder)
+
+
+def test_cells_are_all_combinations_the_last_axis_fastest_and_have_all_options() -> None:
+    found = cells({"picture": ["a.png", "b.png"], "style": ["loops", "free"], "seed": [0, 1, 2]}, strokes=30)
+    assert len(found) == 12
+    assert [
+        (cell.request.picture.name, cell.request.options.style, cell.request.options.seed) for cell in found[:4]
+    ] == [
+        ("a.png", "loops", 0),
+        ("a.png", "loops", 1),
+        ("a.png", "loops", 2),
+        ("a.png", "free", 0),
+    ]
+    assert {cell.request.options.strokes for cell in found} == {30}
+    assert len({cell.name for cell in found}) == 12
+
+
+def test_names_of_cells_depend_on_their_own_values_alone() -> None:
+    few = cells({"strokes": [10], "weights": [{}]}, picture="a.png")
+    many = cells({"strokes": [10, 20], "weights": [{}, {"edges": 0.5}]}, picture="a.png")
+    assert [cell.name for cell in few] == ["strokes-10_weights-none"]
+    assert [cell.name for cell in many][:2] == ["strokes-10_weights-none", "strokes-10_weights-edges-0.5"]
+
+
+def test_files_are_beside_the_grid_and_names_of_libraries_are_not_files(tmp_path: Path) -> None:
+    (cell,) = cells({"style": ["loops"], "brush": ["mine.json"]}, tmp_path, picture="photos/a.png", look="b.png")
+    options = cell.request.options
+    assert cell.request.picture == tmp_path / "photos" / "a.png"
+    assert (options.look, options.brush, options.style) == (tmp_path / "b.png", str(tmp_path / "mine.json"), "loops")
+
+
+def test_long_texts_and_odd_letters_make_names_of_folders_that_differ() -> None:
+    texts = ["a boat / at sea, " + "far " * 40 + end for end in ("out", "off")]
+    names = [cell.name for cell in cells({"text": texts})]
+    assert len(set(names)) == 2
+    assert all(len(name) < 60 and "/" not in name and " " not in name for name in names)
+    assert cells({"picture": ["../a.png"]})[0].name == "a.png"
+
+
+def test_more_cells_than_anybody_wants_are_refused_before_they_are_made() -> None:
+    with pytest.raises(InputError, match=rf"the number of cells is 10000000000; it must be at most {MOST_CELLS}"):
+        cells({"seed": list(range(100_000)), "steps": list(range(1, 100_001))}, text="a boat")
+
+
+def test_paintings_of_the_last_axis_that_varies_stand_side_by_side() -> None:
+    grid = grid_of({"axes": {"style": ["loops", "free"], "seed": [0, 1, 2], "steps": [3]}}, "the grid")
+    assert grid.columns() == 3
+    assert grid_of({"axes": {"seed": [0]}}, "the grid").columns() == 1
