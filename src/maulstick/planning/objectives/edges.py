@@ -8,7 +8,7 @@ from torch.nn.functional import pad
 
 from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.objective import Objective
-from maulstick.planning.objectives.tone import halved
+from maulstick.planning.objectives.pyramid import halved
 
 _LEVELS = 3  # levels of the pyramid: edges of one, two and four pixels of the finest
 _LARGEST_PX = 512  # longest side of the finest level: on a finer one, single lines would count as edges

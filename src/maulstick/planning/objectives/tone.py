@@ -5,9 +5,9 @@ from math import log2
 import torch
 from scipy.ndimage import gaussian_filter
 from torch import Tensor
-from torch.nn.functional import conv2d, pad
 
 from maulstick.planning.objectives.objective import Objective
+from maulstick.planning.objectives.pyramid import levels_of, mean_squares
 
 _AROUND = 1 / 64  # of the height: a Gaussian's standard deviation, against which a place is dark or light
 _CONTOURS = 0.3  # how much contours count beside tones; chosen by eye on mocap hands: 0.1 hardly shows, 0.5 is outlines
@@ -34,14 +34,10 @@ class Tone(Objective):
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return the mean squared difference, averaged over the levels."""
         coarse = max(0.0, 1 - 2 * progress)
-        difference = (canvas - self._target) * self._scale
-        total, loss = 1.0, difference.square().mean()
-        for level in range(1, self._levels if coarse > 0 else 1):
-            difference = halved(difference)
-            weight = coarse * 2.0**level
-            loss = loss + weight * difference.square().mean()
-            total += weight
-        return loss / total
+        weights = [1.0]
+        if coarse > 0:
+            weights += [coarse * 2.0**level for level in range(1, self._levels)]
+        return mean_squares((canvas - self._target) * self._scale, weights) / sum(weights)
 
 
 class Halftone(Objective):
@@ -58,7 +54,8 @@ class Halftone(Objective):
     def __init__(self, target: Tensor, weights: Tensor, spacing: float, picture: Tensor | None = None) -> None:
         self._target, self._scale = target, weights.sqrt()
         last = levels_of(target) - 1
-        self._levels = range(max(0, min(round(log2(max(spacing, 1))), last)), last + 1)
+        first = max(0, min(round(log2(max(spacing, 1))), last))
+        self._weights = [0.0] * first + [1 / (last + 1 - first)] * (last + 1 - first)
         self._relief = torch.zeros_like(target)
         if picture is not None:
             sigma = _AROUND * picture.shape[1]
@@ -72,27 +69,6 @@ class Halftone(Objective):
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return the mean squared difference, averaged over the levels, less what contours earn."""
-        difference, total = (canvas - self._target) * self._scale, canvas.new_zeros(())
-        for level in range(self._levels.stop):
-            if level in self._levels:
-                total = total + difference.square().mean()
-            difference = halved(difference)
+        squares = mean_squares((canvas - self._target) * self._scale, self._weights)
         contours = ((canvas - self._target) * self._relief).mean()
-        return total / len(self._levels) - 2 * _CONTOURS * contours
-
-
-def levels_of(image: Tensor) -> int:
-    """Return how many levels the pyramid of an image (C, H, W) has; the coarsest is some 16 pixels high."""
-    return max(1, min(image.shape[1:]).bit_length() - 4)
-
-
-def halved(image: Tensor) -> Tensor:
-    """Return the image (C, H, W) at half its size, each pixel a binomial average (Burt and Adelson's pyramid).
-
-    Averages over squares would reward lines that run along rows and columns.
-    """
-    taps = torch.tensor([1.0, 4.0, 6.0, 4.0, 1.0], dtype=image.dtype, device=image.device) / 16
-    rows = pad(image[:, None], (0, 0, 2, 2), mode="replicate")
-    rows = conv2d(rows, taps[None, None, :, None], stride=(2, 1))
-    columns = pad(rows, (2, 2, 0, 0), mode="replicate")
-    return conv2d(columns, taps[None, None, None, :], stride=(1, 2))[:, 0]
+        return squares - 2 * _CONTOURS * contours

@@ -1,0 +1,82 @@
+"""What a step costs beside its kernels, for `plan.py --step-cost`: this source, and others in turns with it.
+
+A plan of the astronaut, 400 strokes at 256 pixels, by each style and paints of `CASES`, in a process of its own. The
+kernels' share is clocked within the same steps, forward and backward, so it is of the same marks and threads.
+"""
+
+import json
+import statistics
+import subprocess
+import sys
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from kept import ROOT
+
+STROKES, PX = 400, 256
+CASES = {"free": None, "loops": None, "loops in ink": "black"}
+TURNS = 5
+CLOCKED = """
+import json, sys, time
+sys.path[:0] = sys.argv[1:3]
+import torch
+from photographs import BRUSH, laid_out
+from maulstick.painting.brush import load_brush
+from maulstick.planning.from_picture import problem_of
+from maulstick.planning.losses import LossOptions
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlannerSettings
+from maulstick.rendering.kernels import _cpu
+from maulstick.style import load_style
+
+case, ink, strokes, px = json.loads(sys.argv[3])
+layout = laid_out("astronaut", px)
+style = load_style(case.split()[0], layout.canvas)
+brush = load_brush("fineliner") if ink else BRUSH
+options = PlannerSettings(strokes=strokes, steps=300, paints=None if ink else 12)
+steps, kernels, spent = [], [], 0.0
+
+def clocked(function):
+    def call(*arguments):
+        global spent
+        started = time.perf_counter()
+        result = function(*arguments)
+        spent += time.perf_counter() - started
+        return result
+    return call
+
+for name in ("composite_traced", "composite_backward"):
+    setattr(_cpu, name, clocked(getattr(_cpu, name)))
+
+def watch(progress):
+    global spent
+    steps.append(time.perf_counter())
+    kernels.append(spent)
+    spent = 0.0
+    return True
+
+plan(problem_of(layout, brush, style, options, LossOptions()), options, watch)
+middle = lambda times: 1e3 * sorted(times)[len(times) // 2]
+print(json.dumps([middle([b - a for a, b in zip(steps[40:], steps[41:])]), middle(kernels[41:])]))
+"""
+
+
+def step_costs(others: Sequence[Path]) -> Iterator[dict[str, Any]]:
+    """Yield a row for each source and case: medians of the middle steps of plans that take turns."""
+    sources = {"here": ROOT} | {checkout.name: checkout.resolve() for checkout in others}
+    times: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
+    for _ in range(TURNS):
+        for case, ink in CASES.items():
+            for source, checkout in sources.items():
+                asked = json.dumps([case, ink, STROKES, PX])
+                paths = [str(checkout / "src"), str(ROOT / "benchmarks")]
+                ran = subprocess.run([sys.executable, "-c", CLOCKED, *paths, asked], capture_output=True, text=True)
+                if ran.returncode:
+                    sys.exit(ran.stderr)
+                times[source, case].append(json.loads(ran.stdout))
+    for (source, case), each in times.items():
+        step, kernel = (statistics.median(column) for column in zip(*each, strict=True))
+        row = {"source": source, "style": case, "strokes": STROKES, "px": PX}
+        yield row | {"step_ms": round(step, 1), "kernel_ms": round(kernel, 1), "ratio": round(step / kernel, 2)}
