@@ -22,12 +22,14 @@ class Density:
     scales: Tensor
     covariance: Tensor
 
-    def cost(self, points: Tensor) -> Tensor:
-        """Soft minimum (N,), nats, over the centres of half the squared distance of points (N, d) in spreads.
+    def cost(self, points: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the cost (N,), nats, of points (N, d), and the index of the centre nearest to each, (N,).
 
-        It is at most log M at a centre. All kernels have the same height, so that a narrow one does not dominate.
+        A cost is the soft minimum over the centres of half the squared distance in spreads, at most log M at a centre.
+        All kernels have the same height, so that a narrow one does not dominate.
         """
-        return log(len(self.centres)) - torch.logsumexp(-self._apart(points) / 2, dim=1)
+        apart = self._apart(points)
+        return log(len(self.centres)) - torch.logsumexp(-apart / 2, dim=1), apart.detach().argmin(dim=1)
 
     def nearest(self, points: Tensor) -> Tensor:
         """Index of the centre nearest to each of the points (N, d), (N,)."""

@@ -199,9 +199,8 @@ class Exemplar(Style):
         return self._price_alone(numbers, pressure_knots) + (apart.square().sum(1) / 2).to(numbers)
 
     def _price_alone(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
-        points = gist_and_roughness(numbers).double()
-        nearest = self._priced.nearest(points.detach())
-        return self._priced.cost(points).to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
+        costs, nearest = self._priced.cost(gist_and_roughness(numbers))
+        return costs.to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples of the hand's lengths, each by itself."""
@@ -214,14 +213,25 @@ class Exemplar(Style):
         return traits(self._numbers)
 
     @cached_property
+    def _sorted_traits(self) -> Tensor:
+        return self._traits.sort(dim=0).values
+
+    def _traits_of(self, count: int) -> Tensor:
+        """Quantiles (count, 19) of the hand's traits, ascending in each column, linear between its strokes."""
+        at = quantiles(count) * (len(self._sorted_traits) - 1)
+        below = at.long()
+        above = (below + 1).clamp(max=len(self._sorted_traits) - 1)
+        return self._sorted_traits[below].lerp(self._sorted_traits[above], (at - below)[:, None])
+
+    @cached_property
     def _spreads(self) -> Tensor:
         own = self._traits.std(dim=0)[GIST + 1 :].clamp(min=_LEAST_SPREAD)
         return torch.cat([self._covariance.diagonal().sqrt(), own])
 
     def _as_spread(self, values: Tensor) -> Tensor:
         """Values (N, 19) with the same ranks in each column, and the quantiles of the hand's strokes as values."""
-        ranks = values.argsort(dim=0, stable=True).argsort(dim=0)
-        return torch.quantile(self._traits, quantiles(len(values)), dim=0).gather(0, ranks)
+        order = values.argsort(dim=0, stable=True)
+        return torch.empty_like(values).scatter_(0, order, self._traits_of(len(values)))
 
     def lengths(self, count: int) -> Tensor:
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
