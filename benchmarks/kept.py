@@ -1,6 +1,7 @@
 """Rows that were kept of a measurement, and Markdown made of them."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,19 @@ ROOT = Path(__file__).resolve().parents[1]
 Row = dict[str, Any]
 
 
+def python_of(checkout: Path) -> str:
+    """The interpreter that runs a checkout: this one's own is the running one."""
+    return sys.executable if checkout == ROOT else str(checkout / ".venv" / "bin" / "python")
+
+
 def rows_of(name: str) -> list[Row]:
     """The rows that were kept."""
     return [json.loads(line) for line in (ROOT / "measured" / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()]
+
+
+def rows_of_others(name: str) -> list[Row]:
+    """The rows that were kept of other checkouts, which may be gone."""
+    return [row for row in rows_of(name) if row["source"] != "here"]
 
 
 def with_range(values: list[float], digits: int) -> str:

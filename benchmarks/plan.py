@@ -1,9 +1,10 @@
 """How well and how fast pictures are planned: one JSON object per line.
 
-    .venv/bin/python benchmarks/plan.py [IMAGE ...] [--seeds N] [--large | --scaling | --objective network [--plot PNG]]
+    .venv/bin/python benchmarks/plan.py [IMAGE ...] [--seeds N]
+        [--large | --scaling | --step-cost [--beside CHECKOUT ...] | --objective network [--plot PNG]]
 
 name: `plan` is Maulstick's way with tones alone, `likeness` with what a network sees beside them. `paper` is the
-    published one at the same budget of steps: strokes begin anywhere, one scale, no order, useless strokes stay,
+    published one in three times as many steps: strokes begin anywhere, one scale, no order, useless strokes stay,
     colours free until the last tenth; its paints are changed at nearly every stroke.
 image: a photograph in the scikit-image package, laid out 160 mm high; `horse` is a black shape on white paper.
 px: its height in pixels while planned.
@@ -18,6 +19,10 @@ stray: strokes more than half of whose path lies where the picture is bare paper
 --large: 4,000 strokes of the astronaut at 768 pixels, and 10,000 at 1536.
 --scaling: what a step costs.  covered_mpx: how many pixels the marks cover, each mark by itself, in millions.
     step_ms: of the whole step, the middle one of several.  ns_a_pixel: that for each pixel covered and of the canvas.
+--step-cost: what a step costs beside its kernels; see `step_cost.py`.
+    kernel_ms: of the renderer alone, forward and backward.  ratio: of both.
+--beside: other checkouts, each with its own .venv, in turns; their rows have their folder's name as `source`. Without
+    it, rows of such that were kept are printed again.
 --objective network: how few calls of a network do; see `few_calls.py`.
 """
 
@@ -35,14 +40,16 @@ from typing import Any
 import numpy as np
 import torch
 from intervals import interval, mean, of_few
+from kept import rows_of_others
 from matplotlib.figure import Figure
 from photographs import BRUSH, IMAGES, laid_out
+from step_cost import step_costs
 
 from maulstick.painting.painting import Painting
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
-from maulstick.planning.objectives import Tone
+from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import PlanProgress, plan
 from maulstick.planning.problem import PlannerSettings, Weighted
@@ -63,6 +70,19 @@ NAMES = ("plan", "likeness", "paper")
 Row = dict[str, Any]
 
 
+class OneScale(Objective):
+    """Squared difference from the target (C, H, W), pixel by pixel."""
+
+    name = "tone"
+
+    def __init__(self, target: torch.Tensor) -> None:
+        self._target = target
+
+    def loss(self, canvas: torch.Tensor, progress: float) -> torch.Tensor:
+        """As a term of the planner's loss."""
+        return (canvas - self._target).square().mean()
+
+
 def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
     """As the rows are called."""
     style = load_style("free", layout.canvas)
@@ -70,8 +90,9 @@ def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
     if name == "paper":
         assert problem.target is not None
         even = torch.ones_like(problem.weights)
-        tone = Weighted(Tone(problem.target, even, levels=1), 1.0)
+        tone = Weighted(OneScale(problem.target), 1.0)
         problem = replace(problem, weights=even, objectives=(tone,))
+        options = replace(options, steps=3 * options.steps)
         start = anywhere(problem, options.strokes, torch.Generator().manual_seed(options.seed))
         planned = plan(problem, options, schedule=PUBLISHED, start=start)
     else:
@@ -206,6 +227,8 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--scaling", action="store_true")
+    parser.add_argument("--step-cost", action="store_true")
+    parser.add_argument("--beside", type=Path, nargs="+", default=[], metavar="CHECKOUT")
     parser.add_argument("--plot", type=Path, help="with --objective network: draw the curves, too")
     parser.add_argument("--objective", choices=["tone", "network"], default="tone")
     asked = parser.parse_args()
@@ -215,6 +238,10 @@ def main() -> None:
     elif asked.scaling:
         for strokes, px in SIZES:
             in_its_own_process(scaling, strokes, px)
+    elif asked.step_cost:
+        kept = [] if asked.beside else rows_of_others("step_cost")
+        for row in (*step_costs(asked.beside), *kept):
+            print(json.dumps(row), flush=True)
     elif asked.objective == "network":
         network_rows(asked.images, asked.plot)
     else:

@@ -10,7 +10,7 @@ stage: `loading` Python and all modules; `preparing` the picture, its faces, bru
     written; `leaving` the summary, and the end of the process; `first step` all up to it; `all` of it.
 seconds: of the processor, user and system, the least of all runs.
 torch: the same, in seconds that `import torch` alone takes, the least of as many runs between the others.
---beside: sources of other commits, with compiled modules, in turns; their rows have their folder's name as `source`.
+--beside: other checkouts, each with its own .venv, in turns; their rows have their folder's name as `source`.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from kept import ROOT
+from kept import ROOT, python_of
 
 CASES = {"free": ["--demo"], "loops": ["--demo", "--style", "loops", "--ink", "black"]}
 MARKS = ("loading", "preparing", "beginning", "finishing", "files")
@@ -65,28 +65,27 @@ def mark(stage):
     if stage:
         print(stage, time.process_time(), file=sys.stderr)
 
-sys.path.insert(0, sys.argv.pop(1))
 sys.meta_path.insert(0, Timed())
 from maulstick.cli import main
 main()
 '''
 
 
-def run(*words: str) -> tuple[float, str]:
+def run(python: str, *words: str) -> tuple[float, str]:
     """Run Python with these words; return the processor's seconds, and what it wrote on the standard error."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    ran = subprocess.run([sys.executable, *words], capture_output=True, text=True)
+    ran = subprocess.run([python, *words], capture_output=True, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if ran.returncode:
         sys.exit(ran.stderr)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, ran.stderr
 
 
-def stages(source: Path, words: Sequence[str]) -> dict[str, float]:
+def stages(checkout: Path, words: Sequence[str]) -> dict[str, float]:
     """The processor's seconds in each stage of a plan."""
     with tempfile.TemporaryDirectory() as folder:
         asked = ["plan", *words, "--strokes", "400", "--steps", "1", "--out", str(Path(folder) / "out")]
-        whole, said = run("-c", TIMED, str(source), *asked)
+        whole, said = run(python_of(checkout), "-c", TIMED, *asked)
     marks = dict(line.split() for line in said.splitlines() if line.partition(" ")[0] in MARKS)
     times = [0.0, *(float(marks[stage]) for stage in MARKS), whole]
     spent = [after - before for before, after in pairwise(times)]
@@ -103,10 +102,10 @@ def main() -> None:
     torch: list[float] = []
     spent: dict[tuple[str, str], list[dict[str, float]]] = defaultdict(list)
     for _ in range(asked.runs + 1):
-        torch.append(run("-c", "import torch")[0])
+        torch.append(run(sys.executable, "-c", "import torch")[0])
         for source, checkout in sources.items():
             for case, words in CASES.items():
-                spent[source, case].append(stages(checkout.resolve() / "src", words))
+                spent[source, case].append(stages(checkout.resolve(), words))
     for (source, case), runs in spent.items():
         for stage in STAGES:
             seconds = min(each[stage] for each in runs[1:])  # the first one read the files

@@ -13,14 +13,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from kept import ROOT
+from kept import ROOT, python_of
 
 STROKES, PX = 400, 256
 CASES = {"free": None, "loops": None, "loops in ink": "black"}
-TURNS = 5
+TURNS = 3
 CLOCKED = """
 import json, sys, time
-sys.path[:0] = sys.argv[1:3]
+sys.path.insert(0, sys.argv[1])
 import torch
 from photographs import BRUSH, laid_out
 from maulstick.painting.brush import load_brush
@@ -31,7 +31,7 @@ from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.kernels import _cpu
 from maulstick.style import load_style
 
-case, ink, strokes, px = json.loads(sys.argv[3])
+case, ink, strokes, px = json.loads(sys.argv[2])
 layout = laid_out("astronaut", px)
 style = load_style(case.split()[0], layout.canvas)
 brush = load_brush("fineliner") if ink else BRUSH
@@ -71,8 +71,8 @@ def step_costs(others: Sequence[Path]) -> Iterator[dict[str, Any]]:
         for case, ink in CASES.items():
             for source, checkout in sources.items():
                 asked = json.dumps([case, ink, STROKES, PX])
-                paths = [str(checkout / "src"), str(ROOT / "benchmarks")]
-                ran = subprocess.run([sys.executable, "-c", CLOCKED, *paths, asked], capture_output=True, text=True)
+                command = [python_of(checkout), "-c", CLOCKED, str(ROOT / "benchmarks"), asked]
+                ran = subprocess.run(command, capture_output=True, text=True)
                 if ran.returncode:
                     sys.exit(ran.stderr)
                 times[source, case].append(json.loads(ran.stdout))

@@ -1,5 +1,7 @@
 """Tables of plans and of the renderer, from rows that were kept."""
 
+from collections import defaultdict
+
 import numpy as np
 from intervals import interval, mean
 from kept import Row, rows_of, table, table_of, with_range
@@ -117,3 +119,34 @@ def startup_table() -> str:
             line += [f"{rows[case, stage]['seconds']:.2f} s", f"{rows[case, stage]['torch']:.2f}"]
         lines.append(line)
     return table(["stage", *(title for case in cases for title in (case, "times `import torch`"))], lines)
+
+
+def step_cost_table() -> str:
+    """What a step costs beside its kernels."""
+    columns = {
+        "style": "{style}",
+        "version": "{source}",
+        "step": "{step_ms:.1f} ms",
+        "renderer": "{kernel_ms:.1f} ms",
+        "ratio": "{ratio:.2f}",
+    }
+    return table_of(rows_of("step_cost"), columns)
+
+
+def steps_table() -> str:
+    """How good plans of fewer steps are beside those of before."""
+    found: dict[tuple[str, str, int], dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    for row in rows_of("steps"):
+        found[row["style"], row["source"], row["steps"]][row["image"]].append(row)
+    lines = []
+    for (style, source, steps), plans in found.items():
+        before = next(each for (other, name, _), each in found.items() if (other, name) == (style, "before"))
+        pairs = [zip(rows, before[image], strict=True) for image, rows in plans.items()]
+        more = [np.array([row["psnr"] - old["psnr"] for row, old in each]) for each in pairs]
+        line = [style, source, f"{steps:,}"]
+        for key, written in {"psnr": "{:.2f} dB", "ssim": "{:.3f}", "seconds": "{:.0f} s"}.items():
+            line.append(written.format(np.mean([row[key] for rows in plans.values() for row in rows])))
+        low, high = interval(more, mean)
+        line.append("" if source == "before" else f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB")
+        lines.append([*line, "" if source == "before" else f"{min(map(mean, more)):+.2f} dB"])
+    return table(["style", "version", "steps", "PSNR", "SSIM", "processor", "more than before", "worst"], lines)

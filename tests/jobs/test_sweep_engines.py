@@ -152,7 +152,7 @@ def test_a_ray_cluster_plans_all_cells_the_same_to_the_bit_and_leaves_signals_al
         capture_output=True,
         text=True,
         timeout=90,
-        env={**os.environ, "OMP_NUM_THREADS": "1"},
+        env={**os.environ, "OMP_NUM_THREADS": "1", "RAY_worker_niceness": "0"},  # or other tests starve them
     )
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.splitlines()[-1] == "done"

@@ -159,7 +159,7 @@ def test_making_holds_every_option_and_more() -> None:
         "paints": 4,
         "palette": [[0.5, 0.0, 0.25]],
         "steps": 80,
-        "ask_every": 10,
+        "ask_every": 4,
         "seed": 0,
         "arrange": 1.0,
         "size": "20x16cm",

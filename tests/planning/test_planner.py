@@ -153,10 +153,10 @@ def test_a_nearly_blank_picture_is_planned_with_fewer_strokes(round_brush: Brush
     def loss(found: PlanResult) -> float:
         return problem.objectives[0].term.loss(rendered(problem, found), 1.0).item()
 
-    found = plan(problem, options(strokes=50, paints=paints))
-    assert 1 <= len(found.strokes) < 50
+    found = plan(problem, options(strokes=120, paints=paints))
+    assert 1 <= len(found.strokes) < 120
     assert loss(found) < 0.6 * problem.objectives[0].term.loss(problem.paper, 1.0).item()
-    whole = plan(problem, options(strokes=50, paints=paints, exact=True))
+    whole = plan(problem, options(strokes=120, paints=paints, exact=True))
     assert loss(found) <= (1 + 1e-5) * loss(whole), "what was left out is not missed"
 
 

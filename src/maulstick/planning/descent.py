@@ -10,10 +10,11 @@ from maulstick.planning.adam import Adam
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.state import State
 
-_RATES = {"codes": 0.02, "angles": 0.05, "pressure_knots": 0.03, "colours": 0.02}
+_RATES = {"codes": 0.03, "angles": 0.075, "pressure_knots": 0.045, "colours": 0.03}
 """Rates of Adam, about the largest step of each kind: in units of the code, radians, pressure and sRGB in [0, 1]."""
 
-_CENTRES_IN_SPACINGS = 0.1  # rate of centres in spacings between strokes, so that it suits sheets of any size
+_CENTRES_IN_SPACINGS = 0.15  # rate of centres in spacings between strokes, so that it suits sheets of any size
+_BETAS = (0.8, 0.9)  # short averages: the slope of a stroke turns as those around it move; chosen by docs/planning.md
 _PAINTS = 0.005  # rate of paints in sRGB: lower than that of free colours, since many strokes share a paint
 _WARM_UP = 20  # steps over which the rates rise, while Adam's averages are over few gradients
 _LAST = 0.02  # share that is added to the cosine, so that the last steps still move something
@@ -31,7 +32,7 @@ class Descent:
         self._paints: Tensor | None = None
         self._steps = 0
         rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing, "angles": turning * _RATES["angles"]}
-        self._adam = Adam(betas=(0.9, 0.99))
+        self._adam = Adam(_BETAS)
         for name, tensor in strokes.each().items():
             if tensor.requires_grad:
                 self._adam.add(tensor, rates[name])

@@ -33,8 +33,8 @@ class PlannerSettings:
     exact: bool = False
     paints: int | None = 12
     palette: tuple[Colour, ...] = ((0.0, 0.0, 0.0),)
-    steps: int = 1500
-    ask_every: int = 10
+    steps: int = 500
+    ask_every: int = 4
     seed: int = 0
     arrange: float = 1.0
 

@@ -62,7 +62,7 @@ class PlanOptions:
     Raises InputError for a value that is out of its range, and for options that contradict each other.
 
         >>> PlanOptions(strokes=600, style="loops").steps
-        1500
+        500
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -88,8 +88,8 @@ class PlanOptions:
     clip_layers: tuple[int, ...] | None = None
     drawing: str = DRAWINGS[0]
     arrange: float = 1.0
-    steps: int = 1500
-    ask_every: int = 10
+    steps: int = 500
+    ask_every: int = 4
     px: int | None = None
     seed: int = 0
     device: str = "auto"

@@ -18,7 +18,7 @@ class Tone(Objective):
 
     weights: (H, W), how much each pixel counts.
 
-    Coarse levels weigh most at first and fade by the middle of planning.
+    Coarse levels weigh most at first and fade over the first quarter of planning.
     """
 
     def __init__(self, target: Tensor, weights: Tensor) -> None:
@@ -33,7 +33,7 @@ class Tone(Objective):
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return the mean squared difference, averaged over the levels."""
-        coarse = max(0.0, 1 - 2 * progress)
+        coarse = max(0.0, 1 - 4 * progress)
         weights = [1.0]
         if coarse > 0:
             weights += [coarse * 2.0**level for level in range(1, self._levels)]

@@ -24,7 +24,7 @@ DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones a
 """What one ink draws of a picture, for people."""
 
 _FREE = "free"  # the style of nobody's hand
-_EFFORTS = {300: "A sketch, quickly", _DEFAULT.steps: "As usual", 4000: "Fine, and slowly"}  # by steps of the optimiser
+_EFFORTS = {150: "A sketch, quickly", _DEFAULT.steps: "As usual", 1500: "Fine, and slowly"}  # by steps of the optimiser
 _FIRST_VALUES = {
     "text": "",
     "hand_size": _DEFAULT.hand_size,
