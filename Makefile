@@ -41,7 +41,7 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
 	$(BIN)/maulstick plan --demo --style elephant --hand-size 0.35 --brush fineliner --ink black --strokes 2000 --size 160x160mm \
-		--weight faces=6 --steps 500 --out demo-ink --overwrite
+		--weight faces=6 --out demo-ink --overwrite
 
 test: $(VENV)/installed-dev
 	$(BIN)/ruff check

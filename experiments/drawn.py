@@ -30,7 +30,7 @@ MEASURE_ONLY = ("Koala04", "giacometti", "house", "fruit")
 PHOTOGRAPHS = {"chelsea": np.s_[:, :], "astronaut": np.s_[:280, 20:440], "camera": np.s_[50:350, 60:510]}
 """Rows and columns that are drawn: a face as large as a person would draw it."""
 SHEET, STROKES = (0.24, 0.16), 1000
-STEPS, QUICK_STEPS = 300, 50
+STEPS, QUICK_STEPS = 500, 50
 JOB = {"brush": "fineliner", "strokes": STROKES, "size": "240x160mm", "fit": "cover", "px": 320, "device": "cpu"}
 MARGIN = 0.006
 """Metres around a drawing."""

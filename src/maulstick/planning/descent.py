@@ -14,7 +14,7 @@ _RATES = {"codes": 0.03, "angles": 0.075, "pressure_knots": 0.045, "colours": 0.
 """Rates of Adam, about the largest step of each kind: in units of the code, radians, pressure and sRGB in [0, 1]."""
 
 _CENTRES_IN_SPACINGS = 0.15  # rate of centres in spacings between strokes, so that it suits sheets of any size
-_BETAS = (0.8, 0.9)  # short averages: the slope of a stroke turns as those around it move; chosen by docs/planning.md
+_BETAS = (0.8, 0.9)  # short averages: the slope of a stroke turns as those around it move (docs/planning.md)
 _PAINTS = 0.005  # rate of paints in sRGB: lower than that of free colours, since many strokes share a paint
 _WARM_UP = 20  # steps over which the rates rise, while Adam's averages are over few gradients
 _LAST = 0.02  # share that is added to the cosine, so that the last steps still move something
