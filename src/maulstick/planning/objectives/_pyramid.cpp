@@ -75,7 +75,7 @@ double squared(float weight, int64_t count, float* values, int64_t size) {
 }
 
 // difference: (C, H, W).  weights: (L,), one per level.  slope: (C, H, W) of the result, the weighted sum of the means.
-double loss(Array<const float, 3> difference, Array<const float, 1> weights, Array<float, 3> slope) {
+double mean_squares(Array<const float, 3> difference, Array<const float, 1> weights, Array<float, 3> slope) {
   nb::gil_scoped_release release;
   const int64_t channels = difference.shape(0), height = difference.shape(1), width = difference.shape(2);
   const int64_t count = weights.shape(0);
@@ -88,13 +88,13 @@ double loss(Array<const float, 3> difference, Array<const float, 1> weights, Arr
     for (int64_t l = 1; l < count; ++l)
       levels.push_back(l == 1 ? halved(finest, height, width)
                               : halved(levels.back().values.data(), levels.back().height, levels.back().width));
-    const auto mean_squares = [&](int64_t l, float* values, int64_t rows, int64_t columns) {
+    const auto add_level = [&](int64_t l, float* values, int64_t rows, int64_t columns) {
       const int64_t size = rows * columns;
       total += weights(l) * squared(weights(l), channels * size, values, size);
     };
-    mean_squares(0, finest, height, width);
+    add_level(0, finest, height, width);
     for (int64_t l = 1; l < count; ++l)
-      mean_squares(l, levels[l - 1].values.data(), levels[l - 1].height, levels[l - 1].width);
+      add_level(l, levels[l - 1].values.data(), levels[l - 1].height, levels[l - 1].width);
     for (int64_t l = count - 1; l > 0; --l) {
       const int64_t rows = l == 1 ? height : levels[l - 2].height, columns = l == 1 ? width : levels[l - 2].width;
       add_doubled(levels[l - 1], rows, columns, l == 1 ? finest : levels[l - 2].values.data());
@@ -105,4 +105,4 @@ double loss(Array<const float, 3> difference, Array<const float, 1> weights, Arr
 
 }  // namespace
 
-NB_MODULE(_pyramid, m) { m.def("loss", &loss); }
+NB_MODULE(_pyramid, m) { m.def("mean_squares", &mean_squares); }

@@ -53,7 +53,7 @@ class _MeanSquares(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, difference: Tensor, weights: Sequence[float]) -> Tensor:
         slope = torch.empty_like(difference)
-        value = _pyramid.loss(difference.detach().numpy(), np.array(weights, dtype=np.float32), slope.numpy())
+        value = _pyramid.mean_squares(difference.detach().numpy(), np.array(weights, dtype=np.float32), slope.numpy())
         ctx.save_for_backward(slope)
         return difference.new_tensor(value)
 
