@@ -16,7 +16,8 @@ from typing import Any
 from kept import ROOT, python_of
 
 STROKES, PX = 400, 256
-CASES = {"free": None, "loops": None, "loops in ink": "black"}
+CASES = {"free": ("free", False), "loops": ("loops", False), "loops in ink": ("loops", True)}
+"""A style, and whether it draws in one ink, by name."""
 TURNS = 3
 CLOCKED = """
 import json, sys, time
@@ -31,9 +32,9 @@ from maulstick.planning.problem import PlannerSettings
 from maulstick.rendering.kernels import _cpu
 from maulstick.style import load_style
 
-case, ink, strokes, px = json.loads(sys.argv[2])
+style, ink, strokes, px = json.loads(sys.argv[2])
 layout = laid_out("astronaut", px)
-style = load_style(case.split()[0], layout.canvas)
+style = load_style(style, layout.canvas)
 brush = load_brush("fineliner") if ink else BRUSH
 options = PlannerSettings(strokes=strokes, steps=300, paints=None if ink else 12)
 steps, kernels, spent = [], [], 0.0
@@ -68,9 +69,9 @@ def step_costs(others: Sequence[Path]) -> Iterator[dict[str, Any]]:
     sources = {"here": ROOT} | {checkout.name: checkout.resolve() for checkout in others}
     times: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for _ in range(TURNS):
-        for case, ink in CASES.items():
+        for case, (style, ink) in CASES.items():
             for source, checkout in sources.items():
-                asked = json.dumps([case, ink, STROKES, PX])
+                asked = json.dumps([style, ink, STROKES, PX])
                 command = [python_of(checkout), "-c", CLOCKED, str(ROOT / "benchmarks"), asked]
                 ran = subprocess.run(command, capture_output=True, text=True)
                 if ran.returncode:
