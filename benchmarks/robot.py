@@ -1,7 +1,8 @@
-"""How machines paint: the order of strokes beside vpype's linesort, and their time; one JSON object per line.
+"""How machines paint: one JSON object per line.
 
-    .venv/bin/python benchmarks/robot.py [--quick]
+    .venv/bin/python benchmarks/robot.py [order] [time] [--quick]
 
+order: of strokes, beside vpype's linesort.
 name: `one_ink` in that style; `one_ink_directed` the same, where no stroke may be drawn backwards; `colours` in 12
     paints, and `colours_mixed` the same strokes in an order that heeds no paint, of which every overlap binds.
     `franka` is that arm in franky-sim.
@@ -13,6 +14,11 @@ paint_changes_before, paint_changes: of colours.
 estimated_s, simulated_s: seconds of the first `timed` strokes in that order, by `seconds_of` and by a Grbl that steps
     acceleration and junction deviation at 1 kHz, its pen lifted by a servo (by height for `one_ink_directed`).
 --quick: 400 strokes only.
+
+time: as it is estimated.
+name: `firmware_` and one of the dialogues with the real Grbl 1.1h in tests/support/robot/dialogues; else waves with a
+    servo's pen or a Z axis, of 4 or 60 mm, and the speed in mm/s.
+estimated_s, simulated_s: as above.  firmware_s: of the real one.  error: of the estimate beside the realest there is.
 """
 
 import argparse
@@ -25,6 +31,7 @@ import vpype
 import vpype_cli
 from clocks import SERVO, on_franka, on_grbl
 from photographs import laid_out
+from robot_time import time_rows
 
 from maulstick.ordering.sequence import sequenced
 from maulstick.ordering.tour import pen_up, tour
@@ -35,6 +42,7 @@ from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.style import load_style
 
+NAMES = ("order", "time")
 SIZES = (400, 2_000, 10_000)
 STYLES = ("loops", "hatching")
 HOME = (0.0, 0.0)
@@ -119,7 +127,7 @@ def timed(row: Row, painting: Painting, reversible: bool) -> Row:
     return {**row, "timed": TIMED, "estimated_s": estimated, "simulated_s": simulated}
 
 
-def rows(sizes: tuple[int, ...]) -> Iterator[Row]:
+def order_rows(sizes: tuple[int, ...]) -> Iterator[Row]:
     for strokes in sizes:
         for style_name in STYLES:
             painting = planned(strokes, style_name, "fineliner", None)
@@ -134,6 +142,11 @@ def rows(sizes: tuple[int, ...]) -> Iterator[Row]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; all by default")
     parser.add_argument("--quick", action="store_true")
-    for row in rows(SIZES[:1] if parser.parse_args().quick else SIZES):
-        print(json.dumps({k: round(x, 3) if isinstance(x, float) else x for k, x in row.items()}), flush=True)
+    asked = parser.parse_args()
+    if unknown := [name for name in asked.names if name not in NAMES]:
+        parser.error(f"{unknown[0]} is not one of {', '.join(NAMES)}")
+    for name in asked.names or NAMES:
+        for row in time_rows() if name == "time" else order_rows(SIZES[:1] if asked.quick else SIZES):
+            print(json.dumps({k: round(x, 3) if isinstance(x, float) else x for k, x in row.items()}), flush=True)

@@ -1,3 +1,6 @@
+import os
+import termios
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,7 +16,7 @@ from maulstick.robot.limits import Limits
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
-from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
+from tests.support.robot.fake_grbl import CRITICAL, SETTINGS, FakeGrbl
 from tests.support.robot.under_way import once
 from tests.support.tolerances import CLOCK, GCODE_METRES
 
@@ -62,6 +65,7 @@ def test_a_machine_tells_its_own_limits() -> None:
             axes=(0.4, 0.4, 0.4),
             deviation=1e-5,
             varies_pressure=True,
+            settling=25e-3 + 5e-3,  # of $1, and for the answer
         )
 
 
@@ -190,7 +194,7 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str, p
             with pytest.raises(MachineError, match=FAULTS[fault]) as caught:
                 robot.stroke(CIRCLE, SPEED)
         assert "\n" not in str(caught.value)
-        assert device.holds > 0
+        assert device.holds > 0 or fault in CRITICAL
         assert device.state == "Idle"
         if pen is None:
             assert device.place[2] == pytest.approx(1e3 * ABOVE[2])
@@ -242,6 +246,46 @@ def test_an_interrupt_within_a_stroke_lifts_the_pen(monkeypatch: pytest.MonkeyPa
         with pytest.raises(KeyboardInterrupt):
             robot.stroke(CIRCLE, SPEED)
         assert device.place[2] == pytest.approx(1e3 * ABOVE[2])
+
+
+def test_a_machine_that_is_held_by_its_own_button_goes_on_by_its_own_button() -> None:
+    with FakeGrbl(pace=5, start=(50.0, 50.0, 5.0)) as device, Grbl(device.port, SERVO, patience=QUICK) as robot:
+        robot.move(ABOVE)
+
+        def is_under_way() -> bool:
+            return bool(np.linalg.norm(np.array(device.place)[:2] - 1e3 * ABOVE[:2]) > 10)
+
+        def hold_for_longer_than_its_patience() -> None:
+            device.press_hold()
+            while device.state != "Hold:0":
+                time.sleep(0.01)
+            time.sleep(2 * QUICK)
+            device.press_start()
+
+        with once(is_under_way, hold_for_longer_than_its_patience):
+            path = robot.stroke(CIRCLE, SPEED)
+        assert device.place[:2] == pytest.approx(1e3 * path[-1, :2])
+
+
+@pytest.mark.parametrize("reports", [0, 1])
+def test_offsets_that_other_programs_left_and_either_kind_of_report_are_understood(reports: int) -> None:
+    told = FakeGrbl(
+        settings={**SETTINGS, 10: reports}, origin=(10.0, 20.0, 0.0), shift=(5.0, 0.0, 1.0), start=(15.0, 20.0, 9.0)
+    )
+    with told as device, Grbl(device.port) as robot:
+        assert robot.place == pytest.approx((0, 0, 0.008))
+        robot.move(ABOVE)
+        assert device.place == pytest.approx((65, 70, 6))
+
+
+def test_a_port_that_is_closed_does_not_restart_its_board_when_it_is_opened_again() -> None:
+    with FakeGrbl() as device:
+        entered(Grbl(device.port))
+        port = os.open(device.port, os.O_RDWR | os.O_NOCTTY)
+        try:
+            assert not termios.tcgetattr(port)[2] & termios.HUPCL
+        finally:
+            os.close(port)
 
 
 def entered(robot: Grbl) -> None:

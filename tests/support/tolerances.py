@@ -105,6 +105,7 @@ STEP_METRES = 6.2501e-6  # along each axis, on the motors' grid
 HPGL_METRES = 12.501e-6
 FEED = 1e-4  # of a feed of at least 1000 mm/min with one decimal
 CLOCK = 0.03  # an estimate of how long a machine takes: what is asked for
+FIRMWARE_CLOCK = 0.01  # the fake Grbl beside the real firmware
 
 # Arms. A stroke follows its path, and what touch finds of a sheet is known at any place on it; metres.
 ARM_PATH = 0.5e-3

@@ -26,6 +26,7 @@ class Limits(BaseModel):
     deviation: distance from a corner at which the tip may pass without stopping (Grbl's junction deviation); 0 stops.
     varies_pressure: whether it can vary the height within a stroke; if not, it only lifts its pen and lowers it.
     lifting: seconds for lifting or lowering, beside what the height takes.
+    settling: seconds from the end of a motion until the machine says so, and takes the next one.
     tilt: largest angle between the paper and the machine's xy plane, radians.
     """
 
@@ -40,6 +41,7 @@ class Limits(BaseModel):
     deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     varies_pressure: bool
     lifting: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    settling: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     tilt: _Above = 0.1
 
     @model_validator(mode="after")
@@ -96,6 +98,7 @@ class Limits(BaseModel):
             deviation=min(self.deviation, other.deviation),
             varies_pressure=self.varies_pressure and other.varies_pressure,
             lifting=max(self.lifting, other.lifting),
+            settling=max(self.settling, other.settling),
             tilt=min(self.tilt, other.tilt),
         )
 

@@ -78,6 +78,11 @@ class Robot(ABC):
         return not self._down
 
     @property
+    def counts_steps(self) -> bool:
+        """Whether it knows its place only by counting steps from where it was switched on, or homed."""
+        return False
+
+    @property
     @final
     def place(self) -> Floats:
         """Place (3,) where the tip was last sent, metres."""

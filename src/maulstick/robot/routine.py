@@ -143,9 +143,12 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
         end = np.array([*motion.path[-1, :2], motion.after])
         seconds[index] = (
             _straight(place, motion.start, limits)
-            + Profile.of(motion.path, motion.speed, limits).seconds
+            + limits.settling
             + _lowering(motion.above - motion.path[0, 2], limits)
+            + Profile.of(motion.path, motion.speed, limits).seconds
+            + limits.settling
             + _lowering(motion.after - motion.path[-1, 2], limits)
+            + (limits.settling if limits.varies_pressure else 0.0)  # a pen that is only lifted moves no motor
         )
         place = end
     return seconds

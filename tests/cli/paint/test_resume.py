@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from maulstick.painting.painting import write_painting
+from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import contents, run
 from tests.cli.paint.conftest import ALL, answers, events, painted, picture_of
+from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import SIX
 from tests.support.tolerances import SAME_SHEET
@@ -166,3 +168,23 @@ def test_what_was_begun_in_the_simulator_does_not_go_on_elsewhere(painting: Path
     assert run("paint", painting).code == 0
     ran = run("paint", painting, "--resume", "--robot", "grbl:/dev/ttyUSB0")
     assert (ran.code, "this painting was begun on sim" in ran.mistake) == (2, True)
+
+
+def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(
+    calibrated: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    easel = calibrated.with_name("easel.json")
+    deep = Easel(corner=(0, SIX.sheet.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=2e-3)
+    easel.write_text(deep.model_dump_json())
+    asked = "see that the pen stands 0 mm from the left and {:.0f} mm from the upper edge of the sheet (elsewhere: "
+    answers(monkeypatch, "\n" * 9)
+    with FakeGrbl(faults={60: "ALARM:1"}) as device:
+        ran = run("paint", calibrated, "--robot", f"grbl:{device.port}", "--speed", "20", "--easel", easel)
+        assert "a limit switch was hit and its position is lost" in ran.stderr
+        assert "see that the pen stands" not in ran.stderr
+    with FakeGrbl() as restarted:
+        robot = f"grbl:{restarted.port}"
+        ran = run("paint", calibrated, "--resume", "--unfinished", "again", "--robot", robot)
+    assert ran.code == 0, ran.stderr
+    assert asked.format(1e3 * SIX.sheet.height) in ran.stderr
+    assert sorted(painted(calibrated)) == ALL

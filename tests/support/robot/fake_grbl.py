@@ -1,7 +1,8 @@
 """A fake Grbl 1.1 on a pseudo-terminal, independent of the package.
 
 Its time runs `pace` times as fast as the wall's. As no wire is that fast, its time stands still while it could take
-another line and none has come yet, unless the machine that sends is known to wait.
+another line and none has come yet, unless the machine that sends is known to wait. What a real wire and the firmware
+take is added where nothing moves meanwhile; test_dialogues.py compares that with the real firmware.
 """
 
 import os
@@ -20,9 +21,14 @@ from tests.support.robot.grbl_motion import TICK, GrblMotion, Vector
 
 BUFFER = 128
 SENDER_WAITS = 5e-3  # seconds of the wall without a byte
+BYTE = 10 / 115200  # seconds on the wire
+ANSWER = 1e-3  # seconds from the end of what a line waited for until its ok is read
+LAST_SEGMENT = 5e-3  # seconds: motions are stepped in segments of 10 ms, and begin and end with a part of one
+HELD = 255  # as $1: the motors are never let go
+CRITICAL = ("ALARM:1", "ALARM:2")  # nothing but a reset is heard after these
 
 SETTINGS: dict[int, float] = {
-    10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 30: 1000, 31: 0, 32: 0,
+    1: 25, 10: 1, 11: 0.01, 12: 0.002, 13: 0, 20: 0, 21: 0, 22: 0, 30: 1000, 31: 0, 32: 0,
     100: 80, 101: 80, 102: 400, 110: 6000, 111: 6000, 112: 1200,
     120: 400, 121: 400, 122: 400, 130: 300, 131: 220, 132: 60,
 }  # fmt: skip
@@ -39,7 +45,8 @@ class FakeGrbl:
     """
 
     settings: dict[int, float] = field(default_factory=lambda: dict(SETTINGS))
-    origin: Vector = (0.0, 0.0, 0.0)
+    origin: Vector = (0.0, 0.0, 0.0)  # of the work, G54
+    shift: Vector = (0.0, 0.0, 0.0)  # left by another program's G92
     start: Vector = (0.0, 0.0, 0.0)
     pace: float = 50.0
     delay: float = 0.0
@@ -49,7 +56,7 @@ class FakeGrbl:
     locked: bool = False
 
     lines: list[str] = field(default_factory=list)
-    seconds: float = 0.0  # of motion and dwelling, since it was switched on
+    seconds: float = 0.0  # of its own time while it was not idle
     servo: float = 0.0
     reached: list[tuple[float, float, float, float]] = field(default_factory=list)  # x, y, z, servo at ends of blocks
     most_unread: int = 0
@@ -81,6 +88,11 @@ class FakeGrbl:
         return self._motion.place
 
     @property
+    def _offset(self) -> Vector:
+        x, y, z = (origin + shift for origin, shift in zip(self.origin, self.shift, strict=True))
+        return x, y, z
+
+    @property
     def fastest(self) -> float:
         """Highest speed so far, millimetres per second."""
         return self._motion.fastest
@@ -88,6 +100,18 @@ class FakeGrbl:
     @property
     def state(self) -> str:
         return self._state
+
+    @property
+    def _at_rest(self) -> bool:
+        return not self._motion.busy and self._dwell <= 0 and self._settling <= 0
+
+    def press_hold(self) -> None:
+        """Press the machine's own button that holds it."""
+        self._state = "Hold:1" if self._motion.speed > 0 else "Hold:0"
+
+    def press_start(self) -> None:
+        """Press the machine's own button that lets it go on."""
+        self._state = "Idle" if self._at_rest else "Run"
 
     def _live(self) -> None:
         heard = ran_to = time.monotonic()
@@ -97,7 +121,7 @@ class FakeGrbl:
             if self._master < 0:
                 time.sleep(0.005)
                 continue
-            idle = not self._motion.busy and self._dwell <= 0 and not self._answers
+            idle = self._at_rest and not self._answers
             try:
                 if select.select([self._master], [], [], 0.002 if idle else 0.0005)[0]:
                     self._take(os.read(self._master, 4096))
@@ -120,6 +144,8 @@ class FakeGrbl:
     def _take(self, came: bytes) -> None:
         for byte in came:
             letter = bytes([byte])
+            if self._blocked and letter != b"\x18":
+                continue
             if letter == b"?":
                 self._report()
             elif letter == b"!":
@@ -150,8 +176,10 @@ class FakeGrbl:
             self._master = -1
 
     def _report(self) -> None:
-        place = ",".join(f"{value:.3f}" for value in self._motion.place)
-        report = f"<{self._state}|MPos:{place}|FS:0,{self.servo:.0f}|WCO:0.000,0.000,0.000>"
+        of_machine = int(self.settings[10]) & 1
+        tip = zip(self._motion.place, (0.0, 0.0, 0.0) if of_machine else self._offset, strict=True)
+        place = ",".join(f"{value - offset:.3f}" for value, offset in tip)
+        report = f"<{self._state}|{'M' if of_machine else 'W'}Pos:{place}|FS:0,{self.servo:.0f}|WCO:0.000,0.000,0.000>"
         if self.lost_reports > 0:
             self.lost_reports -= 1
             report = "\xc3" + report[1:]
@@ -159,7 +187,8 @@ class FakeGrbl:
 
     def _forget(self) -> None:
         self._motion.forget()
-        self._dwell = 0.0
+        self._dwell = self._settling = 0.0
+        self._blocked = False
         self._pending: str | None = None  # a line that waits for room or for all motion to end
         self._rate = 0.0
 
@@ -179,13 +208,15 @@ class FakeGrbl:
             self._tell("[MSG:'$H'|'$X' to unlock]")
 
     def _read_lines(self) -> None:
-        while self._state != "Hold:0" and self._dwell <= 0:
+        while self._state != "Hold:0" and self._dwell <= 0 and self._settling <= 0 and not self._blocked:
             if self._pending is None:
                 if b"\n" not in self._unread:
                     return
                 line, self._unread = self._unread.split(b"\n", 1)
                 self._pending = line.decode("latin-1").strip()
                 self.lines.append(self._pending)
+                if self._at_rest:
+                    self.seconds += BYTE * (len(line) + 1)
             if not self._done(self._pending):
                 return
             self._pending = None
@@ -202,13 +233,16 @@ class FakeGrbl:
         motion = "X" in words or "Y" in words or "Z" in words
         if motion and self._motion.full:
             return False
-        if ("M" in words or words.get("G") == "4") and (self._motion.busy or self._dwell > 0):
+        waits = "M" in words or words.get("G") == "4"
+        if waits and not self._at_rest:
             return False
         fault = self.faults.get(self._g_lines)
         self._g_lines += 1
         if fault is not None:
             self._fail(fault)
             return True
+        if waits:
+            self.seconds += ANSWER
         if "S" in words:
             self.servo = float(words["S"])
         if words.get("G") == "4":
@@ -233,6 +267,9 @@ class FakeGrbl:
             self._forget()
             self._state = "Alarm"
             self._tell(fault)
+            if fault in CRITICAL:
+                self._blocked = True
+                self._tell("[MSG:Reset to continue]")
         elif fault != "lost":
             self._tell(fault)
 
@@ -241,9 +278,9 @@ class FakeGrbl:
             for number, value in self.settings.items():
                 self._tell(f"${number}={value:.3f}" if value != int(value) or number > 99 else f"${number}={value:.0f}")
         elif line == "$#":
-            x, y, z = self.origin
-            for name in ("G54", "G55", "G28", "G92"):
-                self._tell(f"[{name}:{x:.3f},{y:.3f},{z:.3f}]" if name == "G54" else f"[{name}:0.000,0.000,0.000]")
+            nowhere = (0.0, 0.0, 0.0)
+            for name, place in {"G54": self.origin, "G55": nowhere, "G28": nowhere, "G92": self.shift}.items():
+                self._tell("[{}:{:.3f},{:.3f},{:.3f}]".format(name, *place))
             self._tell("[TLO:0.000]")
         elif line == "$X":
             self._state = "Idle" if self._state == "Alarm" else self._state
@@ -253,7 +290,7 @@ class FakeGrbl:
         self._rate = float(words.get("F", 60 * self._rate)) / 60
         x, y, z = (
             float(words[letter]) + offset if letter in words else here
-            for letter, offset, here in zip("XYZ", self.origin, self._motion.goal, strict=True)
+            for letter, offset, here in zip("XYZ", self._offset, self._motion.goal, strict=True)
         )
         self._motion.add((x, y, z), self._rate)
         if self._state == "Idle" and self._motion.busy:
@@ -267,6 +304,13 @@ class FakeGrbl:
                 if self._dwell <= 1e-9:
                     self._dwell = 0.0
                     self._tell("ok")
+                    self._read_lines()
+            elif self._settling > 0:
+                self.seconds += TICK
+                self._settling -= TICK
+                if self._settling <= 1e-9:
+                    self._settling = 0.0
+                    self._state = "Idle"
                     self._read_lines()
             elif self._motion.busy and self._state in ("Run", "Hold:1"):
                 self.seconds += TICK
@@ -284,4 +328,5 @@ class FakeGrbl:
         if braking and self._motion.speed == 0:
             self._state = "Hold:0"
         elif not self._motion.busy:
-            self._state = "Idle"
+            self._settling = LAST_SEGMENT + (0.0 if self.settings[1] == HELD else 1e-3 * self.settings[1])
+            self._state = "Run"

@@ -16,9 +16,10 @@ from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
+from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
-from maulstick.robot.routine import routine
+from maulstick.robot.routine import Prompt, routine
 from maulstick.robot.workplace import Workplace
 
 
@@ -143,6 +144,15 @@ def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
     return Estimate.of(actions, setup.plan, setup.robot.limits, start)
 
 
+def _where_it_stands(easel: Easel, robot: Robot) -> str:
+    """Return the prompt of a machine that may have lost count of its steps since the run that is resumed."""
+    x, y, _ = easel.machine_to_canvas(robot.place).tolist()
+    return (
+        f"see that the pen stands {1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet "
+        "(elsewhere: stop, switch the machine off and on with its pen at home, and resume)"
+    )
+
+
 def _paint(
     request: PaintRequest,
     setup: PaintSetup,
@@ -168,6 +178,8 @@ def _paint(
             )
         robot = stack.enter_context(setup.robot)
         actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=setup.options.speed, done=done)
+        if before is not None and robot.counts_steps and actions:
+            actions.insert(0, Prompt(_where_it_stands(setup.easel, robot), actions[0].paint))
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
             return

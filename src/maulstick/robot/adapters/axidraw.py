@@ -66,6 +66,11 @@ class AxiDraw(Robot):
         self.limits.check_path(np.array([(0, 0, 0), (width, -height, 0)]))
         return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
+    @property
+    def counts_steps(self) -> bool:
+        """As `Robot.counts_steps`."""
+        return True
+
     def _connect(self) -> None:
         self._line = open_board_line(self._port)
         self._board = EbbBoard(self._line, self._patience, self._stopping)

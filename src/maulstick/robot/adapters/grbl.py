@@ -52,6 +52,11 @@ class Grbl(Robot):
         """Return a flat easel whose lower left corner is the work's origin, as `Robot.easel`."""
         return Easel(corner=(0, height, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
+    @property
+    def counts_steps(self) -> bool:
+        """As `Robot.counts_steps`."""
+        return True
+
     def _open(self) -> Floats:
         self._gcode = Gcode("grbl", self.limits, self._pen)
         return self._lift_from_where_it_is(self._stream, _CLEAR)

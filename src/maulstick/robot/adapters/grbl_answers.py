@@ -13,6 +13,9 @@ from maulstick.storage.arrays import Floats
 
 _MM = 1e-3  # metres
 _MM_PER_MINUTE = 1e-3 / 60  # metres per second
+_MILLISECONDS = 1e-3  # seconds
+_ALWAYS_ON = 255  # as $1: the motors are held, and nothing waits until they are let go
+_ANSWER = 5e-3, 4e-3  # seconds from the end of a motion, or of lifting a servo, to its answer: tests/robot/dialogues
 _NUMBER = r"-?\d+(?:\.\d+)?"
 _TRIPLE = rf"({_NUMBER},{_NUMBER},{_NUMBER})"
 
@@ -111,8 +114,10 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> L
     With homing the travel lies below the machine's own origin, on every axis. Without homing, the machine is taken to
     have been switched on in the lower left corner of its travel, as plotters are, the tip on the paper or above it.
     pen: servo of its pen, None where it lifts by height.
+    Grbl waits for $1 at the end of every motion, before it answers and lets go of its motors, unless $1 is 255.
     Raises KeyError where a setting is missing.
     """
+    idle = 0.0 if settings[1] == _ALWAYS_ON else _MILLISECONDS * settings[1]
     rates = [_MM_PER_MINUTE * settings[code] for code in (110, 111, 112)]
     gains = (_MM * settings[120], _MM * settings[121], _MM * settings[122])
     travel = np.array([_MM * settings[code] for code in (130, 131, 132)])
@@ -128,7 +133,8 @@ def own_limits(settings: dict[int, float], origin: Floats, pen: Pen | None) -> L
         axes=gains,
         deviation=_MM * settings[11],
         varies_pressure=pen is None,
-        lifting=0.0 if pen is None else pen.seconds,
+        lifting=0.0 if pen is None else pen.seconds + _ANSWER[1],
+        settling=idle + _ANSWER[0],
     )
 
 

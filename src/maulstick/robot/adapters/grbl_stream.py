@@ -23,6 +23,7 @@ HOLD: Final = b"!"
 _RESET, _REPORT = b"\x18", b"?"  # real-time commands: soft reset, and a status report
 _BETWEEN_REPORTS = 0.2  # seconds; Grbl's interface asks for at most 5 per second
 _BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened misses the first reset
+_DEAF = 1.0  # seconds without a report: after the alarm of a limit, Grbl hears nothing but a reset
 _QUIET = 0.1  # seconds in which a board that took both resets greets a second time
 _HALTED = ("Hold:0", "Idle", "Alarm", "Sleep", "Door:0", "Door:1")  # states at rest
 _UNABLE = {
@@ -67,23 +68,23 @@ class GrblStream:
             self._line.line()
 
     def hold(self) -> None:
-        """Brake; returns once it stands still, or after the patience where it does not report that."""
+        """Brake; returns once it stands still, or where it does not report that."""
         self._line.write(HOLD)
-        patience = Patience(self._patience)
-        while self.status(ready=False).state not in _HALTED and not patience.over:
-            pass
+        patience, deaf = Patience(self._patience), Patience(_DEAF)
+        while not patience.over and not deaf.over:
+            if (status := self._report()) is not None:
+                if status.state in _HALTED:
+                    return
+                deaf.renew()
 
     def status(self, ready: bool = True) -> Status:
         """Ask for the status. ready: raise MachineError, which says what to do, where it is not ready to draw."""
         patience = Patience(self._patience)
         while not patience.over:
-            self._line.write(_REPORT)
-            asked = Patience(_BETWEEN_REPORTS)
-            while not asked.over:
-                if (status := Status.parse(self._line.line() or "")) is not None:
-                    if ready:
-                        self._check(status)
-                    return status
+            if (status := self._report()) is not None:
+                if ready:
+                    self._check(status)
+                return status
         raise self._line.lost()
 
     def ask(self, command: str) -> list[str]:
@@ -103,6 +104,15 @@ class GrblStream:
             self._send(content)
         while self._waiting:
             self._go_on()
+
+    def _report(self) -> Status | None:
+        """Ask for the status once; returns None where it does not come, or noise has changed it."""
+        self._line.write(_REPORT)
+        asked = Patience(_BETWEEN_REPORTS)
+        while not asked.over:
+            if (status := Status.parse(self._line.line() or "")) is not None:
+                return status
+        return None
 
     def _go_on(self) -> None:
         if self._stopping.is_set():

@@ -1,7 +1,9 @@
 """A serial line to a machine: bytes are sent, whole lines are read, and a fault is one sentence."""
 
 import os
+import sys
 import time
+from contextlib import suppress
 from typing import Final, final
 
 import serial
@@ -34,6 +36,7 @@ class SerialLine:
             ) from error
         except ValueError as error:
             raise InputError.of_range("the baud rate", baud, "one that the port has, such as 115200") from error
+        _leave_raised(self._serial)
 
     def write(self, content: bytes) -> None:
         """Send all bytes; may be called from any thread."""
@@ -73,6 +76,18 @@ class SerialLine:
             whole, self._came = [*whole, self._came], b""
         self._lines += [line.decode("ascii", "replace").strip() for line in whole if line.strip()]
         return bool(came)
+
+
+def _leave_raised(port: serial.Serial) -> None:
+    """Leave the DTR line raised once the port is closed: boards restart, and forget their place, when it is raised."""
+    if sys.platform == "win32" or port.fd is None:
+        return
+    import termios
+
+    with suppress(termios.error):  # a device that has no such line
+        attributes = termios.tcgetattr(port.fd)
+        attributes[2] &= ~termios.HUPCL
+        termios.tcsetattr(port.fd, termios.TCSANOW, attributes)
 
 
 @final
