@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from skimage.data import astronaut
 
@@ -58,6 +58,7 @@ def test_enough_strokes_leave_a_picture_as_it_is_and_fewer_make_it_lighter() -> 
 
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(0.05, 0.95), min_size=2, max_size=4), st.floats(0.02, 1.5))
+@example([0.5, 0.5, 0.75], 0.5)  # a veil just below a flat tone
 def test_a_picture_in_its_tones_needs_the_ink_that_there_is(greys: list[float], share: float) -> None:
     layout = of_grey(*greys)
     found = supply(layout)

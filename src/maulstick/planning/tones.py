@@ -153,7 +153,7 @@ def ink_per_stroke(brush: Brush, style: Style, pixels_per_metre: float) -> float
 
 @dataclass(frozen=True)
 class Amounts:
-    """Histogram of amounts of ink: values (N,) and pixels (N,) of each."""
+    """Histogram of amounts of ink: mean values (N,), and pixels (N,) of each."""
 
     values: Floats
     pixels: Floats
@@ -161,8 +161,11 @@ class Amounts:
     @classmethod
     def of(cls, amounts: Floats) -> Self:
         """Return the histogram of amounts in [0, 1]."""
-        level = (amounts.clip(0, 1) * (_LEVELS - 1)).round().astype(np.int64)
-        return cls(np.linspace(0, 1, _LEVELS), np.bincount(level.ravel(), minlength=_LEVELS).astype(np.float64))
+        amounts = amounts.clip(0, 1).ravel()
+        level = (amounts * (_LEVELS - 1)).round().astype(np.int64)
+        pixels = np.bincount(level, minlength=_LEVELS).astype(np.float64)
+        means = np.bincount(level, amounts, _LEVELS)[pixels > 0] / pixels[pixels > 0]  # a veil may lie within a level
+        return cls(means, pixels[pixels > 0])
 
     def inked(self, veil: float, contrast: float) -> Self:
         """Return them as `Tones` make them."""
