@@ -7,13 +7,17 @@ from nicegui.element import Element
 
 
 def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> None:
-    """Call `refresh` now and at every such event, for as long as the element `root` is on its page."""
+    """Call `refresh` now and at every such event, until the element `root` leaves its page, or the page is closed."""
+    delete = root._handle_delete
 
     def again() -> None:
-        if root.is_deleted:  # another panel took its place, or the page is gone
-            event.unsubscribe(again)
-        else:
+        if not root.is_deleted:  # by another refresh at the same event
             refresh()
 
-    event.subscribe(again, unsubscribe_on_delete=False)  # else the page would hold on to all panels that it ever showed
+    def handle_delete() -> None:
+        event.unsubscribe(again)  # which would hold on to all panels that pages ever showed
+        delete()
+
+    root._handle_delete = handle_delete  # type: ignore[method-assign]
+    event.subscribe(again, unsubscribe_on_delete=False)
     refresh()
