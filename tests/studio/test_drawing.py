@@ -179,6 +179,29 @@ def test_everybody_is_told_of_each_stroke_once(folder: Folder) -> None:
     assert told == [("added", 1000), ("removed", 1000), ("added", 1000)]
 
 
+def test_all_that_one_swipe_rubbed_out_is_undone_at_once_and_nothing_is_ever_past_undoing(folder: Folder) -> None:
+    async def work(drawing: Drawing) -> None:
+        for id in range(1000, 1150):
+            drawing.add(id, LINE)
+        whole = list(drawing.strokes)
+        for id in range(1000, 1120):
+            drawing.rub_out(id, 7)
+        drawing.rub_out(1130, 8)
+        drawing.undo()
+        assert len(drawing.strokes) == 30
+        drawing.undo()
+        assert list(drawing.strokes) == whole
+        drawing.redo()
+        assert len(drawing.strokes) == 30
+        drawing.undo()
+        for _ in range(150):
+            drawing.undo()
+        assert not drawing.strokes
+        assert not drawing.can_undo
+
+    at_the_desk(folder, work)
+
+
 def test_a_drawing_is_there_again_after_a_restart(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
         await drawing.rename("My Cat.JPG")

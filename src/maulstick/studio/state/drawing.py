@@ -1,7 +1,6 @@
 """Drawing on the sheet: the same one on all pages, and on disk within half a second."""
 
 import asyncio
-from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
@@ -28,7 +27,6 @@ from maulstick.studio.workers.hand_work import DRAWING
 
 USUAL_SHEET = 0.21, 0.148  # metres; A5, landscape as most screens are
 
-_STEPS = 100  # that can be undone
 _PAUSE = 0.5  # seconds between two writings
 _LARGEST_ID = 2**53  # up to which JavaScript counts exactly
 
@@ -41,6 +39,17 @@ class _Step:
     id: int
     stroke: DrawnStroke
     place: int
+
+
+@dataclass(frozen=True)
+class _Gesture:
+    """Steps that were made, and are undone, together: one stroke drawn, or all that one swipe rubbed out.
+
+    swipe: number of that swipe, None for a stroke.
+    """
+
+    steps: list[_Step]
+    swipe: object = None
 
 
 @final
@@ -85,22 +94,27 @@ class Drawing:
             raise InputError("the sheet is full; begin a new one")
         self._do(_Step(True, id, DrawnStroke.of(numbers, self.size), len(self.strokes)))
 
-    def rub_out(self, id: object) -> None:
-        """Remove a stroke from the sheet; another page may have removed it already."""
+    def rub_out(self, id: object, swipe: object = None) -> None:
+        """Remove a stroke from the sheet; another page may have removed it already.
+
+        swipe: number of the movement that rubs it out, whose strokes are undone together; None for this one alone.
+        """
         if type(id) is int and id in self.strokes:
-            self._do(_Step(False, id, self.strokes[id], list(self.strokes).index(id)))
+            self._do(_Step(False, id, self.strokes[id], list(self.strokes).index(id)), swipe)
 
     def undo(self) -> None:
-        """Undo the last change, if there is one."""
+        """Undo the last gesture, if there is one."""
         if self._done:
-            self._undone.append(step := self._done.pop())
-            self._apply(step, not step.added)
+            self._undone.append(gesture := self._done.pop())
+            for step in reversed(gesture.steps):
+                self._apply(step, not step.added)
 
     def redo(self) -> None:
-        """Redo the change that was undone last, if there is one."""
+        """Redo the gesture that was undone last, if there is one."""
         if self._undone:
-            self._done.append(step := self._undone.pop())
-            self._apply(step, step.added)
+            self._done.append(gesture := self._undone.pop())
+            for step in gesture.steps:
+                self._apply(step, step.added)
 
     async def begin(self, size: tuple[float, float]) -> None:
         """Store this sheet with the others and begin a new one. size: (width, height), metres."""
@@ -163,8 +177,8 @@ class Drawing:
         self._had_folder = name is not None
         self.strokes = {next(self._ids): stroke for stroke in sheet.strokes}
         self._points = sum(len(stroke.points) for stroke in sheet.strokes)
-        self._done: deque[_Step] = deque(maxlen=_STEPS)
-        self._undone: deque[_Step] = deque(maxlen=_STEPS)
+        self._done: list[_Gesture] = []
+        self._undone: list[_Gesture] = []
 
     async def _turn_to(self, sheet: DrawnSheet, name: str | None) -> None:
         async with self._turning:
@@ -177,9 +191,12 @@ class Drawing:
         if before is not None:
             await self.hands.keep_ink(before)
 
-    def _do(self, step: _Step) -> None:
+    def _do(self, step: _Step, swipe: object = None) -> None:
         self._undone.clear()
-        self._done.append(step)
+        if swipe is not None and self._done and self._done[-1].swipe == swipe:
+            self._done[-1].steps.append(step)
+        else:
+            self._done.append(_Gesture([step], swipe))
         self._apply(step, step.added)
 
     def _apply(self, step: _Step, adds: bool) -> None:

@@ -21,6 +21,7 @@ export default {
     this.strokes = new Map(); // by id: { points: [x, y, pressure, x, …], box }; beside Vue, which would watch each number
     this.stroke = null; // what is being drawn
     this.rubber = null; // where it was
+    this.swipe = null; // number of the movement that rubs out
     this.pointer = null;
     this.knowsPen = false;
   },
@@ -83,9 +84,10 @@ export default {
       document.activeElement?.blur?.(); // so that the keys are the sheet's
       if (this.rubs || erases) {
         this.rubber = this.place(event);
+        this.swipe = newNumber();
         this.rub(this.rubber);
       } else {
-        this.stroke = { id: 2 ** 32 + Math.floor(Math.random() * 2 ** 52), told: [], points: [] };
+        this.stroke = { id: newNumber(), told: [], points: [] };
         this.record(event);
       }
     },
@@ -138,7 +140,7 @@ export default {
       for (const [id, { points, box }] of this.strokes) {
         if (meet(box, way) && isNear(points, this.rubber, place)) {
           this.drop(id);
-          this.$emit("rub", id);
+          this.$emit("rub", { id, swipe: this.swipe });
         }
       }
       this.rubber = place;
@@ -224,6 +226,10 @@ export default {
     },
   },
 };
+
+function newNumber() {
+  return 2 ** 32 + Math.floor(Math.random() * 2 ** 52);
+}
 
 function rounded(number, places) {
   return Number(number.toFixed(places));

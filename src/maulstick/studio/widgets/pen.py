@@ -31,7 +31,7 @@ class DrawingSheet(Element, component="pen.js"):
         self._props.update(width=in_mm(width), height=in_mm(height), longest=MOST_OF_A_STROKE, rubs=False)
         self.on("ready", self._show_all, [])
         self.on("stroke", self._add)
-        self.on("rub", lambda event: drawing.rub_out(event.args))
+        self.on("rub", self._rub)
         self.on("undo", drawing.undo, [])
         self.on("redo", drawing.redo, [])
         drawing.added.subscribe(self._show, unsubscribe_on_delete=False)  # `_handle_delete` does
@@ -69,6 +69,10 @@ class DrawingSheet(Element, component="pen.js"):
             self._say("")
         finally:
             self._drawn_here = None
+
+    def _rub(self, event: events.GenericEventArguments) -> None:
+        sent = event.args if isinstance(event.args, dict) else {}
+        self._drawing.rub_out(sent.get("id"), sent.get("swipe"))
 
     def _show(self, id: int, stroke: DrawnStroke) -> None:
         if self._is_ready and id != self._drawn_here:
