@@ -1,10 +1,10 @@
 """The abstract machine: it moves, draws strokes, lifts and stops; every motion is checked against its limits first."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from types import TracebackType
-from typing import Self, final
+from typing import ClassVar, Self, final
 
 import numpy as np
 
@@ -37,6 +37,9 @@ class Robot(ABC):
     0.1 s looks at `_stopping` that often, and raises StoppedError.
     """
 
+    knows_its_reach: ClassVar[bool] = False
+    """Whether the machine itself can be asked what it `accepts`."""
+
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self._stopping = Stopping()
@@ -64,12 +67,19 @@ class Robot(ABC):
             self._close()
 
     @final
-    def ask_limits(self) -> None:
-        """Ask the machine for its `limits` before it is entered; nothing moves."""
+    @contextmanager
+    def connected(self) -> Iterator[None]:
+        """Connect without moving: the machine's own `limits` are known, and it can be asked what it `accepts`."""
         try:
             self._connect()
+            yield
         finally:
             self._close()
+
+    @final
+    def accepts(self, place: Floats) -> bool:
+        """Return whether the machine says that its tip gets to a place (3,), metres; it must be connected."""
+        return self._accepts(np.asarray(place, dtype=np.float64))
 
     @property
     @final
@@ -159,6 +169,10 @@ class Robot(ABC):
     @abstractmethod
     def _lift(self, place: Floats) -> Floats:
         """Lift the tip to this place (3,), straight above where it is; returns the place commanded, (3,)."""
+
+    def _accepts(self, place: Floats) -> bool:
+        """Ask the machine whether its tip gets to a place (3,) within the limits; one that does not know says yes."""
+        return True
 
     @abstractmethod
     def _halt(self) -> None:

@@ -18,7 +18,8 @@ from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
-from maulstick.robot.routine import routine
+from maulstick.robot.room import check_accepted
+from maulstick.robot.routine import Action, routine, ways_of
 from maulstick.robot.workplace import Workplace
 
 
@@ -136,11 +137,18 @@ def _make_room(path: Path, stem: str) -> None:
 
 def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
     """Return the estimate of a run in which the strokes `done` are painted already."""
-    with machine_lock(setup.options.machine):
-        setup.robot.ask_limits()
-    actions = routine(setup.plan, setup.easel, setup.robot.limits, setup.tray, speed=setup.options.speed, done=done)
+    with machine_lock(setup.options.machine), setup.robot.connected():
+        actions = _actions(setup, done)
     start = setup.easel.canvas_to_machine(np.zeros(3))
     return Estimate.of(actions, setup.plan, setup.robot.limits, start)
+
+
+def _actions(setup: PaintSetup, done: Collection[int]) -> list[Action]:
+    """Return the actions that are left; raises InputError where the machine, which must be connected, cannot do one."""
+    robot, speed = setup.robot, setup.options.speed
+    actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=speed, done=done)
+    check_accepted(ways_of(actions), setup.easel, robot)
+    return actions
 
 
 def _paint(
@@ -167,7 +175,7 @@ def _paint(
                 else stack.enter_context(setup.replanning.opened(setup.plan, setup.simulation, before))
             )
         robot = stack.enter_context(setup.robot)
-        actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=setup.options.speed, done=done)
+        actions = _actions(setup, done)
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
             return
