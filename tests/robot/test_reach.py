@@ -46,7 +46,7 @@ def test_whatever_a_reach_accepts_has_a_pose_with_the_pen_downwards(model: str, 
     places = about(reach, rng, 150)
     accepted = places[reach.beyond(places) == 0]
     assert len(accepted) > 30
-    found = CHAINS[model].reaches(accepted, pen, 200, rng)
+    found = CHAINS[model].reaches(accepted, pen, 60, rng)
     assert accepted[~found].round(3).tolist() == []
 
 

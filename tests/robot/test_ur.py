@@ -56,8 +56,11 @@ class FakeUR:
         self.running = True
         return True
 
-    def servoL(self, pose: list[float], *how: float) -> bool:  # noqa: N802
-        assert len(how) == 5
+    def servoL(  # noqa: N802
+        self, pose: list[float], speed: float, acceleration: float, time: float, lookahead_time: float, gain: float
+    ) -> bool:
+        assert 0.03 <= lookahead_time <= 0.2
+        assert 100 <= gain <= 2000
         if len(self.sent) >= self.fails_after or self.protective or self.emergency or self.lost or not self.running:
             return False
         self.sent.append(list(pose))

@@ -14,7 +14,7 @@ from maulstick.robot.robot import Robot
 from maulstick.storage.arrays import Floats
 
 _CELL: Final = 0.02  # metres: of so large a square, the machine is asked for the nearest and the farthest place
-_FINE: Final = 1e-3  # metres: places that are so near to each other count as one where the sheet is tried elsewhere
+_LEAST: Final = 1e-3  # metres from the axis, nearer to which there is no direction away from it
 _SHIFTS: Final = tuple(sorted(np.arange(-100, 101) / 100, key=abs))[1:]  # metres by which the sheet is tried elsewhere
 _ASKED_SHIFTS: Final = tuple(sorted(np.arange(-10, 11) / 50, key=abs))[1:]  # the same, of which a machine is asked
 _ELSEWHERE: Final = "lay the sheet elsewhere, or plan for a smaller one"
@@ -59,7 +59,7 @@ def _check_reach(ways: Sequence[Way], easel: Easel, limits: Limits, reach: Reach
     missed = [(way, place) for way, place in missed if way.speed is not None] or missed
     if missed:
         way, place = missed[0]
-        where = _elsewhere(_thinned(_places(ways)), limits.holds, _SHIFTS)
+        where = _elsewhere(_places(ways), limits.holds, _SHIFTS)
         raise InputError(f"{_named(way, place, easel)} {reach.fault(place)}{_more(len(missed))}; {where}")
 
 
@@ -102,11 +102,6 @@ def _places(ways: Sequence[Way]) -> Floats:
     return np.concatenate([way.path for way in ways])
 
 
-def _thinned(places: Floats) -> Floats:
-    """Return places (k, 3) so that each of the given ones (n, 3) has one near it."""
-    return places[np.unique((places / _FINE).round(), axis=0, return_index=True)[1]]
-
-
 def _spread(places: Floats) -> Floats:
     """Return the indices (k,) of the places (n, 3) that are nearest to and farthest from the base in each cell."""
     radius = np.hypot(places[:, 0], places[:, 1])
@@ -118,9 +113,10 @@ def _spread(places: Floats) -> Floats:
 
 
 def _elsewhere(places: Floats, holds: Callable[[Floats], bool], shifts: Sequence[float]) -> str:
-    """Return what to do about a sheet: how far to move it along its line from the base, so that all places are held."""
-    middle = places[:, :2].mean(axis=0)
-    away = np.array([*middle, 0.0]) / max(float(np.linalg.norm(middle)), _FINE)
+    """Return what to do about a sheet: how far to move it along the line from the base to the middle of its places."""
+    middle = (places.min(axis=0) + places.max(axis=0))[:2] / 2
+    distance = float(np.linalg.norm(middle))
+    away = np.array([*middle, 0.0]) / distance if distance > _LEAST else np.array([1.0, 0.0, 0.0])
     for shift in shifts:
         if holds(places + shift * away):
             return f"move the sheet {1e3 * abs(shift):.0f} mm {'farther from' if shift > 0 else 'nearer to'} the base"

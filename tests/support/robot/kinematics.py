@@ -20,8 +20,8 @@ from maulstick.storage.arrays import Floats
 _TURN = 2 * np.pi
 _HALF = np.pi / 2
 _STEPS = 60  # of Newton's method per start
-_DAMPING = 1e-4
-_CLOSE = 1e-6  # metres, and radians: a solution
+_DAMPING = 1e-5
+_CLOSE = 1e-4  # metres, and radians: a solution; near a singular pose, the last digits take long
 
 
 @dataclass(frozen=True)

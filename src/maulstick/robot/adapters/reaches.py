@@ -89,7 +89,7 @@ UFACTORY_REACHES: Final = {
         nearest=0.1315,
         farthest=_STRAIGHT * 0.8416,
         printed=0.85,
-        column=0.35,
+        column=0.25,
         flange=0.09,
     ),
 }
