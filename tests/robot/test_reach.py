@@ -1,5 +1,6 @@
 """Reaches against whole kinematics: what they accept has a pose, with the range of each joint, and a pen downwards."""
 
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -32,6 +33,14 @@ def about(reach: Reach, rng: np.random.Generator, count: int) -> Floats:
     radius, turn = rng.uniform(0, 1.1 * reach.printed, count), rng.uniform(-np.pi, np.pi, count)
     heights = rng.uniform(LOWEST, HIGHEST, count)
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), heights], axis=1)
+
+
+def test_the_table_of_the_documentation_is_that_of_the_code() -> None:
+    rows = []
+    for reach in dict.fromkeys(REACHES.values()):
+        _, (least,), (most,) = held(reach, 0.12).radii(np.zeros((1, 3)))
+        rows.append(f"| {reach.model} | {1e3 * reach.printed:.0f} | {1e3 * least:.0f} to {1e3 * most:.0f} |")
+    assert "\n".join(rows) in (Path(__file__).parents[2] / "docs" / "machines.md").read_text()
 
 
 def test_every_model_has_kinematics_to_be_compared_with() -> None:

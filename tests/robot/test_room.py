@@ -132,7 +132,7 @@ def test_a_place_that_the_machine_refuses_is_named_with_where_it_would_not_refus
     assert str(caught.value) == (
         "stroke 1, at x 40 and y 10 mm of the sheet, which is (340, 10, -4) mm of the machine, is refused by the "
         "machine itself: by the range of a joint, a singular pose, itself in its way, or a boundary that is set "
-        "there; move the sheet 40 mm nearer to the base"
+        "there; move the sheet 20 mm nearer to the base"
     )
     assert robot.commands == [], "nothing moved"
 
