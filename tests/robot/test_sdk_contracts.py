@@ -34,7 +34,7 @@ XARM: Final = {
 }
 """Methods of XArmAPI, which it states in Python."""
 
-XARM_PROPERTIES: Final = {"axis", "device_type", "tcp_offset"}
+XARM_PROPERTIES: Final = {"axis", "device_type", "tcp_offset", "world_offset"}
 
 UR_CONTROL: Final = {
     "RTDEControlInterface": ("hostname, frequency, flags, ur_cap_port, rt_priority", "None"),

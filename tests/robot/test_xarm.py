@@ -22,6 +22,7 @@ class FakeXArmAPI:
 
     axis, device_type = 6, 6
     tcp_offset = (0.0, 0.0, 120.0, 0.0, 0.0, 0.0)
+    world_offset = (0.0,) * 6
     start = (300.0, 0.0, 100.0)
     latest: "FakeXArmAPI"
 
@@ -228,10 +229,11 @@ def test_its_model_says_its_reach_and_the_tool_set_in_it_how_far_the_wrist_is_ab
     assert api.latest.sent == [], "nothing moved"
 
 
-def test_an_unknown_model_has_no_reach_but_its_own_kinematics(
-    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("what", "value"), [("device_type", 99), ("world_offset", (0.0, 0.0, 50.0, 0.0, 0.0, 0.0))])
+def test_an_unknown_model_and_one_that_counts_from_elsewhere_have_no_reach_but_their_own_kinematics(
+    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch, what: str, value: object
 ) -> None:
-    monkeypatch.setattr(api, "device_type", 99)
+    monkeypatch.setattr(api, what, value)
     robot = XArm("192.168.1.2")
     with robot.connected():
         assert robot.limits.reach is None

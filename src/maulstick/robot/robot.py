@@ -44,17 +44,18 @@ class Robot(ABC):
         self.limits = limits
         self._stopping = Stopping()
         self._place: Floats | None = None
-        self._down = self._out_of_use = False
+        self._down = self._out_of_use = self._connected = False
 
     @final
     def __enter__(self) -> Self:
         self._stopping.clear()
         self._out_of_use = False
         try:
-            self._connect()
+            if not self._connected:
+                self._connect()
             self._place, self._down = self._open(), False
         except BaseException:
-            self._close()
+            self._leave()
             raise
         return self
 
@@ -64,16 +65,21 @@ class Robot(ABC):
             self._save()
         finally:
             self._place = None
-            self._close()
+            self._leave()
 
     @final
     @contextmanager
     def connected(self) -> Iterator[None]:
-        """Connect without moving: the machine's own `limits` are known, and it can be asked what it `accepts`."""
+        """Connect without moving: the machine's own `limits` are known, and it can be asked what it `accepts`.
+
+        It may be entered within, on the same connection.
+        """
         try:
             self._connect()
+            self._connected = True
             yield
         finally:
+            self._connected = False
             self._close()
 
     @final
@@ -181,6 +187,10 @@ class Robot(ABC):
     @abstractmethod
     def _recover(self) -> None:
         """Stop and lift the pen as far as possible, after a stop or a fault; called from the thread of the calls."""
+
+    def _leave(self) -> None:
+        if not self._connected:
+            self._close()
 
     def _check_connected(self) -> Floats:
         if self._place is None:

@@ -174,8 +174,9 @@ def _paint(
                 if setup.replanning is None
                 else stack.enter_context(setup.replanning.opened(setup.plan, setup.simulation, before))
             )
+        stack.enter_context(setup.robot.connected())
+        actions = _actions(setup, done)  # before anything moves
         robot = stack.enter_context(setup.robot)
-        actions = _actions(setup, done)
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
             return

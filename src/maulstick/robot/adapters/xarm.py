@@ -40,7 +40,7 @@ _PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points per 
 _TOLD: Final = (
     0.4  # seconds: the controller tells five times a second how its tool is set; until then the SDK has zeros
 )
-_NO_POSE: Final = (-8, 10)  # codes of the inverse kinematics: out of range, and no result
+_UNANSWERED: Final = (-1, 3, 4, 5, 6, 7, 8)  # codes of a broken line or protocol, which say nothing about a place
 _METRE: Final = 1e3  # millimetres, in which the SDK counts
 _OF_A_COLLISION: Final = (22, 31, 35)  # error codes: with itself, with something, with a boundary
 _RETURNED: Final = {  # codes that calls of the SDK return
@@ -104,10 +104,9 @@ class XArm(Arm):
     def _accepts(self, place: Floats) -> bool:
         pose = [*(_METRE * place).tolist(), *self._turned]
         code, joints = self._arm.get_inverse_kinematics(pose, input_is_radian=True, return_is_radian=True)
-        if code in _NO_POSE:
-            return False
-        self._check(code)
-        return not any(
+        if code in _UNANSWERED:
+            raise MachineError(_refusal(code))
+        return code == 0 and not any(
             self._said(limited)
             for limited in (
                 self._arm.is_joint_limit(joints, is_radian=True),
@@ -122,6 +121,8 @@ class XArm(Arm):
         from scipy.spatial.transform import Rotation
 
         time.sleep(_TOLD)
+        if any(self._arm.world_offset):
+            return  # places are not counted from its base, which only itself takes into account
         tool = list(self._arm.tcp_offset)
         self._reaches(
             reach,
