@@ -1,7 +1,8 @@
 """Whether an arm gets everywhere that a painting sends it, before anything moves."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
@@ -10,17 +11,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
+from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest, rehearse
+from maulstick.jobs.paint.session import PaintRequest, paint, rehearse
+from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.adapters.reaches import UFACTORY_REACHES, UR_REACHES
 from maulstick.robot.adapters.ur import UR_LIMITS
 from maulstick.robot.adapters.xarm import LITE6
 from maulstick.robot.easel import Easel, write_easel
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.limits import Limits
 from maulstick.robot.reach import Reach
+from maulstick.robot.robot import StoppedError
 from maulstick.robot.room import check_accepted
-from maulstick.robot.routine import routine, ways_of
+from maulstick.robot.routine import Prompt, routine, ways_of
 from maulstick.storage.arrays import Floats
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import line, painting_of
@@ -165,6 +171,41 @@ def test_a_machine_that_does_not_know_is_not_asked() -> None:
     check_accepted([], at(0.3, 0.02), Knowing(lambda place: False))
 
 
+class Nobody(Operator):
+    """Operator who is not to be asked or told anything before the machine moves."""
+
+    @classmethod
+    def at(cls, setup: PaintSetup, done: Collection[int]) -> "Nobody":
+        return cls(setup.robot)
+
+    def expect(self, estimate: Estimate) -> None:
+        raise AssertionError
+
+    def on_duty(self) -> AbstractContextManager[None]:
+        raise AssertionError
+
+    def watch(self, progress: PaintProgress) -> None:
+        raise AssertionError
+
+    def ask(self, action: Prompt) -> None:
+        raise AssertionError
+
+    def note(self, sentence: str) -> None:
+        raise AssertionError
+
+    def show(self, photograph: Path) -> None:
+        raise AssertionError
+
+    def expect_strokes(self, number: int) -> None:
+        raise AssertionError
+
+    def leave(self, photograph: Path) -> None:
+        raise AssertionError
+
+    def wants_a_look(self) -> bool:
+        return False
+
+
 @pytest.mark.parametrize(
     ("corner", "gets_to", "fault"),
     [
@@ -181,4 +222,27 @@ def test_a_dry_run_says_it_too_and_moves_nothing(
     options = PaintOptions(robot="ur:127.0.0.1", easel=tmp_path / "easel.json")
     with pytest.raises(InputError, match=fault):
         rehearse(PaintRequest(tmp_path / "painting.json", options, robot=robot))
+    assert robot.said == ["close"], "nothing moved"
+    with pytest.raises(InputError, match=fault):
+        paint(PaintRequest(tmp_path / "painting.json", options, robot=robot), lambda stroke: True, Nobody.at)
+    assert robot.said == ["close", "close"], "nor when it is painted: the machine is never entered"
+
+
+def test_an_operator_who_stops_a_machine_that_is_still_being_asked_is_heard(tmp_path: Path) -> None:
+    write_painting(LINES, tmp_path / "painting.json")
+    write_easel(at(0.3, 0.02), tmp_path / "easel.json")
+    operators: list[Nobody] = []
+
+    def stopping(place: Floats) -> bool:
+        operators[0].stop()
+        return True
+
+    def operator_for(setup: PaintSetup, done: Collection[int]) -> Nobody:
+        operators.append(Nobody.at(setup, done))
+        return operators[0]
+
+    robot = Knowing(stopping)
+    options = PaintOptions(robot="ur:127.0.0.1", easel=tmp_path / "easel.json")
+    with pytest.raises(StoppedError):
+        paint(PaintRequest(tmp_path / "painting.json", options, robot=robot), lambda stroke: True, operator_for)
     assert robot.said == ["close"], "nothing moved"

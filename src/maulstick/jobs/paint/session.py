@@ -176,6 +176,8 @@ def _paint(
             )
         stack.enter_context(setup.robot.connected())
         actions = _actions(setup, done)  # before anything moves
+        if operator.stopped:  # entering the machine would forget it, and lift the pen
+            raise StoppedError
         robot = stack.enter_context(setup.robot)
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
