@@ -220,6 +220,14 @@ def test_its_wrist_is_above_the_tip_by_the_tool_that_is_set_in_it(arm: FakeUR) -
         np.testing.assert_allclose(robot.limits.reach.wrist, (0, 0, 0.12 + 0.0996), atol=tolerances.SET_POINT)
 
 
+def test_a_flange_that_points_aside_has_no_reach_but_the_controllers(arm: FakeUR) -> None:
+    arm.pose[3:] = [np.pi / 2, 0.0, 0.0]
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        assert robot.limits.reach is None
+        assert robot.accepts(START)
+
+
 def test_it_asks_the_controller_which_places_are_within_reach_and_safety_limits(arm: FakeUR) -> None:
     robot = UR("192.168.1.3")
     with robot.connected():

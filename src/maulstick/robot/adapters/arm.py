@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 _CLEARANCE = 1e-2  # metres that the tip rises where the height of the paper is not known
+_DOWNWARDS = 0.9  # cosine of 26 degrees: a flange that is tilted more is a long way from what a reach is computed for
 _NOISE = 1e-3  # metres: an arm that reports to be so far outside its workspace counts as at its edge
 
 
@@ -62,11 +63,12 @@ class Arm(Robot):
 
     @final
     def _reaches(self, reach: Reach, pose: Floats, tool: Floats) -> None:
-        """Take over the reach of the model, for a pen that is held as now.
+        """Take over the reach of the model, for a pen that is held as now; none where the flange points aside.
 
         pose: (4, 4) of the tip in the machine's frame.  tool: (4, 4) of the tip as the flange sees it; metres.
         """
-        held = reach.holding(pose[:3, :3] @ tool[:3, :3].T, tool[:3, 3])
+        flange = pose[:3, :3] @ tool[:3, :3].T
+        held = reach.holding(flange, tool[:3, 3]) if flange[2, 2] < -_DOWNWARDS else None
         self.limits = self.limits.model_copy(update={"reach": held})
 
     @final

@@ -106,7 +106,7 @@ class UR(Arm, FeelsForce):
 
     def _take_over_reach(self, pose: list[float]) -> None:
         if not (model := self._model()):
-            return  # of a model that is not in the table its own kinematics decide alone
+            return  # of a model that is not in the table, its own kinematics decide alone
         from scipy.spatial.transform import Rotation
 
         with self._line():

@@ -37,9 +37,7 @@ _SERVO_MODE: Final = 1  # of set_mode: follow set-points
 _READY: Final = 0  # of set_state
 _LITE6_TYPE: Final = 9  # of device_type
 _PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points per second
-_TOLD: Final = (
-    0.4  # seconds: the controller tells five times a second how its tool is set; until then the SDK has zeros
-)
+_TOLD: Final = 0.4  # seconds: the controller reports its tool five times a second; until then the SDK says zeros
 _UNANSWERED: Final = (-1, 3, 4, 5, 6, 7, 8)  # codes of a broken line or protocol, which say nothing about a place
 _METRE: Final = 1e3  # millimetres, in which the SDK counts
 _OF_A_COLLISION: Final = (22, 31, 35)  # error codes: with itself, with something, with a boundary
@@ -117,7 +115,7 @@ class XArm(Arm):
     def _take_over_reach(self, pose: list[float]) -> None:
         reach = UFACTORY_REACHES.get((self._arm.axis, self._arm.device_type))
         if reach is None:
-            return  # of a model that is not in the table its own kinematics decide alone
+            return  # of a model that is not in the table, its own kinematics decide alone
         from scipy.spatial.transform import Rotation
 
         time.sleep(_TOLD)
