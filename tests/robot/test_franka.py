@@ -122,6 +122,19 @@ def test_it_feels_a_force_and_holds_its_tool_as_it_was_turned(simulator: FrankaS
     np.testing.assert_allclose(after, before, atol=tolerances.ARM_TURNED)
 
 
+def test_its_reach_is_known_with_the_wrist_above_the_tool_that_is_set_in_it(simulator: FrankaSimulator) -> None:
+    robot = Franka(simulator.address)
+    with robot.connected():
+        reach = robot.limits.reach
+        assert reach is not None
+        pose = robot._arm.current_pose.end_effector_pose.matrix
+        tool = robot._arm.state.F_T_EE.matrix
+    flange = pose @ np.linalg.inv(tool)
+    wrist = flange @ [0.0, 0.0, -reach.flange, 1.0]  # above the flange, where the last two axes cross
+    np.testing.assert_allclose(pose[:3, 3] + reach.wrist, wrist[:3], atol=1e-9)
+    assert not robot.knows_its_reach, "franky has no inverse kinematics"
+
+
 def test_an_arm_that_stands_outside_its_workspace_is_not_moved(simulator: FrankaSimulator) -> None:
     narrow = FRANKA_LIMITS.model_copy(update={"upper": (0.7, 0.35, 0.3)})
     simulator.path()

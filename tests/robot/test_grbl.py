@@ -73,7 +73,8 @@ def test_a_machine_that_is_only_asked_for_its_limits_does_not_move() -> None:
     with FakeGrbl() as device:
         robot = Grbl(device.port, SERVO)
         servo = device.servo
-        robot.ask_limits()
+        with robot.connected():
+            pass
         assert robot.limits.upper[:2] == (0.3, 0.22)
         assert not device.reached
         assert device.servo == servo

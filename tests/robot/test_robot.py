@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.robot import StoppedError
+from maulstick.storage.arrays import Floats
 from tests.support.robot.recorder import LIMITS, Recorder
 
 HIGH = (0.0, 0.0, 0.05)
@@ -240,3 +241,38 @@ def test_a_pen_that_could_not_be_lifted_is_not_said_to_be_until_it_is() -> None:
         cut[0] = False
     assert robot.lifted
     assert robot.said[-2:] == ["recover", "close"]
+
+
+class Connecting(Recorder):
+    """Recorder that also notes when it connects, and may fail to open."""
+
+    broken = False
+
+    def _connect(self) -> None:
+        self._note("connect", np.empty((0, 3)))
+
+    def _open(self) -> Floats:
+        if self.broken:
+            raise MachineError("it does not open")
+        return super()._open()
+
+
+def test_a_machine_that_is_connected_is_entered_on_the_same_connection_and_closed_once() -> None:
+    robot = Connecting()
+    with robot.connected():
+        assert robot.said == ["connect"]
+        with robot:
+            draw(robot)
+        assert robot.said == ["connect", "move", "stroke", "lift"], "left, and still connected"
+    assert robot.said[-1] == "close"
+    with robot:
+        pass
+    assert robot.said[-3:] == ["close", "connect", "close"], "on its own it connects by itself"
+
+
+def test_a_connected_machine_that_cannot_be_entered_or_fails_is_closed_once() -> None:
+    robot = Connecting()
+    robot.broken = True
+    with pytest.raises(MachineError, match="does not open"), robot.connected(), robot:
+        pass
+    assert robot.said == ["connect", "close"]

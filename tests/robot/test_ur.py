@@ -21,6 +21,9 @@ class FakeUR:
     """Both interfaces of one arm, which moves at once to each set-point until something stops it."""
 
     def __init__(self) -> None:
+        self.model, self.version = "UR5", "5.11.1.108318"
+        self.unreachable = False
+        self.asked: list[list[float]] = []
         self.pose = [*START, *TURNED]
         self.sent: list[list[float]] = []
         self.done: list[str] = []
@@ -53,15 +56,35 @@ class FakeUR:
         self.running = True
         return True
 
-    def servoL(self, pose: list[float], *how: float) -> bool:  # noqa: N802
-        assert len(how) == 5
+    def servoL(  # noqa: N802
+        self, pose: list[float], speed: float, acceleration: float, time: float, lookahead_time: float, gain: float
+    ) -> bool:
+        assert 0.03 <= lookahead_time <= 0.2
+        assert 100 <= gain <= 2000
         if len(self.sent) >= self.fails_after or self.protective or self.emergency or self.lost or not self.running:
             return False
         self.sent.append(list(pose))
         self.pose = list(pose)
         return True
 
-    def servoStop(self) -> bool:  # noqa: N802
+    def getTCPOffset(self) -> list[float]:  # noqa: N802
+        return [0.0, 0.0, 0.12, 0.0, 0.0, 0.0]
+
+    def isPoseWithinSafetyLimits(self, pose: list[float]) -> bool:  # noqa: N802
+        self.asked.append(pose)
+        return not (self.unreachable or self.lost or not self.running)
+
+    def connect(self) -> None:
+        if not self.model:
+            raise RuntimeError("Timeout connecting to UR dashboard server.")
+
+    def getRobotModel(self) -> str:  # noqa: N802
+        return f"{self.model}\n"
+
+    def polyscopeVersion(self) -> str:  # noqa: N802
+        return self.version
+
+    def servoStop(self, a: float = 10.0) -> bool:  # noqa: N802
         self.done.append("servoStop")
         return True
 
@@ -76,12 +99,16 @@ class FakeUR:
 def arm(monkeypatch: pytest.MonkeyPatch) -> FakeUR:
     fake = FakeUR()
 
-    def interface(address: str) -> FakeUR:
-        if address == "nowhere":
+    def interface(hostname: str) -> FakeUR:
+        if hostname == "nowhere":
             raise RuntimeError("Error: Could not connect to: nowhere at 30004,\nverify the IP")
         return fake
 
-    for name, call in (("rtde_control", "RTDEControlInterface"), ("rtde_receive", "RTDEReceiveInterface")):
+    for name, call in (
+        ("rtde_control", "RTDEControlInterface"),
+        ("rtde_receive", "RTDEReceiveInterface"),
+        ("dashboard_client", "DashboardClient"),
+    ):
         module = ModuleType(name)
         setattr(module, call, interface)
         monkeypatch.setitem(sys.modules, name, module)
@@ -159,3 +186,64 @@ def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "rtde_control", None)
     with pytest.raises(InputError, match=r"pip install 'maulstick\[ur\]'"):
         UR("192.168.1.3").__enter__()
+
+
+@pytest.mark.parametrize(
+    ("model", "version", "known"),
+    [
+        ("UR3", "3.15.8", "UR3"),
+        ("UR3", "5.11.1.108318", "UR3e"),
+        ("UR5", "URSoftware 5.9.4", "UR5e"),
+        ("UR16", "5.11", "UR16e"),
+        ("UR20", "5.14", "UR20"),
+        ("UR30", "5.15", "UR30"),
+        ("UR99", "5.15", None),
+        ("", "", None),
+    ],
+)
+def test_its_reach_is_that_of_the_model_that_the_controller_tells_and_no_other(
+    arm: FakeUR, model: str, version: str, known: str | None
+) -> None:
+    arm.model, arm.version = model, version
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        reach = robot.limits.reach
+    assert (None if reach is None else reach.model) == known
+    assert arm.sent == [], "nothing moved"
+
+
+def test_its_wrist_is_above_the_tip_by_the_tool_that_is_set_in_it(arm: FakeUR) -> None:
+    arm.pose[3:] = [np.pi, 0.0, 0.0]  # downwards
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        assert robot.limits.reach is not None
+        np.testing.assert_allclose(robot.limits.reach.wrist, (0, 0, 0.12 + 0.0996), atol=tolerances.SET_POINT)
+
+
+def test_a_flange_that_points_aside_has_no_reach_but_the_controllers(arm: FakeUR) -> None:
+    arm.pose[3:] = [np.pi / 2, 0.0, 0.0]
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        assert robot.limits.reach is None
+        assert robot.accepts(START)
+
+
+def test_it_asks_the_controller_which_places_are_within_reach_and_safety_limits(arm: FakeUR) -> None:
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        assert robot.knows_its_reach
+        assert robot.accepts(START)
+        assert arm.asked == [[*START, *TURNED]]
+        arm.unreachable = True
+        assert not robot.accepts(START)
+
+
+@pytest.mark.parametrize(("what", "sentence"), [("lost", "is lost; check the cable"), ("running", "does not answer")])
+def test_a_controller_that_does_not_answer_gives_no_verdict_about_a_place(
+    arm: FakeUR, what: str, sentence: str
+) -> None:
+    robot = UR("192.168.1.3")
+    with robot.connected():
+        setattr(arm, what, what == "lost")
+        with pytest.raises(MachineError, match=sentence):
+            robot.accepts(START)

@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
@@ -19,11 +20,14 @@ START = np.array([0.3, 0.0, 0.1])
 class FakeXArmAPI:
     """Arm that moves at once to each set-point, and returns the codes that a test gives it."""
 
-    device_type = 6
+    axis, device_type = 6, 6
+    tcp_offset = (0.0, 0.0, 120.0, 0.0, 0.0, 0.0)
+    world_offset = (0.0,) * 6
     start = (300.0, 0.0, 100.0)
     latest: "FakeXArmAPI"
 
-    def __init__(self, port: str) -> None:
+    def __init__(self, port: str | None = None) -> None:
+        assert port is not None
         if port == "nowhere":
             raise Exception("connect socket failed")
         FakeXArmAPI.latest = self
@@ -33,6 +37,10 @@ class FakeXArmAPI:
         self.codes: list[int] = []
         self.error = 0
         self.stuck = False
+        self.connected = True
+        self.unreachable: Callable[[list[float]], bool] = lambda pose: False
+        self.beyond_joints = self.beyond_boundary = False
+        self.asked: list[list[float]] = []
 
     def clean_error(self) -> int:
         self.done.append(("clean_error", None))
@@ -43,26 +51,45 @@ class FakeXArmAPI:
     def clean_warn(self) -> int:
         return 0
 
-    def motion_enable(self, enable: bool) -> int:
+    def motion_enable(self, enable: bool = True) -> int:
         return 0
 
-    def set_mode(self, mode: int) -> int:
+    def set_mode(self, mode: int = 0) -> int:
         self.done.append(("mode", mode))
         return 0
 
-    def set_state(self, state: int) -> int:
+    def set_state(self, state: int = 0) -> int:
         self.done.append(("state", state))
         return 0
 
-    def get_err_warn_code(self) -> tuple[int, list[int]]:
-        return 0, [self.error, 0]
+    def get_err_warn_code(self) -> tuple[int, list[int] | str]:
+        return (0, [self.error, 0]) if self.connected else (-1, "xArm is not connect")
 
-    def get_position(self, is_radian: bool) -> tuple[int, list[float]]:
+    def get_position(self, is_radian: bool | None = None) -> tuple[int, list[float] | str]:
         assert is_radian
-        return 0, list(self.pose)
+        return (0, list(self.pose)) if self.connected else (-1, "xArm is not connect")
 
-    def set_servo_cartesian(self, mvpose: list[float], is_radian: bool) -> int:
+    def get_inverse_kinematics(
+        self, pose: list[float], input_is_radian: bool | None = None, return_is_radian: bool | None = None
+    ) -> tuple[int, list[float]]:
+        assert input_is_radian
+        assert return_is_radian
+        self.asked.append(pose)
+        return (10, []) if self.unreachable(pose) else (0, [0.1] * 7)
+
+    def is_joint_limit(self, joint: list[float], is_radian: bool | None = None) -> tuple[int, bool]:
         assert is_radian
+        assert joint == [0.1] * 7
+        return 0, self.beyond_joints
+
+    def is_tcp_limit(self, pose: list[float], is_radian: bool | None = None) -> tuple[int, bool]:
+        assert is_radian
+        return 0, self.beyond_boundary
+
+    def set_servo_cartesian(self, mvpose: list[float], is_radian: bool | None = None) -> int:
+        assert is_radian
+        if not self.connected:
+            return -1
         code = self.codes.pop(0) if self.codes else 0
         if code == 0:
             self.sent.append(list(mvpose))
@@ -79,6 +106,7 @@ def api(monkeypatch: pytest.MonkeyPatch) -> type[FakeXArmAPI]:
     module = ModuleType("xarm.wrapper")
     module.XArmAPI = FakeXArmAPI  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "xarm.wrapper", module)
+    monkeypatch.setattr("maulstick.robot.adapters.xarm._TOLD", 0.0)
     return FakeXArmAPI
 
 
@@ -157,10 +185,11 @@ def test_a_lite_6_is_not_driven_within_the_limits_of_a_larger_arm(
     api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(api, "device_type", 9)
+    monkeypatch.setattr(api, "tcp_offset", (0.0,) * 6)
     with pytest.raises(InputError, match="this arm is a Lite 6"):
         XArm("192.168.1.2").__enter__()
     with XArm("192.168.1.2", LITE6) as robot:
-        assert robot.limits == LITE6
+        assert robot.limits.narrowed(LITE6) == robot.limits
 
 
 def test_an_address_where_no_arm_is_says_what_to_check(api: type[FakeXArmAPI]) -> None:
@@ -172,3 +201,68 @@ def test_without_the_sdk_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "xarm.wrapper", None)
     with pytest.raises(InputError, match=r"pip install 'maulstick\[xarm\]'"):
         XArm("192.168.1.2").__enter__()
+
+
+def test_a_line_that_breaks_is_a_sentence_and_not_an_answer_that_cannot_be_read(api: type[FakeXArmAPI]) -> None:
+    with XArm("192.168.1.2") as robot:
+        api.latest.connected = False
+        with pytest.raises(MachineError, match="the xArm refuses: it is not connected; check the cable"):
+            robot.move(START)
+
+
+@pytest.mark.parametrize(
+    ("axis", "kind", "model"), [(5, 5, "xArm 5"), (6, 6, "xArm 6"), (7, 7, "xArm 7"), (6, 12, "UFACTORY 850")]
+)
+def test_its_model_says_its_reach_and_the_tool_set_in_it_how_far_the_wrist_is_above(
+    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch, axis: int, kind: int, model: str
+) -> None:
+    monkeypatch.setattr(api, "axis", axis)
+    monkeypatch.setattr(api, "device_type", kind)
+    monkeypatch.setattr(sys.modules[__name__], "TURNED", [np.pi, 0.0, 0.5])
+    robot = XArm("192.168.1.2")
+    with robot.connected():
+        reach = robot.limits.reach
+        assert reach is not None
+        assert reach.model == model
+        np.testing.assert_allclose(reach.wrist, (0, 0, 0.12 + reach.flange), atol=tolerances.SET_POINT)
+        assert not robot.limits.holds(np.array([[0.6, 0.39, 0.0]])) or model == "UFACTORY 850"
+    assert api.latest.sent == [], "nothing moved"
+
+
+@pytest.mark.parametrize(("what", "value"), [("device_type", 99), ("world_offset", (0.0, 0.0, 50.0, 0.0, 0.0, 0.0))])
+def test_an_unknown_model_and_one_that_counts_from_elsewhere_have_no_reach_but_their_own_kinematics(
+    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch, what: str, value: object
+) -> None:
+    monkeypatch.setattr(api, what, value)
+    robot = XArm("192.168.1.2")
+    with robot.connected():
+        assert robot.limits.reach is None
+        assert robot.knows_its_reach
+
+
+def test_it_asks_the_controller_in_millimetres_and_radians_for_kinematics_joints_and_boundary(
+    api: type[FakeXArmAPI],
+) -> None:
+    robot = XArm("192.168.1.2")
+    with robot.connected():
+        arm = api.latest
+        assert robot.accepts(START)
+        assert arm.asked == [[300.0, 0.0, 100.0, *TURNED]]
+        arm.beyond_joints = True
+        assert not robot.accepts(START)
+        arm.beyond_joints, arm.beyond_boundary = False, True
+        assert not robot.accepts(START)
+        arm.beyond_boundary = False
+        arm.unreachable = lambda pose: pose[0] > 250
+        assert not robot.accepts(START)
+        assert robot.accepts(START - np.array([0.1, 0, 0]))
+
+
+def test_a_line_that_breaks_while_it_is_asked_is_no_verdict_about_the_place(
+    api: type[FakeXArmAPI], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = XArm("192.168.1.2")
+    with robot.connected():
+        monkeypatch.setattr(api, "get_inverse_kinematics", lambda *_, **__: (3, []))
+        with pytest.raises(MachineError, match="it did not answer in time"):
+            robot.accepts(START)

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from maulstick.errors import InputError
+from maulstick.robot.reach import Reach
 from maulstick.storage.arrays import Floats
 
 _SHARE = 1e-12  # least component of a direction, so that no division is by zero
@@ -28,6 +29,7 @@ class Limits(BaseModel):
     lifting: seconds for lifting or lowering, beside what the height takes.
     settling: seconds from the end of a motion until the machine says so, and takes the next one.
     tilt: largest angle between the paper and the machine's xy plane, radians.
+    reach: what of the workspace an arm gets to, where that is known.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -43,6 +45,7 @@ class Limits(BaseModel):
     lifting: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     settling: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     tilt: _Above = 0.1
+    reach: Reach | None = None
 
     @model_validator(mode="after")
     def _has_room(self) -> Self:
@@ -74,6 +77,12 @@ class Limits(BaseModel):
             allowed = f"above 0 and at most {1e3 * self.speed:g} mm/s"
             raise InputError.of_range("the speed", f"{1e3 * wrong[0]:g} mm/s", allowed)
 
+    def holds(self, places: Floats) -> bool:
+        """Return whether all places (n, 3) lie in the workspace and, for an arm, within its reach."""
+        if (places < np.subtract(self.lower, SLACK)).any() or (places > np.add(self.upper, SLACK)).any():
+            return False
+        return self.reach is None or not self.reach.beyond(places).any()
+
     def acceleration_along(self, units: Floats) -> Floats:
         """Return the highest acceleration (n,) along unit vectors (n, 3), metres per second squared."""
         if self.axes is None:
@@ -81,7 +90,10 @@ class Limits(BaseModel):
         return np.asarray((self.axes / np.maximum(np.abs(units), _SHARE)).min(axis=1))
 
     def narrowed(self, other: "Limits") -> "Limits":
-        """Return the stricter of both limits in everything. Raises InputError where the workspaces do not overlap."""
+        """Return the stricter of both limits in everything; an arm has one reach, so that of either.
+
+        Raises InputError where the workspaces do not overlap.
+        """
         lower, upper = np.maximum(self.lower, other.lower), np.minimum(self.upper, other.upper)
         if not np.all(lower < upper):
             raise InputError(
@@ -100,6 +112,7 @@ class Limits(BaseModel):
             lifting=max(self.lifting, other.lifting),
             settling=max(self.settling, other.settling),
             tilt=min(self.tilt, other.tilt),
+            reach=self.reach or other.reach,
         )
 
     @property

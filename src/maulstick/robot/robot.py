@@ -1,10 +1,10 @@
 """The abstract machine: it moves, draws strokes, lifts and stops; every motion is checked against its limits first."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from types import TracebackType
-from typing import Self, final
+from typing import ClassVar, Self, final
 
 import numpy as np
 
@@ -37,21 +37,25 @@ class Robot(ABC):
     0.1 s looks at `_stopping` that often, and raises StoppedError.
     """
 
+    knows_its_reach: ClassVar[bool] = False
+    """Whether the machine itself can be asked what it `accepts`."""
+
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self._stopping = Stopping()
         self._place: Floats | None = None
-        self._down = self._out_of_use = False
+        self._down = self._out_of_use = self._connected = False
 
     @final
     def __enter__(self) -> Self:
         self._stopping.clear()
         self._out_of_use = False
         try:
-            self._connect()
+            if not self._connected:
+                self._connect()
             self._place, self._down = self._open(), False
         except BaseException:
-            self._close()
+            self._leave()
             raise
         return self
 
@@ -61,15 +65,27 @@ class Robot(ABC):
             self._save()
         finally:
             self._place = None
+            self._leave()
+
+    @final
+    @contextmanager
+    def connected(self) -> Iterator[None]:
+        """Connect without moving: the machine's own `limits` are known, and it can be asked what it `accepts`.
+
+        It may be entered within, on the same connection.
+        """
+        try:
+            self._connect()
+            self._connected = True
+            yield
+        finally:
+            self._connected = False
             self._close()
 
     @final
-    def ask_limits(self) -> None:
-        """Ask the machine for its `limits` before it is entered; nothing moves."""
-        try:
-            self._connect()
-        finally:
-            self._close()
+    def accepts(self, place: Floats) -> bool:
+        """Return whether the machine says that its tip gets to a place (3,), metres; it must be connected."""
+        return self._accepts(np.asarray(place, dtype=np.float64))
 
     @property
     @final
@@ -165,6 +181,10 @@ class Robot(ABC):
     def _lift(self, place: Floats) -> Floats:
         """Lift the tip to this place (3,), straight above where it is; returns the place commanded, (3,)."""
 
+    def _accepts(self, place: Floats) -> bool:
+        """Ask the machine whether its tip gets to a place (3,) within the limits; one that does not know says yes."""
+        return True
+
     @abstractmethod
     def _halt(self) -> None:
         """Tell the machine to stop, from any thread and without waiting, where `_recover` would come too late."""
@@ -172,6 +192,10 @@ class Robot(ABC):
     @abstractmethod
     def _recover(self) -> None:
         """Stop and lift the pen as far as possible, after a stop or a fault; called from the thread of the calls."""
+
+    def _leave(self) -> None:
+        if not self._connected:
+            self._close()
 
     def _check_connected(self) -> Floats:
         if self._place is None:

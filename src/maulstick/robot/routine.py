@@ -12,11 +12,13 @@ from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits
+from maulstick.robot.room import Way, check_room
 from maulstick.robot.timing import Profile
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
 _SAME = 1e-7  # metres, or pressure: points that differ by less in everything count as one
+_APART = 0.02  # metres between the places of a way over that are looked at; an arm's reach changes little within
 _STEADY = 0.02  # range of pressure within a stroke that a machine that only lifts its pen may ignore
 
 
@@ -37,6 +39,11 @@ class Motion:
     def start(self) -> Floats:
         """Place (3,) above the first point, with the tip lifted, metres."""
         return np.array([*self.path[0, :2], self.above])
+
+    @property
+    def end(self) -> Floats:
+        """Place (3,) above the last point, with the tip lifted again, metres."""
+        return np.array([*self.path[-1, :2], self.after])
 
     @property
     def length(self) -> float:
@@ -129,7 +136,7 @@ def routine(
             load = PaintLoad(stroke.paint)
         load = replace(load, painted=load.painted + draw.motion.length)
         actions.append(draw)
-    _check_room(actions, limits)
+    check_room(ways_of(actions), easel, limits)
     return actions
 
 
@@ -140,7 +147,6 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
         if isinstance(action, Prompt):
             continue
         motion = action.motion
-        end = np.array([*motion.path[-1, :2], motion.after])
         seconds[index] = (
             _straight(place, motion.start, limits)
             + limits.settling
@@ -150,13 +156,33 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
             + _lowering(motion.after - motion.path[-1, 2], limits)
             + (limits.settling if limits.varies_pressure else 0.0)  # a pen that is only lifted moves no motor
         )
-        place = end
+        place = motion.end
     return seconds
+
+
+def ways_of(actions: Sequence[Action]) -> list[Way]:
+    """Return where the tip goes in each action, and straight over to it from the one before."""
+    ways: list[Way] = []
+    for action in actions:
+        if isinstance(action, Prompt):
+            continue
+        motion = action.motion
+        name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
+        if ways:
+            ways.append(Way(f"the way to {name}", _straight_over(ways[-1].path[-1], motion.start), None))
+        ways.append(Way(name, np.concatenate([[motion.start], motion.path, [motion.end]]), motion.speed))
+    return ways
 
 
 def drawn_metres(actions: Sequence[Action]) -> float:
     """Return the metres of stroke among the actions."""
     return sum(action.motion.length for action in actions if isinstance(action, Draw))
+
+
+def _straight_over(start: Floats, end: Floats) -> Floats:
+    """Return places (k, 3) from one place (3,) straight to another, at most 20 mm apart."""
+    count = int(np.linalg.norm(end - start) / _APART) + 2
+    return np.linspace(start, end, count)
 
 
 def _straight(start: Floats, end: Floats, limits: Limits) -> float:
@@ -235,25 +261,6 @@ def _check_easel(easel: Easel, limits: Limits) -> None:
     if easel.tilt > limits.tilt:
         came, most = (np.degrees(angle) for angle in (easel.tilt, limits.tilt))
         raise InputError(f"the paper is tilted by {came:.2g} degrees; it must be at most {most:.2g}: lay it flatter")
-
-
-def _check_room(actions: Sequence[Action], limits: Limits) -> None:
-    """Raise InputError where an action leaves the workspace or is too fast, counting the others that do."""
-    faults: list[str] = []
-    for action in actions:
-        if isinstance(action, Prompt):
-            continue
-        motion = action.motion
-        name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
-        end = np.array([*motion.path[-1, :2], motion.after])
-        try:
-            limits.check_path(np.concatenate([motion.path, [motion.start, end]]))
-            limits.check_speed(motion.speed)
-        except InputError as error:
-            faults.append(f"{name}: {error}")
-    if faults:
-        more = f" (and {len(faults) - 1} more like it)" if len(faults) > 1 else ""
-        raise InputError(f"{faults[0]}{more}; lay the sheet elsewhere, or plan for a smaller one")
 
 
 def _taking_up(

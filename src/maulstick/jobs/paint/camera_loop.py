@@ -28,7 +28,8 @@ from maulstick.planning.schedule import REPLAN
 from maulstick.planning.tones import InkSupply
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
-from maulstick.robot.routine import NOTHING
+from maulstick.robot.room import check_accepted
+from maulstick.robot.routine import NOTHING, ways_of
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
@@ -158,7 +159,9 @@ def paint_by_eye(
             write_painting(painting, path)
             journal.revise(path)
         painting = workplace.in_order(painting)
-        hand = workplace.do(workplace.left_of(painting, hand), hand, enough)
+        actions = workplace.left_of(painting, hand)
+        check_accepted(ways_of(actions), workplace.easel, workplace.robot)
+        hand = workplace.do(actions, hand, enough)
 
 
 def revision_of(journal: Journal, number: int) -> Path:

@@ -19,7 +19,8 @@ from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
-from maulstick.robot.routine import Prompt, routine
+from maulstick.robot.room import check_accepted
+from maulstick.robot.routine import Action, Prompt, routine, ways_of
 from maulstick.robot.workplace import Workplace
 
 
@@ -137,9 +138,8 @@ def _make_room(path: Path, stem: str) -> None:
 
 def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
     """Return the estimate of a run in which the strokes `done` are painted already."""
-    with machine_lock(setup.options.machine):
-        setup.robot.ask_limits()
-    actions = routine(setup.plan, setup.easel, setup.robot.limits, setup.tray, speed=setup.options.speed, done=done)
+    with machine_lock(setup.options.machine), setup.robot.connected():
+        actions = _actions(setup, done)
     start = setup.easel.canvas_to_machine(np.zeros(3))
     return Estimate.of(actions, setup.plan, setup.robot.limits, start)
 
@@ -151,6 +151,14 @@ def _where_it_stands(easel: Easel, robot: Robot) -> str:
         f"see that the pen stands {1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet "
         "(elsewhere: stop, switch the machine off and on with its pen at home, and resume)"
     )
+
+
+def _actions(setup: PaintSetup, done: Collection[int]) -> list[Action]:
+    """Return the actions that are left; raises InputError where the machine, which must be connected, cannot do one."""
+    robot, speed = setup.robot, setup.options.speed
+    actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=speed, done=done)
+    check_accepted(ways_of(actions), setup.easel, robot)
+    return actions
 
 
 def _paint(
@@ -176,8 +184,11 @@ def _paint(
                 if setup.replanning is None
                 else stack.enter_context(setup.replanning.opened(setup.plan, setup.simulation, before))
             )
+        stack.enter_context(setup.robot.connected())
+        actions = _actions(setup, done)  # before anything moves
+        if operator.stopped:  # entering the machine would forget it, and lift the pen
+            raise StoppedError
         robot = stack.enter_context(setup.robot)
-        actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=setup.options.speed, done=done)
         if before is not None and robot.counts_steps and actions:
             actions.insert(0, Prompt(_where_it_stands(setup.easel, robot), actions[0].paint))
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))

@@ -2,19 +2,24 @@
 
 from abc import abstractmethod
 from contextlib import suppress
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from maulstick.errors import InputError, MachineError, Remedy
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
+from maulstick.robot.reach import Reach
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.stopping import Stopping
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
 
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
 _CLEARANCE = 1e-2  # metres that the tip rises where the height of the paper is not known
+_DOWNWARDS = 0.9  # cosine of 26 degrees: a flange that is tilted more is a long way from what a reach is computed for
 _NOISE = 1e-3  # metres: an arm that reports to be so far outside its workspace counts as at its edge
 
 
@@ -26,6 +31,7 @@ class Arm(Robot):
 
     machine: limits of the arm.  narrower: limits of the easel, if any.
     An adapter implements the abstract methods. All of them raise MachineError, in a sentence, where the arm fails.
+    Once it is connected, it says what it `_reaches`, and where it can, it asks its controller in `_accepts`.
     """
 
     def __init__(self, machine: Limits, narrower: Limits | None) -> None:
@@ -54,6 +60,16 @@ class Arm(Robot):
     @abstractmethod
     def _make_ready(self) -> None:
         """Stop, clear the errors that may be cleared without a person, and make the arm ready to move."""
+
+    @final
+    def _reaches(self, reach: Reach, pose: Floats, tool: Floats) -> None:
+        """Take over the reach of the model, for a pen that is held as now; none where the flange points aside.
+
+        pose: (4, 4) of the tip in the machine's frame.  tool: (4, 4) of the tip as the flange sees it; metres.
+        """
+        flange = pose[:3, :3] @ tool[:3, :3].T
+        held = reach.holding(flange, tool[:3, 3]) if flange[2, 2] < -_DOWNWARDS else None
+        self.limits = self.limits.model_copy(update={"reach": held})
 
     @final
     def _open(self) -> Floats:
@@ -108,6 +124,13 @@ class Arm(Robot):
             )
         above = within + np.array([0, 0, _CLEARANCE])
         self._travel(above.clip(max=upper), Stopping())
+
+
+def pose_of(place: Floats, turned: "Rotation") -> Floats:
+    """Return the pose (4, 4) at a place (3,), metres, turned so."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turned.as_matrix(), place
+    return pose
 
 
 def _millimetres(place: Floats) -> str:

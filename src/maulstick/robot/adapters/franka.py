@@ -12,6 +12,7 @@ import numpy as np
 
 from maulstick.errors import InputError, MachineError
 from maulstick.robot.adapters.arm import Arm
+from maulstick.robot.adapters.reaches import FRANKA_REACH
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import StoppedError
@@ -29,7 +30,7 @@ FRANKA_LIMITS: Final = Limits(
     varies_pressure=True,
     lifting=0.03,
 )
-"""Limits: a box before the arm, all of which it reaches with its tool pointing down.
+"""Limits: a box before the arm; franky has no inverse kinematics to ask, so that `reach` alone says what it gets to.
 
 Lifting and lowering take two motions each, and each begins some 15 ms after it is sent (measured in franky-sim).
 """
@@ -67,7 +68,9 @@ class Franka(Arm, FeelsForce):
             self._arm = franky.Robot(self._address, realtime_config=franky.RealtimeConfig.Ignore)
         self._make_ready()
         with self._line():
-            self._turned = self._arm.current_pose.end_effector_pose.quaternion
+            pose = self._arm.current_pose.end_effector_pose
+            self._turned = pose.quaternion
+            self._reaches(FRANKA_REACH, pose.matrix, self._arm.state.F_T_EE.matrix)
 
     def _disconnect(self) -> None:
         if self._arm is not None:

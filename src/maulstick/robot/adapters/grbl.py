@@ -29,7 +29,7 @@ class Grbl(Robot):
     """Machine with Grbl 1.1, in its work coordinates (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
     address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: servo of its pen; None where it lifts by height.
-    limits: limits narrower than its own. Its own are known after `ask_limits`, or once it is entered.
+    limits: limits narrower than its own. Its own are known while it is `connected` or entered, and after.
     patience: seconds without an answer until it counts as lost.
     """
 

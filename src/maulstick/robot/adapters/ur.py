@@ -1,5 +1,6 @@
 """Universal Robots' arms: set-points through servoL of ur-rtde, which follows them with a little smoothing."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Final, final
@@ -7,7 +8,8 @@ from typing import Any, Final, final
 import numpy as np
 
 from maulstick.errors import InputError, MachineError
-from maulstick.robot.adapters.arm import Arm
+from maulstick.robot.adapters.arm import Arm, pose_of
+from maulstick.robot.adapters.reaches import UR_REACHES
 from maulstick.robot.adapters.streaming import stream
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.limits import Limits
@@ -24,8 +26,12 @@ UR_LIMITS: Final = Limits(
     deviation=1e-4,
     varies_pressure=True,
 )
-"""Limits: a box around the arm; set its own safety planes for what it must not touch."""
+"""Limits: a box about the arm, of which each model reaches a part.
 
+Set its own safety planes for what it must not touch.
+"""
+
+_E_SERIES: Final = 5  # first version of PolyScope that drives it, under the models' old names
 _PERIOD: Final = 0.008  # seconds between set-points: both series keep that pace, and so does a busy computer
 _LOOKAHEAD: Final = 0.03  # seconds, the least allowed: at our acceleration it cuts corners by 0.2 mm at most
 _GAIN: Final = 500.0  # of servoL, whose range is 100 to 2000: higher follows more stiffly
@@ -34,6 +40,8 @@ _GAIN: Final = 500.0  # of servoL, whose range is 100 to 2000: higher follows mo
 @final
 class UR(Arm, FeelsForce):
     """UR of the CB or e-series at an IP address, under remote control; the limits narrow UR_LIMITS."""
+
+    knows_its_reach = True
 
     def __init__(self, address: str, limits: Limits | None = None) -> None:
         super().__init__(UR_LIMITS, limits)
@@ -62,7 +70,9 @@ class UR(Arm, FeelsForce):
                 f"no UR can be driven at {self._address} ({' '.join(str(error).split())}); check its power and the "
                 "cable, and that it is under remote control"
             ) from error
-        self._turned = self._pose()[3:6]
+        pose = self._pose()
+        self._turned = pose[3:6]
+        self._take_over_reach(pose)
 
     def _disconnect(self) -> None:
         control, receive = self._control, self._receive
@@ -83,6 +93,43 @@ class UR(Arm, FeelsForce):
                 stream(profile, self._send, self._where, _PERIOD, stopping)
             finally:
                 self._control.servoStop()
+
+    def _accepts(self, place: Floats) -> bool:
+        # Unlike getInverseKinematics this does not stop the controller's program where there is no pose.
+        with self._line():
+            if self._control.isPoseWithinSafetyLimits([*place.tolist(), *self._turned]):
+                return True
+            self._check_safety()
+            if not self._control.isProgramRunning():
+                raise MachineError("the UR does not answer; see what its pendant says")
+        return False
+
+    def _take_over_reach(self, pose: list[float]) -> None:
+        if not (model := self._model()):
+            return  # of a model that is not in the table, its own kinematics decide alone
+        from scipy.spatial.transform import Rotation
+
+        with self._line():
+            tool = self._control.getTCPOffset()
+        held = (pose_of(np.array(of[:3]), Rotation.from_rotvec(of[3:6])) for of in (pose, tool))
+        self._reaches(UR_REACHES[model], *held)
+
+    def _model(self) -> str:
+        """Ask for the model, as in UR5e; empty for an unknown one, and where nobody tells, as in PolyScope X."""
+        from dashboard_client import DashboardClient
+
+        board = DashboardClient(self._address)
+        try:
+            board.connect()
+            try:
+                name, version = board.getRobotModel().strip(), board.polyscopeVersion()
+            finally:
+                board.disconnect()
+        except RuntimeError:
+            return ""
+        series = re.search(r"\d+", version)
+        names = [name] if series is not None and int(series[0]) < _E_SERIES else [f"{name}e", name]
+        return next((known for known in names if known in UR_REACHES), "")
 
     def _make_ready(self) -> None:
         self._check_safety()

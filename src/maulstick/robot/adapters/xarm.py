@@ -11,7 +11,8 @@ from typing import Any, Final, final
 import numpy as np
 
 from maulstick.errors import InputError, MachineError
-from maulstick.robot.adapters.arm import Arm
+from maulstick.robot.adapters.arm import Arm, pose_of
+from maulstick.robot.adapters.reaches import UFACTORY_REACHES
 from maulstick.robot.adapters.streaming import stream
 from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
@@ -27,15 +28,17 @@ XARM: Final = Limits(
     deviation=1e-4,
     varies_pressure=True,
 )
-"""Limits: a box that the arms of 700 mm reach."""
+"""Limits: a box about what the arms of 700 mm reach."""
 
 LITE6: Final = XARM.narrowed(XARM.model_copy(update={"lower": (0.15, -0.2, -0.05), "upper": (0.38, 0.2, 0.35)}))
-"""Limits: a box that a Lite 6 reaches."""
+"""Limits: a box about what a Lite 6 reaches; no arm gets to all the corners of its box, which `reach` knows."""
 
 _SERVO_MODE: Final = 1  # of set_mode: follow set-points
 _READY: Final = 0  # of set_state
 _LITE6_TYPE: Final = 9  # of device_type
 _PERIOD: Final = 0.01  # seconds: the controller takes up to 250 set-points per second
+_TOLD: Final = 0.4  # seconds: the controller reports its tool five times a second; until then the SDK says zeros
+_UNANSWERED: Final = (-1, 3, 4, 5, 6, 7, 8)  # codes of a broken line or protocol, which say nothing about a place
 _METRE: Final = 1e3  # millimetres, in which the SDK counts
 _OF_A_COLLISION: Final = (22, 31, 35)  # error codes: with itself, with something, with a boundary
 _RETURNED: Final = {  # codes that calls of the SDK return
@@ -54,6 +57,8 @@ _RETURNED: Final = {  # codes that calls of the SDK return
 @final
 class XArm(Arm):
     """xArm, or with `limits` within LITE6 a Lite 6, at an IP address; the limits narrow XARM."""
+
+    knows_its_reach = True
 
     def __init__(self, address: str, limits: Limits | None = None) -> None:
         super().__init__(XARM, limits)
@@ -75,11 +80,13 @@ class XArm(Arm):
             ) from error
         if self._arm.device_type == _LITE6_TYPE and self.limits.narrowed(LITE6) != self.limits:
             raise InputError("this arm is a Lite 6, which reaches less far than an xArm; call it lite6:IP")
-        _, (stopped_by, _) = self._arm.get_err_warn_code()
+        stopped_by = self._error()
         if stopped_by in _OF_A_COLLISION:
             raise MachineError(f"{self._sentence(0)}; see that it is free, clear the error at the arm, and start again")
         self._make_ready()
-        self._turned = self._pose()[3:6]
+        pose = self._pose()
+        self._turned = pose[3:6]
+        self._take_over_reach(pose)
 
     def _disconnect(self) -> None:
         if self._arm is not None:
@@ -92,6 +99,35 @@ class XArm(Arm):
     def _follow(self, profile: Profile, stopping: Stopping) -> None:
         stream(profile, self._send, self._where, _PERIOD, stopping)
 
+    def _accepts(self, place: Floats) -> bool:
+        pose = [*(_METRE * place).tolist(), *self._turned]
+        code, joints = self._arm.get_inverse_kinematics(pose, input_is_radian=True, return_is_radian=True)
+        if code in _UNANSWERED:
+            raise MachineError(_refusal(code))
+        return code == 0 and not any(
+            self._said(limited)
+            for limited in (
+                self._arm.is_joint_limit(joints, is_radian=True),
+                self._arm.is_tcp_limit(pose, is_radian=True),
+            )
+        )
+
+    def _take_over_reach(self, pose: list[float]) -> None:
+        reach = UFACTORY_REACHES.get((self._arm.axis, self._arm.device_type))
+        if reach is None:
+            return  # of a model that is not in the table, its own kinematics decide alone
+        from scipy.spatial.transform import Rotation
+
+        time.sleep(_TOLD)
+        if any(self._arm.world_offset):
+            return  # places are not counted from its base, which only itself takes into account
+        tool = list(self._arm.tcp_offset)
+        self._reaches(
+            reach,
+            pose_of(np.array(pose[:3]) / _METRE, Rotation.from_euler("xyz", pose[3:6])),
+            pose_of(np.array(tool[:3]) / _METRE, Rotation.from_euler("xyz", tool[3:6], degrees=True)),
+        )
+
     def _make_ready(self) -> None:
         self._arm.clean_error()
         self._arm.clean_warn()
@@ -99,9 +135,20 @@ class XArm(Arm):
         self._check(self._arm.set_mode(_SERVO_MODE))
         self._check(self._arm.set_state(_READY))
         time.sleep(0.1)  # the controller takes that long to change its mode
-        code, (error, _) = self._arm.get_err_warn_code()
-        if code or error:
-            raise MachineError(self._sentence(code))
+        if self._error():
+            raise MachineError(self._sentence(0))
+
+    def _error(self) -> int:
+        """Ask for the controller's error, 0 where it has none."""
+        code, codes = self._arm.get_err_warn_code()
+        if code:
+            raise MachineError(_refusal(code))
+        return int(codes[0])
+
+    def _said(self, answer: tuple[int, bool | None]) -> bool:
+        code, limited = answer
+        self._check(code)
+        return bool(limited)
 
     def _pose(self) -> list[float]:
         code, pose = self._arm.get_position(is_radian=True)
@@ -120,11 +167,14 @@ class XArm(Arm):
         """Return a sentence about a fault: the controller's error where it has one, else what the SDK's code means."""
         from xarm.core.config.x_code import ControllerError
 
-        asked, (error, _) = self._arm.get_err_warn_code()
-        if asked or not error:
-            return (
-                f"the xArm refuses: {_RETURNED.get(code, f'the SDK returned code {code}, which its manual explains')}"
-            )
+        asked, codes = self._arm.get_err_warn_code()
+        if asked or not codes[0]:
+            return _refusal(code)
+        error = codes[0]
         told = ControllerError(error)
         cure = " ".join(told.description["en"].split())
         return f"the xArm stopped with error {error}, {told.title['en']}: {cure}"
+
+
+def _refusal(code: int) -> str:
+    return f"the xArm refuses: {_RETURNED.get(code, f'the SDK returned code {code}, which its manual explains')}"
