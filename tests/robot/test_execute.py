@@ -137,6 +137,35 @@ def test_a_pause_holds_the_machine_between_two_strokes(journal_path: Path) -> No
     assert not pause.held
 
 
+class Buttoned(Recorder):
+    """Recorder whose button is pressed at these looks at it, counted from 0."""
+
+    def __init__(self, *pressed: int) -> None:
+        super().__init__()
+        self.looks, self._at = 0, pressed
+
+    def _pressed(self) -> bool:
+        self.looks += 1
+        return self.looks - 1 in self._at
+
+
+def test_the_machines_button_holds_it_after_a_stroke_until_it_is_pressed_again(journal_path: Path) -> None:
+    robot, told = Buttoned(3, 8), list[tuple[bool, int, int, bool]]()
+    pause = Pause(lambda held: told.append((held, robot.looks, robot.said.count("stroke"), robot.down)))
+    with Journal.open(journal_path) as journal, robot:
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None, pause=pause)
+        assert journal.painted == set(ALL)
+    assert told == [(True, 4, 2, False), (False, 9, 2, False)]
+    assert not pause.held
+
+
+def test_a_stop_ends_a_pause(journal_path: Path) -> None:
+    robot = Buttoned(2)
+    pause = Pause(lambda held: robot.stop())
+    with Journal.open(journal_path) as journal, robot, pytest.raises(StoppedError):
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None, pause=pause)
+
+
 # Bad days.
 
 

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
-from typing import Self, final
+from typing import Self, TypeVar, final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
+
+Result = TypeVar("Result")
 
 _SAME_PLACE = 1e-4  # metres: a stroke may begin so far beside the pen; covers rounding to steps or decimals
 
@@ -124,6 +126,11 @@ class Robot(ABC):
         return place
 
     @final
+    def pause_pressed(self) -> bool:
+        """Return whether the machine's own button for a pause was pressed since the last call; False if it has none."""
+        return self._guarded(self._pressed)
+
+    @final
     def stop(self) -> None:
         """Stop at once, and lift the pen. The call that is running raises StoppedError, and so does every later one."""
         self._stopping.set()
@@ -160,6 +167,10 @@ class Robot(ABC):
     def _lift(self, place: Floats) -> Floats:
         """Lift the tip to this place (3,), straight above where it is; returns the place commanded, (3,)."""
 
+    def _pressed(self) -> bool:
+        """Return whether the button for a pause was pressed since the last call; for machines that have one."""
+        return False
+
     @abstractmethod
     def _halt(self) -> None:
         """Tell the machine to stop, from any thread and without waiting, where `_recover` would come too late."""
@@ -174,19 +185,23 @@ class Robot(ABC):
         return self._place
 
     def _do(self, act: Callable[[], Floats]) -> Floats:
+        place = self._guarded(act)
+        self._place = place.reshape(-1, 3)[-1].copy()
+        return place
+
+    def _guarded(self, act: Callable[[], Result]) -> Result:
+        """Return what the act returns; after a stop or a fault, lift the pen and raise."""
         if self._out_of_use:
             raise StoppedError
         try:
             if self._stopping.is_set():
                 raise StoppedError
-            place = act()
+            return act()
         except BaseException:
             self._out_of_use = True  # until it is entered again, since the place of the tip is not known
             self._down = True
             self._save()
             raise
-        self._place = place.reshape(-1, 3)[-1].copy()
-        return place
 
     def _save(self) -> None:
         """Lift the pen if it is not known to be lifted."""
