@@ -230,6 +230,20 @@ def test_a_disk_that_is_full_stops_the_machine_and_no_stroke_is_lost(tmp_path: P
         assert bool(asked) == (at % 2 == 0)  # it was on the paper when its end was to be written
 
 
+@pytest.mark.parametrize("what", ["stroke", "lift"])
+def test_a_fault_lifts_the_pen_as_high_as_it_travels(journal_path: Path, what: str) -> None:
+    def fail(called: str) -> None:
+        if called == "recover":
+            heights.append(float(robot.place[2]))
+        elif called == what and "stroke" in robot.said:
+            raise MachineError("the cable is off")
+
+    robot, heights = Recorder(before=fail), list[float]()
+    with Journal.open(journal_path) as journal, pytest.raises(MachineError, match="the cable is off"), robot:
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None)
+    assert heights == [pytest.approx(EASEL.travel)]
+
+
 # Power cuts: whatever the moment, every stroke is painted once in the end, and at most one was asked about.
 
 

@@ -121,7 +121,7 @@ class Robot(ABC):
         """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
         goal = np.array([*self.place[:2], height], dtype=np.float64)
         self.limits.check_path(goal[None])
-        place = self._do(lambda: self._lift(goal))
+        place = self._do(lambda: self._lifted_to(goal))
         self._down = False
         return place
 
@@ -201,6 +201,13 @@ class Robot(ABC):
             self._out_of_use = True  # until it is entered again, since the place of the tip is not known
             self._down = True
             self._save()
+            raise
+
+    def _lifted_to(self, goal: Floats) -> Floats:
+        try:
+            return self._lift(goal)
+        except BaseException:
+            self._place = goal  # the height to which `_recover` lifts, and not that of the stroke that was ended
             raise
 
     def _save(self) -> None:
