@@ -8,6 +8,7 @@ import time
 import tty
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Self
@@ -55,7 +56,8 @@ class FakeEbb:
     unread: bytes = b""
 
     commands: list[str] = field(default_factory=list)
-    reached: list[tuple[int, int, bool]] = field(default_factory=list)  # both motors and whether the pen was down
+    made: tuple[int, int] = (0, 0)  # steps that the motors really made: none without power
+    reached: list[tuple[int, int, bool]] = field(default_factory=list)  # those, and whether the pen was down
     refused: list[str] = field(default_factory=list)
     seconds: float = 0.0  # of motion, since it was switched on
     clock: float = 0.0  # seconds since then
@@ -64,9 +66,9 @@ class FakeEbb:
     enabled: bool = False
 
     def __enter__(self) -> Self:
-        self._master, self._slave = pty.openpty()
-        tty.setraw(self._slave)
-        self.port = os.ttyname(self._slave)
+        self._master, self._unplugged = -1, False
+        self.plug_in()
+        self.made = self.steps
         self._answers: deque[tuple[float, bytes]] = deque()
         self._motions: deque[Motion] = deque()
         self._base = self.steps
@@ -82,6 +84,26 @@ class FakeEbb:
         self._thread.join()
         self._hang_up()
 
+    def plug_in(self) -> None:
+        """Connect the line, at a new port, unless it is connected; the board may have been running without one."""
+        if self._master >= 0:
+            return
+        master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        self.port = os.ttyname(self._slave)
+        self._master = master
+
+    def unplug(self) -> None:
+        """Disconnect the line at the next look at it; what was queued is carried out."""
+        self._unplugged = True
+        while self._master >= 0:
+            time.sleep(0.001)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a motion runs."""
+        return bool(self._motions)
+
     @property
     def servo_is_powered(self) -> bool:
         """Whether the servo has power, as QR would say: off when switched on, and so long after its last motion."""
@@ -90,24 +112,28 @@ class FakeEbb:
     def _live(self) -> None:
         before = time.monotonic()
         while not self._ending:
+            if self._unplugged:
+                self._unplugged = False
+                self._hang_up()
             if self._master < 0:
                 time.sleep(0.005)
-                continue
-            try:
-                if select.select([self._master], [], [], 0.0005)[0]:
-                    self.unread += os.read(self._master, 4096)
-                while self._answers and self._answers[0][0] <= time.monotonic():
-                    content = self._answers.popleft()[1]
-                    if not self._silent:
-                        os.write(self._master, content)
-            except OSError:
-                continue
+            else:
+                self._talk()
             now = time.monotonic()
             self.clock += (now - before) * self.pace
             self._run((now - before) * self.pace)
             before = now
             while b"\r" in self.unread and self._obey(self.unread.split(b"\r", 1)[0].decode("latin-1")):
                 self.unread = self.unread.split(b"\r", 1)[1]
+
+    def _talk(self) -> None:
+        with suppress(OSError):
+            if select.select([self._master], [], [], 0.0005)[0]:
+                self.unread += os.read(self._master, 4096)
+            while self._answers and self._answers[0][0] <= time.monotonic():
+                content = self._answers.popleft()[1]
+                if not self._silent:
+                    os.write(self._master, content)
 
     def _run(self, seconds: float) -> None:
         while self._motions and seconds > 0:
@@ -118,11 +144,14 @@ class FakeEbb:
             self.seconds += took
             share = motion.gone / motion.seconds
             first, second = motion.steps or (0, 0)
-            self.steps = self._base[0] + round(share * first), self._base[1] + round(share * second)
+            steps = self._base[0] + round(share * first), self._base[1] + round(share * second)
+            if self.supply > UNPOWERED:
+                self.made = self.made[0] + steps[0] - self.steps[0], self.made[1] + steps[1] - self.steps[1]
+            self.steps = steps
             if motion.gone >= motion.seconds:
                 self._base = self.steps
                 self._motions.popleft()
-                self.reached.append((*self.steps, self.down))
+                self.reached.append((*self.made, self.down))
 
     def _tell(self, text: str, end: str = "\r\n") -> None:
         self._answers.append((time.monotonic() + self.delay, f"{text}{end}".encode("latin-1")))
