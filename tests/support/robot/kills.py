@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from maulstick.errors import MachineError
+from maulstick.errors import InputError, MachineError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
@@ -96,7 +96,7 @@ def _one_painting(
         if is_killed := tally.kills < kills and _waits_for(rng, program, painting):
             tally.kills += 1
             _strike(machine, program, kill)
-        whole, lifted = _ended(program, pipe)
+        whole, lifted = _ended(program, pipe, is_killed)
         machine.rest()
         if kill in machine.lifts and not whole and not (lifted and not machine.pen_is_down()):
             tally.left_down += 1
@@ -158,7 +158,7 @@ def _waits_for(rng: np.random.Generator, program: BaseProcess, painting: Path) -
     return program.is_alive()
 
 
-def _ended(program: BaseProcess, pipe: Connection) -> tuple[bool, bool]:
+def _ended(program: BaseProcess, pipe: Connection, is_killed: bool) -> tuple[bool, bool]:
     """Wait for the end of the program; returns whether the painting is whole, and the pen known to be lifted."""
     program.join(PATIENCE)
     if program.is_alive():
@@ -167,7 +167,7 @@ def _ended(program: BaseProcess, pipe: Connection) -> tuple[bool, bool]:
     lifted = False
     with pipe, suppress(EOFError):  # one that was killed says nothing
         lifted = pipe.recv()
-    if program.exitcode not in (DONE, STOPPED, FAULT, -signal.SIGKILL):
+    if program.exitcode not in ((DONE, STOPPED, FAULT, -signal.SIGKILL) if is_killed else (DONE,)):
         raise RuntimeError(f"the program ended with {program.exitcode}")
     return program.exitcode == DONE, lifted
 
@@ -194,7 +194,7 @@ def _program(make: Callable[[], Robot], painting: Path, on_paper: set[int], pipe
         code = DONE
     except (StoppedError, KeyboardInterrupt):
         code = STOPPED
-    except MachineError:
+    except (MachineError, InputError):  # the port may have gone before it was opened
         code = FAULT
     except BaseException:  # whatever else: the one who waits is told by the code
         traceback.print_exc()
