@@ -194,8 +194,8 @@ def test_motors_that_lost_their_power_have_lost_their_place_and_turn_freely_to_t
     with FakeEbb() as device:
         with AxiDraw(device.port, PEN) as robot:
             robot.move(ABOVE)
-            device.supply = UNPOWERED
             robot.stroke(CIRCLE[:2], SPEED[:2])
+            device.supply = UNPOWERED
             with pytest.raises(MachineError, match="no power"):
                 robot.lift(0.005)
         assert (device.steps, device.enabled, device.down) == ((0, 0), False, False)
@@ -203,6 +203,15 @@ def test_motors_that_lost_their_power_have_lost_their_place_and_turn_freely_to_t
         with AxiDraw(device.port, PEN) as robot:
             assert robot.place.tolist() == [0, 0, 0]
             assert device.enabled
+
+
+def test_a_pen_that_was_not_moved_above_its_stroke_is_not_lowered() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        device.supply = UNPOWERED
+        robot.move(ABOVE)
+        with pytest.raises(MachineError, match="no power"):
+            robot.stroke(CIRCLE, SPEED)
+        assert "SP,0,100" not in device.commands
 
 
 def test_a_supply_of_nine_volts_is_enough_on_any_board_and_the_five_of_usb_are_on_none() -> None:

@@ -101,6 +101,7 @@ class AxiDraw(Robot):
         return np.asarray(goal)
 
     def _stroke(self, path: Floats, speed: Floats) -> Floats:
+        self._check_power(Remedy.GO_ON)  # without it the pen is not above the stroke
         self._board.pen(down=True, seconds=self._pen.seconds)
         return self._follow(path, speed)
 
