@@ -1,146 +1,20 @@
 """How machines paint: one JSON object per line.
 
-    .venv/bin/python benchmarks/robot.py [order] [time] [--quick]
+    .venv/bin/python benchmarks/robot.py [order] [time] [kills] [--quick]
 
-order: of strokes, beside vpype's linesort.
-name: `one_ink` in that style; `one_ink_directed` the same, where no stroke may be drawn backwards; `colours` in 12
-    paints, and `colours_mixed` the same strokes in an order that heeds no paint, of which every overlap binds.
-    `franka` is that arm in franky-sim.
-metres: of pen-up travel between strokes, without the way to the first.
-seconds_to_order: of `tour` for one ink; of all that `sequenced` does for colours.
-vpype_metres, vpype_seconds: of `linesort --two-opt`; of `linesort --no-flip` for directed strokes, since --two-opt
-    draws strokes backwards even beside --no-flip.
-paint_changes_before, paint_changes: of colours.
-estimated_s, simulated_s: seconds of the first `timed` strokes in that order, by `seconds_of` and by a Grbl that steps
-    acceleration and junction deviation at 1 kHz, its pen lifted by a servo (by height for `one_ink_directed`).
---quick: 400 strokes only.
-
-time: as it is estimated.
-name: `firmware_` and one of the dialogues with the real Grbl 1.1h in tests/support/robot/dialogues; else waves with a
-    servo's pen or a Z axis, of 4 or 60 mm, and the speed in mm/s.
-estimated_s, simulated_s: as above.  firmware_s: of the real one.  error: of the estimate beside the realest there is.
+order: of strokes, beside vpype's linesort; see robot_order.py.  --quick: 400 strokes only.
+time: that painting takes, beside the real Grbl's; see robot_time.py.
+kills: what is on the paper after 200 of them at random moments; see robot_kills.py.
 """
 
 import argparse
 import json
-import time
-from collections.abc import Iterator
+from importlib import import_module  # each kill starts a process, which loads this file again
 
-import numpy as np
-import vpype
-import vpype_cli
-from clocks import SERVO, on_franka, on_grbl
-from photographs import laid_out
-from robot_time import time_rows
-
-from maulstick.ordering.sequence import sequenced
-from maulstick.ordering.tour import pen_up, tour
-from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import Painting
-from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
-from maulstick.planning.planner import plan
-from maulstick.planning.problem import PlannerSettings
-from maulstick.style import load_style
-
-NAMES = ("order", "time")
-SIZES = (400, 2_000, 10_000)
-STYLES = ("loops", "hatching")
-HOME = (0.0, 0.0)
-TIMED, TIMED_ON_AN_ARM = 200, 20
-STEPS = 40  # of planning: strokes lie where tone and edges want them from the first
-Row = dict[str, object]
+NAMES = ("order", "time", "kills")
 
 
-def planned(strokes: int, style_name: str, brush_name: str, paints: int | None) -> Painting:
-    """The astronaut, 160 mm high, in one ink or in so many paints."""
-    layout, brush = laid_out("astronaut", 512), load_brush(brush_name)
-    style = load_style(style_name, layout.canvas)
-    options = PlannerSettings(strokes=strokes, exact=True, paints=paints, steps=STEPS)
-    return as_painting(
-        plan(problem_of(layout, brush, style, options), options), layout, brush, style, provenance_of(options)
-    )
-
-
-def ends_of(painting: Painting) -> np.ndarray:
-    """(N, 2, 2) metres where strokes start and end."""
-    return painting.trajectories()[:, [0, -1], :2]
-
-
-def travel(ends: np.ndarray) -> float:
-    """Pen-up metres between strokes in their order."""
-    return float(np.linalg.norm(ends[1:, 0] - ends[:-1, 1], axis=1).sum())
-
-
-def by_vpype(ends: np.ndarray, options: str) -> tuple[float, float]:
-    """Pen-up metres after linesort, and its seconds."""
-    document = vpype.Document(vpype.LineCollection([stroke @ np.array([1, 1j]) for stroke in ends]))
-    started = time.perf_counter()
-    ordered = vpype_cli.execute(f"linesort {options}", document)
-    return ordered.pen_up_length(), time.perf_counter() - started
-
-
-def one_ink(ends: np.ndarray, style_name: str, reversible: bool) -> Row:
-    """A row of strokes in one ink, of which all may be drawn backwards, or none."""
-    started = time.perf_counter()
-    way = tour(ends, np.full(len(ends), reversible), HOME)
-    seconds = time.perf_counter() - started
-    first = ends[way.order[0], int(way.turned[0])]
-    metres = pen_up(ends, way, HOME) - float(np.hypot(*(first - HOME)))
-    vpype_metres, vpype_seconds = by_vpype(ends, "--two-opt" if reversible else "--no-flip")
-    return {
-        "name": "one_ink" if reversible else "one_ink_directed",
-        "style": style_name,
-        "strokes": len(ends),
-        "metres": metres,
-        "seconds_to_order": seconds,
-        "vpype_metres": vpype_metres,
-        "vpype_seconds": vpype_seconds,
-    }
-
-
-def colours(painting: Painting, name: str) -> Row:
-    """A row of strokes in many paints."""
-    started = time.perf_counter()
-    ordered = sequenced(painting, HOME)
-    seconds = time.perf_counter() - started
-    return {
-        "name": name,
-        "strokes": len(painting.strokes),
-        "metres_before": travel(ends_of(painting)),
-        "metres": travel(ends_of(ordered)),
-        "seconds_to_order": seconds,
-        "paint_changes_before": painting.paint_changes(),
-        "paint_changes": ordered.paint_changes(),
-    }
-
-
-def mixed(painting: Painting) -> Painting:
-    """The same strokes in a random order."""
-    order = np.random.default_rng(0).permutation(len(painting.strokes))
-    return painting.model_copy(update={"strokes": tuple(painting.strokes[i] for i in order)})
-
-
-def timed(row: Row, painting: Painting, reversible: bool) -> Row:
-    """The row, with how long the first strokes take."""
-    ordered = sequenced(painting, HOME)
-    estimated, simulated = on_grbl(ordered, TIMED, SERVO if reversible else None)
-    return {**row, "timed": TIMED, "estimated_s": estimated, "simulated_s": simulated}
-
-
-def order_rows(sizes: tuple[int, ...]) -> Iterator[Row]:
-    for strokes in sizes:
-        for style_name in STYLES:
-            painting = planned(strokes, style_name, "fineliner", None)
-            for reversible in (True, False):
-                yield timed(one_ink(ends_of(painting), style_name, reversible), painting, reversible)
-        painting = planned(strokes, "loops", "marker", 12)
-        yield colours(painting, "colours")
-        yield colours(mixed(painting), "colours_mixed")
-    estimated, simulated = on_franka(sequenced(planned(400, "loops", "fineliner", None), HOME), TIMED_ON_AN_ARM)
-    yield {"name": "franka", "strokes": TIMED_ON_AN_ARM, "estimated_s": estimated, "simulated_s": simulated}
-
-
-if __name__ == "__main__":
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; all by default")
     parser.add_argument("--quick", action="store_true")
@@ -148,5 +22,9 @@ if __name__ == "__main__":
     if unknown := [name for name in asked.names if name not in NAMES]:
         parser.error(f"{unknown[0]} is not one of {', '.join(NAMES)}")
     for name in asked.names or NAMES:
-        for row in time_rows() if name == "time" else order_rows(SIZES[:1] if asked.quick else SIZES):
+        for row in import_module(f"robot_{name}").rows(asked.quick):
             print(json.dumps({k: round(x, 3) if isinstance(x, float) else x for k, x in row.items()}), flush=True)
+
+
+if __name__ == "__main__":
+    main()

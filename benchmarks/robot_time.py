@@ -1,4 +1,10 @@
-"""Time of painting as it is estimated, beside the real Grbl 1.1h's and the fake one's; for robot.py."""
+"""Time of painting as it is estimated, beside the real Grbl 1.1h's and the fake one's; for robot.py.
+
+name: `firmware_` and one of the dialogues with the real one in tests/support/robot/dialogues; else waves with a servo's
+    pen or a Z axis, of 4 mm or 60 mm, and the speed in mm/s.
+estimated_s: by `seconds_of`.  simulated_s: by the fake one.  firmware_s: by the real one.
+error: of the estimate, beside the realest of the others.
+"""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -24,14 +30,14 @@ STROKES = 40
 Row = dict[str, object]
 
 
-def time_rows() -> Iterator[Row]:
-    """The four dialogues, then strokes of two sizes at three speeds, with a servo and with a Z axis."""
+def rows(quick: bool) -> Iterator[Row]:
+    """The four dialogues, and where it need not be quick, strokes of two sizes at three speeds, with both pens."""
     for name in DIALOGUES:
         said = dialogue(name)
         motions = said.motions()
         with FakeGrbl(settings=said.settings, pace=1000.0) as device, Grbl(device.port, said.pen) as robot:
             yield _row(f"firmware_{name}", _estimated(motions, robot), _drawn(motions, device, robot), said.seconds)
-    for pen_name, pen in (("servo", SERVO), ("z", None)):
+    for pen_name, pen in () if quick else (("servo", SERVO), ("z", None)):
         for size, length in LENGTHS.items():
             for speed in SPEEDS:
                 motions = _curves(length, speed)

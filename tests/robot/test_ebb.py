@@ -1,4 +1,5 @@
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +15,7 @@ from maulstick.robot.limits import SLACK, Limits
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
-from tests.support.robot.fake_ebb import FakeEbb
+from tests.support.robot.fake_ebb import POWERED, SERVO_REST, UNPOWERED, FakeEbb
 from tests.support.robot.under_way import once
 from tests.support.tolerances import CLOCK, STEP_METRES
 
@@ -36,6 +37,14 @@ def commanded(commands: list[str]) -> Floats:
     """Return the places (n, 2) where motions end, from home."""
     steps = [tuple(map(int, command.split(",")[2:])) for command in commands if command.startswith("SM")]
     return places_of(np.cumsum(np.array(steps).reshape(-1, 2), axis=0).tolist())
+
+
+def until_true(condition: Callable[[], bool]) -> bool:
+    """Wait until it holds; a minute at most."""
+    ends = time.monotonic() + 60
+    while not condition() and time.monotonic() < ends:
+        time.sleep(0.01)
+    return condition()
 
 
 def test_a_stroke_passes_its_points_to_a_step_and_none_is_lost() -> None:
@@ -138,13 +147,22 @@ def test_whatever_is_drawn_it_stays_within_its_limits_and_its_motors_speed(
     assert not device.refused
 
 
+NO_POWER = "motors have no power; plug its supply in, and push its pen to the home corner$"
 GO_ON = r"then go on with paint\(\.\.\., resume=True\)$"
 FAULTS = {
     "!5 Err: <axis1> step rate out of range.": r"refused 'SM,.*': 5 Err: <axis1> step rate out of range\.$",
+    "!0 Err: <axis2> step rate > 25K steps/second.\r\nOK": r"refused 'SM,.*': 0 Err: <axis2> step rate > 25K steps",
+    "unpowered": r"motors have no power; plug its supply in, and push its pen to the home corner; " + GO_ON,
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and hub; " + GO_ON,
     "silent": r"the line to /dev/\S+ went silent; check cable and power; " + GO_ON,
     "closed": r"the line to /dev/\S+ went silent",
 }
+
+
+def drawn(robot: AxiDraw) -> None:
+    """Draw a stroke from its beginning to its end."""
+    robot.stroke(CIRCLE, SPEED)
+    robot.lift(0.005)
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -153,14 +171,93 @@ def test_a_fault_within_a_stroke_is_one_sentence_and_lifts_the_pen(fault: str) -
         with AxiDraw(device.port, PEN, patience=QUICK if fault == "silent" else 5) as robot:
             robot.move(ABOVE)
             with pytest.raises(MachineError, match=FAULTS[fault]) as caught:
-                robot.stroke(CIRCLE, SPEED)
+                drawn(robot)
         assert "\n" not in str(caught.value)
         if fault != "closed":
             assert device.stops > 0
         if fault not in ("silent", "closed"):
             assert not device.down
+            device.supply = POWERED
             with robot:
                 assert robot.place[:2] == pytest.approx(places_of([device.steps])[0])
+
+
+def test_motors_without_power_are_noticed_before_anything_moves() -> None:
+    with FakeEbb(supply=UNPOWERED) as device:
+        with pytest.raises(MachineError, match=NO_POWER):
+            AxiDraw(device.port, PEN).__enter__()
+        assert not device.down
+        assert not device.reached[1:]  # the pen alone was lifted
+
+
+def test_motors_that_lost_their_power_have_lost_their_place_and_turn_freely_to_the_home_corner() -> None:
+    with FakeEbb() as device:
+        with AxiDraw(device.port, PEN) as robot:
+            robot.move(ABOVE)
+            robot.stroke(CIRCLE[:2], SPEED[:2])
+            device.supply = UNPOWERED
+            with pytest.raises(MachineError, match="no power"):
+                robot.lift(0.005)
+        assert (device.steps, device.enabled, device.down) == ((0, 0), False, False)
+        device.supply = POWERED
+        with AxiDraw(device.port, PEN) as robot:
+            assert robot.place.tolist() == [0, 0, 0]
+            assert device.enabled
+
+
+def test_a_pen_that_was_not_moved_above_its_stroke_is_not_lowered() -> None:
+    with FakeEbb() as device, AxiDraw(device.port, PEN) as robot:
+        device.supply = UNPOWERED
+        robot.move(ABOVE)
+        with pytest.raises(MachineError, match="no power"):
+            robot.stroke(CIRCLE, SPEED)
+        assert "SP,0,100" not in device.commands
+
+
+def test_a_supply_of_nine_volts_is_enough_on_any_board_and_the_five_of_usb_are_on_none() -> None:
+    for divider in (11, 9.2):  # of boards before 2.3, and since
+        of_supply, of_usb = (int((volts - 0.3) / divider / 3.3 * 1023) for volts in (9, 5))
+        with FakeEbb(supply=of_supply) as device, AxiDraw(device.port, PEN):
+            pass
+        with FakeEbb(supply=of_usb) as device, pytest.raises(MachineError, match="no power"):
+            AxiDraw(device.port, PEN).__enter__()
+
+
+def test_the_servo_holds_the_pen_however_long_a_person_needs_and_rests_afterwards() -> None:
+    with FakeEbb(pace=2000) as device:
+        with AxiDraw(device.port, PEN):
+            until = device.clock + 2 * SERVO_REST / 1000
+            assert until_true(lambda: device.clock > until)
+            assert device.servo_is_powered
+        assert until_true(lambda: not device.servo_is_powered)
+
+
+def test_firmware_whose_servo_never_rests_is_not_told_how_long() -> None:
+    with FakeEbb(version="2.5.9") as device, AxiDraw(device.port, PEN):
+        assert device.servo_is_powered
+    assert not device.refused
+
+
+def test_the_button_is_pressed_once_per_press_and_not_before_painting() -> None:
+    with FakeEbb(button=True) as device, AxiDraw(device.port, PEN) as robot:
+        assert not robot.pause_pressed()
+        device.button = True
+        assert robot.pause_pressed()
+        assert not robot.pause_pressed()
+
+
+@pytest.mark.parametrize("torn", [b"SM,25,1", b"SP", b"\x00"])
+def test_what_a_broken_line_left_of_a_command_spoils_none(torn: bytes) -> None:
+    with FakeEbb(unread=torn) as device, AxiDraw(device.port, PEN, patience=QUICK) as robot:
+        assert robot.place.tolist() == [0, 0, 0]
+
+
+def test_the_slowest_stroke_is_no_slice_that_the_board_refuses() -> None:
+    with FakeEbb(pace=2000) as device, AxiDraw(device.port, PEN) as robot:
+        path = np.array([(0, 0, 0), (1e-4, 0, 0), (1e-4, 0, 0), (1e-4, -2e-5, 0)])
+        robot.stroke(path, np.full(4, 1e-4))
+        assert device.steps == (10, 6)  # 8 along x, and 2 (1.6 rounded) across
+        assert not device.refused
 
 
 def test_late_answers_only_take_longer() -> None:

@@ -137,6 +137,35 @@ def test_a_pause_holds_the_machine_between_two_strokes(journal_path: Path) -> No
     assert not pause.held
 
 
+class Buttoned(Recorder):
+    """Recorder whose button is pressed at these looks at it, counted from 0."""
+
+    def __init__(self, *pressed: int) -> None:
+        super().__init__()
+        self.looks, self._at = 0, pressed
+
+    def _pressed(self) -> bool:
+        self.looks += 1
+        return self.looks - 1 in self._at
+
+
+def test_the_machines_button_holds_it_after_a_stroke_until_it_is_pressed_again(journal_path: Path) -> None:
+    robot, told = Buttoned(3, 8), list[tuple[bool, int, int, bool]]()
+    pause = Pause(lambda held: told.append((held, robot.looks, robot.said.count("stroke"), robot.down)))
+    with Journal.open(journal_path) as journal, robot:
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None, pause=pause)
+        assert journal.painted == set(ALL)
+    assert told == [(True, 4, 2, False), (False, 9, 2, False)]
+    assert not pause.held
+
+
+def test_a_stop_ends_a_pause(journal_path: Path) -> None:
+    robot = Buttoned(2)
+    pause = Pause(lambda held: robot.stop())
+    with Journal.open(journal_path) as journal, robot, pytest.raises(StoppedError):
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None, pause=pause)
+
+
 # Bad days.
 
 
@@ -199,6 +228,20 @@ def test_a_disk_that_is_full_stops_the_machine_and_no_stroke_is_lost(tmp_path: P
         asked = [] if journal.unfinished is None else [journal.unfinished]
         assert sorted([*journal.painted, *asked]) == ALL[:strokes]
         assert bool(asked) == (at % 2 == 0)  # it was on the paper when its end was to be written
+
+
+@pytest.mark.parametrize("what", ["stroke", "lift"])
+def test_a_fault_lifts_the_pen_as_high_as_it_travels(journal_path: Path, what: str) -> None:
+    def fail(called: str) -> None:
+        if called == "recover":
+            heights.append(float(robot.place[2]))
+        elif called == what and "stroke" in robot.said:
+            raise MachineError("the cable is off")
+
+    robot, heights = Recorder(before=fail), list[float]()
+    with Journal.open(journal_path) as journal, pytest.raises(MachineError, match="the cable is off"), robot:
+        execute(routine(SIX, EASEL, LIMITS), robot, journal, lambda ask: None)
+    assert heights == [pytest.approx(EASEL.travel)]
 
 
 # Power cuts: whatever the moment, every stroke is painted once in the end, and at most one was asked about.

@@ -24,6 +24,7 @@ from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run, State
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import Done
+from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.small_paintings import SIX, line, painting_of
 from tests.support.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
@@ -260,6 +261,25 @@ def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: P
     with FakeGrbl(pace=1.0) as device:
         asyncio.run(paint())
     assert len(events(painting, "end")) < 3
+
+
+def test_the_machines_own_button_pauses_it_and_the_page_shows_it(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            await run.begin("lines", PaintOptions(robot=f"axidraw:{device.port}"))
+            await until(run, lambda: stroke(run) >= 2)
+            device.button = True
+            await until(run, lambda: run.doing.startswith("paused lines"))
+            assert events(painting, "end") == events(painting, "begin")
+            device.button = True
+            await until(run, lambda: not run.state.held)
+            run.stop()
+            assert await outcome(run) == "You stopped it. The pen is lifted."
+
+    with FakeEbb(pace=4) as device:
+        asyncio.run(paint())
 
 
 def is_gone(process: int) -> bool:

@@ -33,22 +33,30 @@ class PaintProgress:
 
 @final
 class Pause:
-    """Switch by which another thread or a signal handler holds a machine between two actions.
+    """Switch by which another thread, a signal handler or the machine's own button holds it between two actions.
 
-    held: whether the machine is to wait.
+    held: whether the machine is to wait.  tell: called after each press of the machine's button, with `held`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, tell: Callable[[bool], None] = lambda held: None) -> None:
         self.held = False
+        self._tell = tell
 
     def toggle(self) -> None:
         """Hold the machine, or let it go on."""
         self.held = not self.held
 
-    def wait(self) -> None:
-        """Wait until painting may go on."""
+    def wait(self, robot: Robot) -> None:
+        """Wait until painting may go on; raises StoppedError once the machine is stopped."""
+        self._look_at_button(robot)
         while self.held:
             time.sleep(_GLANCE)
+            self._look_at_button(robot)
+
+    def _look_at_button(self, robot: Robot) -> None:
+        if robot.pause_pressed():
+            self.toggle()
+            self._tell(self.held)
 
 
 def execute(
@@ -78,7 +86,7 @@ def execute(
     for index, action in enumerate(actions):
         watch(PaintProgress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
         if pause is not None:
-            pause.wait()
+            pause.wait(robot)
         match action:
             case Prompt():
                 ask(action)

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import TracebackType
-from typing import ClassVar, Self, final
+from typing import ClassVar, Self, TypeVar, final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
+
+Result = TypeVar("Result")
 
 _SAME_PLACE = 1e-4  # metres: a stroke may begin so far beside the pen; covers rounding to steps or decimals
 
@@ -140,9 +142,14 @@ class Robot(ABC):
         """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
         goal = np.array([*self.place[:2], height], dtype=np.float64)
         self.limits.check_path(goal[None])
-        place = self._do(lambda: self._lift(goal))
+        place = self._do(lambda: self._lifted_to(goal))
         self._down = False
         return place
+
+    @final
+    def pause_pressed(self) -> bool:
+        """Return whether the machine's own button for a pause was pressed since the last call; False if it has none."""
+        return self._guarded(self._pressed)
 
     @final
     def stop(self) -> None:
@@ -185,6 +192,10 @@ class Robot(ABC):
         """Ask the machine whether its tip gets to a place (3,) within the limits; one that does not know says yes."""
         return True
 
+    def _pressed(self) -> bool:
+        """Return whether the button for a pause was pressed since the last call; for machines that have one."""
+        return False
+
     @abstractmethod
     def _halt(self) -> None:
         """Tell the machine to stop, from any thread and without waiting, where `_recover` would come too late."""
@@ -203,19 +214,30 @@ class Robot(ABC):
         return self._place
 
     def _do(self, act: Callable[[], Floats]) -> Floats:
+        place = self._guarded(act)
+        self._place = place.reshape(-1, 3)[-1].copy()
+        return place
+
+    def _guarded(self, act: Callable[[], Result]) -> Result:
+        """Return what the act returns; after a stop or a fault, lift the pen and raise."""
         if self._out_of_use:
             raise StoppedError
         try:
             if self._stopping.is_set():
                 raise StoppedError
-            place = act()
+            return act()
         except BaseException:
             self._out_of_use = True  # until it is entered again, since the place of the tip is not known
             self._down = True
             self._save()
             raise
-        self._place = place.reshape(-1, 3)[-1].copy()
-        return place
+
+    def _lifted_to(self, goal: Floats) -> Floats:
+        try:
+            return self._lift(goal)
+        except BaseException:
+            self._place = goal  # the height to which `_recover` lifts, and not that of the stroke that was ended
+            raise
 
     def _save(self) -> None:
         """Lift the pen if it is not known to be lifted."""

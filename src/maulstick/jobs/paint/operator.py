@@ -20,7 +20,7 @@ class Operator(ABC):
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.pause = Pause()
+        self.pause = Pause(self.tell_of_button)
         self.stopped = False
         self.robot = robot
         self.resting = False
@@ -60,6 +60,10 @@ class Operator(ABC):
     @abstractmethod
     def wants_a_look(self) -> bool:
         """Return whether the operator asks for a photograph now, once per request; called after each stroke."""
+
+    def tell_of_button(self, held: bool) -> None:
+        """Show that the machine's own button was pressed, and whether the machine waits since then."""
+        self.note("paused by the machine's button; press it again to go on" if held else "going on")
 
     @final
     @contextmanager

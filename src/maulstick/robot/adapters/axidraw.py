@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, Remedy
 from maulstick.robot.adapters.ebb_board import HALT, STEPS_PER_SECOND, EbbBoard, open_board_line
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
@@ -21,6 +21,7 @@ _SLICE = 0.025  # seconds: short enough for smooth ramps and a quick stop, long 
 _SHORTEST = 0.005  # seconds: slices that are shorter come faster than the board takes them
 _MILLISECONDS = 1000  # per second
 _SERVO = 6000, 30000  # units of 1/12 microsecond: 0.5 to 2.5 ms, the pulses that servos understand
+_UNPOWERED = "the AxiDraw's motors have no power; plug its supply in, and push its pen to the home corner"
 _USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the range of the V3's servo
 _V3 = Limits(
     lower=(0, -0.218, -0.1),
@@ -77,11 +78,13 @@ class AxiDraw(Robot):
         self._board.greet()
 
     def _open(self) -> Floats:
-        if self._board.position() == (0, 0):  # a board that has counted steps still holds its motors, and its place
-            self._board.enable()
         self._board.set_pen(self._pen.up, self._pen.down)
         self._board.pen(down=False, seconds=self._pen.seconds)
         self._board.wait()
+        self._check_power(None)
+        if self._board.position() == (0, 0):  # a board that has counted steps still holds its motors, and its place
+            self._board.enable()
+        self._board.pressed()  # what was pressed before does not count
         place = np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), 0.0])
         try:
             _V3.check_path(place[None])  # not the narrower limits, which may leave out its home
@@ -93,6 +96,8 @@ class AxiDraw(Robot):
 
     def _close(self) -> None:
         if self._line is not None:
+            with suppress(MachineError):  # a line that is lost is closed all the same
+                self._board.leave_pen()
             self._line.close()
             self._line = None
 
@@ -101,13 +106,24 @@ class AxiDraw(Robot):
         return np.asarray(goal)
 
     def _stroke(self, path: Floats, speed: Floats) -> Floats:
+        self._check_power(Remedy.GO_ON)  # without it the pen is not above the stroke
         self._board.pen(down=True, seconds=self._pen.seconds)
         return self._follow(path, speed)
 
     def _lift(self, place: Floats) -> Floats:
         self._board.pen(down=False, seconds=self._pen.seconds)
         self._board.wait()
+        self._check_power(Remedy.GO_ON)
         return np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), place[2]])
+
+    def _pressed(self) -> bool:
+        return self._board.pressed()
+
+    def _check_power(self, remedy: Remedy | None) -> None:
+        """Raise MachineError where the motors have no power: they have lost their place, which is then at home."""
+        if not self._board.powered():
+            self._board.release()
+            raise MachineError(_UNPOWERED, remedy)
 
     def _halt(self) -> None:
         if (line := self._line) is not None:

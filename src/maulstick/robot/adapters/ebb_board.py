@@ -19,7 +19,12 @@ HALT: Final = b"ES\r"
 _USB = (0x04D8, 0xFD92)  # vendor and product of the board
 _BAUD = 115200  # without meaning over USB, but the port asks for one
 _OLDEST = (2, 4, 4)  # the first firmware whose QM reports the queue
+_SWITCHES_SERVO = (2, 6, 0)  # the first firmware that takes the servo's power away, 60 s after its last motion
+_USUAL_REST = 60_000  # milliseconds: after which that firmware does, unless it was told otherwise
+_POWERED = 200  # of QC: the 5 V of USB alone read 158 at most on any board, a supply of 9 V reads 245 at least
 _POSITION = r"(-?\d+),(-?\d+)"
+_VOLTAGES = r"(\d+),(\d+)"
+_BUTTON = r"([01])"
 _MOTORS = r"QM,(\d+),(\d+),(\d+),(\d+)"
 _NOTHING = "$^"  # a pattern that no answer matches
 
@@ -35,17 +40,20 @@ class EbbBoard:
         self._line = line
         self._patience = patience
         self._stopping = stopping
+        self._version: tuple[int, ...] = _OLDEST
+        self._holds = False
 
     def greet(self) -> None:
         """Check that the board answers and its firmware is new enough; answers to earlier commands are dropped."""
         self._line.drop()
-        self._line.write(b"V\r")
+        self._line.write(b"\rV\r")  # the first one ends what a broken line may have left of a command
         patience, found = Patience(self._patience), None
         while found is None:
             found = re.search(r"Firmware Version (\d+)\.(\d+)\.(\d+)", self._line.line() or "")
             if patience.over:
                 raise MachineError(f"no EiBotBoard answers on {self._line.port}; check port, cable and power")
-        if tuple(map(int, found.groups())) < _OLDEST:
+        self._version = tuple(map(int, found.groups()))
+        if self._version < _OLDEST:
             came, oldest = ".".join(found.groups()), ".".join(map(str, _OLDEST))
             raise MachineError(f"the board on {self._line.port} has firmware {came}; update it to {oldest} or newer")
 
@@ -53,10 +61,35 @@ class EbbBoard:
         """Switch both motors on, with steps divided by 16; steps are counted from where they are now."""
         self._command("EM,1,1")
 
+    def release(self) -> None:
+        """Let both motors turn freely; steps are counted from where they are now."""
+        self._command("EM,0,0")
+        self._command("CS")  # firmware before 2.6.2 counts on after EM
+
+    def powered(self) -> bool:
+        """Return whether the motors have power; without it the board, which lives on USB, counts steps all the same."""
+        _, supply = self._command("QC", _VOLTAGES)
+        return supply >= _POWERED
+
+    def pressed(self) -> bool:
+        """Return whether the button PRG was pressed since the last call."""
+        return self._command("QB", _BUTTON) == (1,)
+
     def set_pen(self, up: float, down: float) -> None:
-        """Set the servo's pulses for the lifted and the lowered pen, in units of 1/12 microsecond."""
+        """Set the servo's pulses for the lifted and the lowered pen, in units of 1/12 microsecond; keep its power on.
+
+        A servo without power may let the pen sink while the machine waits for a person.
+        """
         self._command(f"SC,4,{up:.0f}")
         self._command(f"SC,5,{down:.0f}")
+        if self._version >= _SWITCHES_SERVO:
+            self._command("SR,0")
+            self._holds = True
+
+    def leave_pen(self) -> None:
+        """Let the board take the servo's power away again, as it usually does; waits for no answer."""
+        if self._holds:
+            self._line.write(f"SR,{_USUAL_REST}\r".encode())
 
     def pen(self, down: bool, seconds: float) -> None:
         """Lift or lower the pen, and wait for so many seconds before the next motion."""

@@ -23,6 +23,7 @@ from maulstick.studio.workers.messages import (
     Command,
     Done,
     Ended,
+    Held,
     Note,
     OperatorRequest,
     Photograph,
@@ -229,6 +230,8 @@ class Run:
                 self._change(question=message or "", question_number=number)
             case Photograph(jpeg=jpeg):
                 self._change(photograph=jpeg, seen=state.seen + 1)
+            case Held(held=held):
+                self._change(held=held)
             case Note(sentence=sentence):
                 self._change(notes=(*state.notes, sentence)[-_MOST_NOTES:])
             case Ended(why=None):

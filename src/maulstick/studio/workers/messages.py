@@ -66,6 +66,13 @@ class Note:
 
 
 @dataclass(frozen=True)
+class Held:
+    """Message that the machine's own button was pressed. held: whether the machine waits since then."""
+
+    held: bool
+
+
+@dataclass(frozen=True)
 class Ended:
     """Last message of a run.
 

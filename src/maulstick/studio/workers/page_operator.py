@@ -16,7 +16,7 @@ from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.storage.arrays import Image
-from maulstick.studio.workers.messages import PAINTING, PLANNING, Note, OperatorRequest, Photograph, RunProgress
+from maulstick.studio.workers.messages import PAINTING, PLANNING, Held, Note, OperatorRequest, Photograph, RunProgress
 from maulstick.studio.workers.planned_paints import display_name
 from maulstick.studio.workers.process import Line
 
@@ -109,6 +109,10 @@ class PageOperator(Operator):
     def note(self, sentence: str) -> None:
         """As in `Operator`."""
         self._line.say(Note(sentence))
+
+    def tell_of_button(self, held: bool) -> None:
+        """As in `Operator`; the page's own buttons show it."""
+        self._line.say(Held(held))
 
     def show(self, photograph: Path) -> None:
         """As in `Operator`; planning comes next."""
