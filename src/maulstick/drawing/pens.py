@@ -11,6 +11,7 @@ from maulstick.drawing.shapes import Group, Shape
 
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 _WHITE: Rgb = (1.0, 1.0, 1.0)  # the paper's: hatching it shows nothing
+_MOST_GROUPS = 16  # that are taken for pens: nobody changes pens more often, where no layer asks for it
 _LABEL = re.compile(r"\s*(!?)\s*(\d*)((?:\s*\+[a-z]\s*\d+)*)(.*)", re.IGNORECASE | re.DOTALL)
 _CODE = re.compile(r"\+([a-z])\s*(\d+)", re.IGNORECASE)
 _SLOWEST, _FASTEST = 1, 100  # per cent of speed: AxiDraw's own range
@@ -85,9 +86,10 @@ def pens_of(shapes: Sequence[Shape], hatches: bool) -> list[Pen]:
 
 
 def _are_pens(groups: Sequence[Group | None]) -> bool:
-    """Return whether groups are pens: where there is a layer among them, or more than one group."""
-    found = set(groups) - {None}
-    return len(found) > 1 or any(group is not None and group.is_layer for group in found)
+    """Return whether groups are pens: where there are layers, or a few groups that have names."""
+    found = [group for group in set(groups) if group is not None]
+    named = [group for group in found if group.label is not None]
+    return any(group.is_layer for group in found) or 1 < len(named) == len(found) <= _MOST_GROUPS
 
 
 def _common(groups: Sequence[Group | None], inks: Sequence[Rgb]) -> list[Rgb]:
