@@ -34,6 +34,12 @@ Hatch = Annotated[
         metavar="MM[@DEGREES]", show_default="empty", help="Fill filled shapes with parallel lines so far apart: 1@30."
     ),
 ]
+HatchHand = Annotated[
+    str | None,
+    _drawing(
+        metavar="STYLE", show_default="lines", help="Hatch with strokes of this hand, as densely as --hatch says."
+    ),
+]
 NoRepeats = Annotated[bool, _drawing("--no-repeats", metavar="", help="Leave out paths that are there twice.")]
 Shortest = Annotated[
     float | None, _drawing(metavar="MM", show_default="0", help="Leave out paths that are shorter than this.")
@@ -48,6 +54,7 @@ def drawing_options(
     margin: float | None,
     rotate: str,
     hatch: str | None,
+    hatch_hand: str | None,
     no_repeats: bool,
     shortest: float | None,
     keep_order: bool,
@@ -60,6 +67,7 @@ def drawing_options(
         "margin": None if margin is None else margin * 1e-3,
         "rotate": int(rotate) or None,
         **({} if hatch is None else _hatch(hatch)),
+        "hatch_hand": hatch_hand,
         "no_repeats": no_repeats or None,
         "shortest": None if shortest is None else shortest * 1e-3,
         "keep_order": keep_order or None,

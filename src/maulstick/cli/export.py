@@ -9,6 +9,7 @@ import typer
 
 from maulstick.cli.drawing import (
     Hatch,
+    HatchHand,
     KeepOrder,
     Margin,
     NoRepeats,
@@ -83,6 +84,7 @@ def export(
     margin: Margin = None,
     rotate: Rotate = "0",
     hatch: Hatch = None,
+    hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
@@ -104,7 +106,7 @@ def export(
     PaintOptions(speed=fastest).check()
     path = out or painting.with_suffix(f".plot.{format}")
     check_absent(path, "--out", overwrite)
-    drawing = drawing_options(size, margin, rotate, hatch, no_repeats, shortest, keep_order)
+    drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
     plan = sequenced(read_plan(painting, drawing), (0.0, 0.0))
     if not plan.strokes:
         raise InputError(f"{painting} has no strokes; plan it again with more")

@@ -7,6 +7,7 @@ import typer
 
 from maulstick.cli.drawing import (
     Hatch,
+    HatchHand,
     KeepOrder,
     Margin,
     NoRepeats,
@@ -33,6 +34,7 @@ def render(
     margin: Margin = None,
     rotate: Rotate = "0",
     hatch: Hatch = None,
+    hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
@@ -44,7 +46,9 @@ def render(
     path = out or painting.with_name(f"{painting.stem}-{px}px.png")
     if path.suffix.lower() != ".png":
         raise InputError(f"--out is {path}; an image is written as PNG, so let its name end in .png")
-    plan = read_plan(painting, drawing_options(size, margin, rotate, hatch, no_repeats, shortest, keep_order))
+    plan = read_plan(
+        painting, drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
+    )
     check_absent(path, "--out", overwrite)
     from maulstick.rendering.preview import preview_of_height  # loads torch
 

@@ -18,7 +18,7 @@ class DrawingOptions(BaseModel):
     margin: what is drawn is scaled to reach just so far from the sheet's edges; left out, the page keeps its margins.
     rotate: degrees, clockwise.
     hatch: distance of the parallel lines that fill filled shapes; None leaves them empty.  hatch_angle: of those lines,
-    from the x axis, clockwise as seen.
+    from the x axis, clockwise as seen.  hatch_hand: name of the style whose strokes hatch, instead of lines.
     no_repeats: whether a path that was there already is left out.  shortest: paths that are shorter are left out.
     keep_order: whether the paths of a pen are drawn in the order of the file, and not in a quick one.
     """
@@ -30,6 +30,7 @@ class DrawingOptions(BaseModel):
     rotate: Literal[0, 90, 180, 270] = 0
     hatch: float | None = None
     hatch_angle: float | None = None
+    hatch_hand: str | None = None
     no_repeats: bool = False
     shortest: float = 0.0
     keep_order: bool = False
@@ -43,6 +44,8 @@ class DrawingOptions(BaseModel):
             raise InputError.of_range(option("margin"), f"{1e3 * self.margin:g} mm", "at least 0")
         if self.hatch is not None and not _SPACINGS[0] <= self.hatch <= _SPACINGS[1]:
             raise InputError.of_range(option("hatch"), f"{1e3 * self.hatch:g} mm", "from 0.05 to 100 mm between lines")
+        if self.hatch_hand is not None and self.hatch is None:
+            raise InputError(f"{option('hatch_hand')} hatches as densely as {option('hatch')} says; give both")
         if self.hatch_angle is not None and not isfinite(self.hatch_angle):
             raise InputError.of_range(option("hatch_angle"), self.hatch_angle, "a finite number")
         if not 0 <= self.shortest < _SIDES[1]:

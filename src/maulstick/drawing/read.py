@@ -1,15 +1,18 @@
 """Reading of an SVG as a painting: a stroke per line, a paint per pen."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shapely.geometry.base import BaseGeometry
 
 from maulstick.drawing.document import Page, parsed_svg
+from maulstick.drawing.hand import HatchingHand, hatched_by_hand
 from maulstick.drawing.layout import Layout
 from maulstick.drawing.lines import lengths
 from maulstick.drawing.options import DrawingOptions
@@ -41,9 +44,10 @@ class Drawing:
     notes: tuple[str, ...] = ()
 
 
-def read_drawing(path: str | Path, options: DrawingOptions | None = None) -> Drawing:
+def read_drawing(path: str | Path, options: DrawingOptions | None = None, hand: HatchingHand | None = None) -> Drawing:
     """Read an SVG as a painting: a stroke per subpath, and a paint per layer, else per group, else per colour.
 
+    hand: whose strokes hatch the fills, if they are to be hatched; by default lines do.
     Raises InputError where there is none, it has text or pictures, or nothing of it lies on the sheet.
     """
     options, path = options or DrawingOptions(), Path(path)
@@ -52,21 +56,22 @@ def read_drawing(path: str | Path, options: DrawingOptions | None = None) -> Dra
     try:
         check_uses(root, _LARGEST)
         walk = Walk(root, Page.of(root))
-        return _drawing(walk, list(walk.shapes()), options)
+        return _drawing(walk, list(walk.shapes()), options, hand)
     except RecursionError as error:
         raise InputError(f"cannot draw {path}: it is nested too deeply, or refers to itself") from error
     except InputError as error:
         raise InputError(f"cannot draw {path}: {error.fault}", error.remedy, **error.values) from error
 
 
-def _drawing(walk: Walk, shapes: Sequence[Shape], options: DrawingOptions) -> Drawing:
+def _drawing(walk: Walk, shapes: Sequence[Shape], options: DrawingOptions, hand: HatchingHand | None) -> Drawing:
     if not shapes:
         raise InputError("there is no path or shape in it that can be seen; draw one, or show its layers")
     placed = Placed(shapes, Layout.of(walk.page, options))
     if options.margin is not None and (drawn := [line for lines in placed.lines for line in lines]):
         placed = Placed(shapes, placed.layout.fitted(drawn, options.margin))
     pens = pens_of(shapes, options.hatch is not None)
-    wanted = [_lines(pen, placed, options) for pen in pens]
+    hatch = _hatching(options, hand)
+    wanted = [_lines(pen, placed, hatch) for pen in pens]
     lines = [placed.on_sheet(each) for each in wanted]
     if options.no_repeats:
         lines = [without_repeats(each) for each in lines]
@@ -83,10 +88,19 @@ def _drawing(walk: Walk, shapes: Sequence[Shape], options: DrawingOptions) -> Dr
     return Drawing(painting, tuple(_notes(walk, pens, placed, sheet)))
 
 
-def _lines(pen: Pen, placed: Placed, options: DrawingOptions) -> list[Floats]:
+def _hatching(options: DrawingOptions, hand: HatchingHand | None) -> Callable[[BaseGeometry], list[Floats]]:
+    """Return what hatches a region: lines, or a hand, in its own direction unless an angle is asked for."""
+    spacing, angle = options.hatch or 0.0, options.hatch_angle
+    if hand is None:
+        return partial(hatched, spacing=spacing, angle=_HATCH_ANGLE if angle is None else angle)
+    level, rng = hand.levelled(), np.random.default_rng(0)
+    angle = next(each for each in (angle, hand.angle, _HATCH_ANGLE) if each is not None)
+    return partial(hatched_by_hand, level, spacing=spacing, angle=angle, rng=rng)
+
+
+def _lines(pen: Pen, placed: Placed, hatch: Callable[[BaseGeometry], list[Floats]]) -> list[Floats]:
     """Return the lines of a pen, (k, 2) metres: the hatches of its fills, and its outlines."""
-    angle = _HATCH_ANGLE if options.hatch_angle is None else options.hatch_angle
-    hatches = [line for i in pen.filled for line in hatched(placed.filled(i), options.hatch or 0.0, angle)]
+    hatches = [line for i in pen.filled for line in hatch(placed.filled(i))]
     return hatches + [line for i in pen.drawn for line in placed.lines[i]]
 
 

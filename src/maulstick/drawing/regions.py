@@ -31,9 +31,15 @@ def region_of(rings: Sequence[Floats], rule: str) -> BaseGeometry:
 
 
 def hatched(region: BaseGeometry, spacing: float, angle: float) -> list[Floats]:
-    """Return parallel lines (2, 2) through a region, metres, to and fro.
+    """Return parallel lines (2, 2) through a region, metres, to and fro; as `rows_through`."""
+    rows = rows_through(region, spacing, angle)
+    return [row[::-1] if number % 2 else row for number, row in enumerate(rows)]
 
-    spacing: metres between them.  angle: radians, from the x axis to the y axis. Lines lie on one grid for all regions.
+
+def rows_through(region: BaseGeometry, spacing: float, angle: float) -> list[Floats]:
+    """Return what of parallel lines lies in a region: rows (2, 2), metres, one line after another.
+
+    spacing: metres between lines.  angle: radians, from the x axis to the y axis. Lines lie on one grid for all.
     Raises InputError where there would be too many.
     """
     if region.is_empty:
@@ -46,11 +52,8 @@ def hatched(region: BaseGeometry, spacing: float, angle: float) -> list[Floats]:
     begin, end = (corners @ along).min() - spacing, (corners @ along).max() + spacing
     offsets = spacing * (np.arange(np.ceil(least - 0.5), np.floor(most - 0.5) + 1) + 0.5)
     lines = [np.stack([begin * along, end * along]) + offset * across for offset in offsets]
-    found = []
-    for number, pieces in enumerate(cut(lines, region)):
-        kept = [piece for piece in pieces if np.hypot(*(piece[-1] - piece[0])) >= _SHORTEST]
-        found += [piece[::-1] for piece in kept[::-1]] if number % 2 else kept
-    return found
+    rows = [piece[[0, -1]] for pieces in cut(lines, region) for piece in pieces]
+    return [row for row in rows if np.hypot(*(row[1] - row[0])) >= _SHORTEST]
 
 
 def _closed(ring: Floats) -> Floats:

@@ -6,7 +6,17 @@ from typing import Annotated
 
 import typer
 
-from maulstick.cli.drawing import Hatch, KeepOrder, Margin, NoRepeats, Rotate, Shortest, Size, drawing_options
+from maulstick.cli.drawing import (
+    Hatch,
+    HatchHand,
+    KeepOrder,
+    Margin,
+    NoRepeats,
+    Rotate,
+    Shortest,
+    Size,
+    drawing_options,
+)
 from maulstick.errors import InputError
 from maulstick.robot.machines import SPECS
 
@@ -57,6 +67,7 @@ def paint(
     margin: Margin = None,
     rotate: Rotate = "0",
     hatch: Hatch = None,
+    hatch_hand: HatchHand = None,
     no_repeats: NoRepeats = False,
     shortest: Shortest = None,
     keep_order: KeepOrder = False,
@@ -105,7 +116,7 @@ def paint(
         "view": view,
         "tag": None if tag is None else tag * 1e-3,
         "colours": colours,
-        "drawing": drawing_options(size, margin, rotate, hatch, no_repeats, shortest, keep_order),
+        "drawing": drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order),
     }
     options = PaintOptions.model_validate({name: value for name, value in given.items() if value is not None})
     options.check()
