@@ -166,6 +166,8 @@ def test_a_drawing_is_rendered_and_exported_as_it_would_be_painted(drawing: Path
     dark = picture_of(drawing.with_name("drawing-200px.png")).mean(axis=2) < 0.5
     rows = np.nonzero(dark.any(axis=1))[0]
     assert (rows.min(), rows.max()) == pytest.approx((5, 195), abs=2)
+    assert run("show", drawing).code == 0
+    assert picture_of(drawing.with_name("drawing-1024px.png")).shape[:2] == (1024, 1536)
     for kind in ("gcode", "hpgl", "svg", "json"):
         assert run("export", drawing, "--format", kind).code == 0
     assert drawing.with_name("drawing.plot.hpgl").read_text().count("PD") >= 10

@@ -155,7 +155,7 @@ def _paint(
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)
     operator = operator_for(setup, done)
-    for sentence in setup.notes:
+    for sentence in setup.notes if before is None else ():
         operator.note(sentence)
     if setup.simulation is not None and (note := setup.simulation.note) is not None:
         operator.note(note)
