@@ -54,7 +54,7 @@ def kind_in(file: Path) -> str | None:
 
 def _kind(file: Path) -> str:
     """Return the kind of content of a file. Raises InputError where there is no picture of it."""
-    kind = "drawing" if is_svg(file) else kind_in(file)
+    kind = "svg" if is_svg(file) else kind_in(file)
     if kind not in _PICTURES:
         raise InputError(
             f"{file} is none of what can be shown: {', '.join(sorted(_PICTURES))}; "
@@ -117,5 +117,5 @@ _PICTURES: dict[str, Callable[[Path, int], bytes]] = {
     "style": _style,
     "brush": _brush,
     "painting": _painting,
-    "drawing": _painting,
+    "svg": _painting,
 }
