@@ -1,5 +1,6 @@
 """What can be painted: a painting.json, or any SVG."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -41,6 +42,15 @@ def read_paintable(path: str | Path, drawing: DrawingOptions | None = None) -> P
     if drawing is not None:
         raise InputError(f"{path} is no SVG, and a painting is painted as it was planned", Remedy.WITHOUT_DRAWING)
     return Paintable(read_painting(path))
+
+
+def strokes_sum(painting: Painting) -> str:
+    """Return the SHA-256 of a painting's strokes, as hexadecimal digits."""
+    digest = hashlib.sha256()
+    for stroke in painting.strokes:
+        digest.update(f"{stroke.id} {stroke.paint} {len(stroke.trajectory)} ".encode())
+        digest.update(np.array(stroke.trajectory).tobytes())
+    return digest.hexdigest()
 
 
 def is_svg(path: str | Path) -> bool:

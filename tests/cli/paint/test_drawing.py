@@ -106,6 +106,19 @@ def test_a_drawing_that_has_changed_does_not_go_on(drawing: Path) -> None:
     assert ran.mistake.startswith(f"{drawing} is not the file that {journal_of(drawing)} was begun with; ")
 
 
+def test_a_drawing_that_is_read_as_other_strokes_does_not_go_on(drawing: Path) -> None:
+    assert run("paint", drawing, "--hatch", "2", "--hatch-hand", "marks", "--from-stroke", "9").code == 0
+    assert run("paint", drawing, "--resume").stderr == "all strokes are painted\n"
+    journal = journal_of(drawing)
+    journal.write_text(journal.read_text().replace('"hatch": 0.002', '"hatch": 0.003'))
+    assert run("paint", drawing, "--resume").code == 0, "nothing is filled, so nothing changes"
+    journal.write_text(journal.read_text().replace('"hatch": 0.003', '"keep_order": true, "hatch": 0.003'))
+    assert run("paint", drawing, "--resume").mistake == (
+        f"{drawing} has other strokes than when it was begun, by another Maulstick, or a hand that has changed; start "
+        "again with --restart"
+    )
+
+
 def test_each_layer_is_asked_for_by_its_name_and_colour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "drawing.svg"
     layer = '<g xmlns:i="http://www.inkscape.org/namespaces/inkscape" i:groupmode="layer" i:label="{}">{}</g>'

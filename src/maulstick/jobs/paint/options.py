@@ -17,6 +17,7 @@ class PaintOptions(BaseModel):
 
     replan: strokes between two photographs, 0 for none any more.  look: whether the operator may ask for one any time.
     drawing: how an SVG is read; None where that was not said, or it is none.
+    strokes_sha256: of the strokes that an SVG was read as: nobody gives it, and resuming compares it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -33,6 +34,7 @@ class PaintOptions(BaseModel):
     tag: float | None = None
     colours: Path | None = None
     drawing: DrawingOptions | None = None
+    strokes_sha256: str | None = None
 
     def check(self) -> None:
         """Raise InputError for an option that is out of its range."""

@@ -15,7 +15,7 @@ from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.setup import PaintSetup
-from maulstick.jobs.paintable import Paintable, is_svg, read_paintable
+from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_sum
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import routine
@@ -93,6 +93,9 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
         options, file = request.options.after(journal.options), journal.painting()
         plan = read_paintable(file, options.drawing if is_svg(file) else None)
+        if options.strokes_sha256 is not None and is_svg(file) and strokes_sum(plan.painting) != options.strokes_sha256:
+            changed = "by another Maulstick, or a hand that has changed"
+            raise InputError(f"{file} has other strokes than when it was begun, {changed}", Remedy.RESTART)
         yield PaintSetup.of(options, plan, request.robot), journal
 
 
@@ -178,7 +181,10 @@ def _paint(
             if setup.replanning is not None and eye is not None:
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
-        journal.write_options(setup.options.as_json())
+        options = setup.options
+        if before is None and is_svg(request.painting):
+            options = options.model_copy(update={"strokes_sha256": strokes_sum(setup.plan)})
+        journal.write_options(options.as_json())
         ask = operator.ask if setup.simulation is None else setup.simulation.ask
         place = Workplace(
             robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed
