@@ -1,7 +1,10 @@
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
 from tests.drawing.conftest import PAGE, SPACES
@@ -63,3 +66,53 @@ def test_ten_megabytes_are_read(tmp_path: Path) -> None:
     assert file.stat().st_size > 8e6
     painting = read_drawing(file).painting
     assert [len(stroke.trajectory) for stroke in painting.strokes] == [100_000] * 10
+
+
+NASTY = [
+    "0",
+    "-1",
+    "1e400",
+    "nan",
+    "%",
+    "none",
+    "z",
+    "A",
+    "scale(0)",
+    "url(#c)",
+    "#p",
+    "<",
+    "use",
+    "clipPath",
+    "mm",
+    "",
+]
+WHOLE = (
+    f'<svg {SPACES} {PAGE}><style>.a{{fill:red}}</style><defs><path id="p" d="M0 0c9 0 9 9 20 9a9 9 0 1 1-5-5"/></defs>'
+    '<clipPath id="c"><circle cx="50%" cy="20" r="15"/></clipPath><g clip-path="url(#c)" transform="rotate(9 1 2)">'
+    '<use xlink:href="#p" x="30" y="9" class="a"/><ellipse cx="40" cy="20" rx="9" ry="5mm"/></g>'
+    '<svg x="5" width="40" height="30" viewBox="0 0 9 9"><rect width="7" height="7" rx="1" stroke="blue"/></svg></svg>'
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, len(WHOLE)), st.integers(0, 9), st.sampled_from(NASTY)), min_size=1, max_size=3)
+)
+def test_a_damaged_file_is_drawn_or_refused_in_a_sentence(
+    tmp_path_factory: pytest.TempPathFactory, damages: list[tuple[int, int, str]]
+) -> None:
+    text = WHOLE
+    for place, length, nasty in damages:
+        text = text[:place] + nasty + text[place + length :]
+    file = tmp_path_factory.mktemp("damaged") / "drawing.svg"
+    file.write_text(text)
+    strokes, said = 1, f"{file}"
+    try:
+        strokes = len(
+            read_drawing(file, DrawingOptions(hatch=2e-3, size=(0.1, 0.05), no_repeats=True)).painting.strokes
+        )
+    except InputError as refused:
+        said = str(refused)
+    assert strokes > 0
+    assert str(file) in said
+    assert "\n" not in said

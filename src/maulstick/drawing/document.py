@@ -16,6 +16,9 @@ from maulstick.recording.files.markup import METRES, parsed
 SVG_SPACE: Final = "http://www.w3.org/2000/svg"
 INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
 
+NO_PLACE: Final = "a point in it has no place: it is no number, or too large; mend or delete that path"
+"""Fault of a drawing whose numbers are damaged."""
+
 _PPI = 96  # pixels per inch, as CSS has it
 _FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
 _LARGEST = 1e7  # pixels: 2.6 km

@@ -6,7 +6,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import Viewport, numbers, pixels
+from maulstick.drawing.document import NO_PLACE, Viewport, numbers, pixels
+from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.svg_paths import chains_of
 from maulstick.storage.arrays import Floats
@@ -33,8 +34,15 @@ def _path(data: str) -> tuple[list[Floats], bool]:
     try:
         path.parse(data)
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError):
-        return list(chains_of(path)), False
-    return list(chains_of(path)), True
+        return _chains(path), False
+    return _chains(path), True
+
+
+def _chains(path: Path) -> list[Floats]:
+    try:
+        return list(chains_of(path))
+    except (ValueError, OverflowError, ZeroDivisionError):  # of an arc whose numbers are not finite
+        raise InputError(NO_PLACE) from None
 
 
 def _rect(element: Element, viewport: Viewport) -> list[Floats]:
@@ -46,7 +54,7 @@ def _rect(element: Element, viewport: Viewport) -> list[Floats]:
     rx = min(max(next((r for r in (across, down) if r is not None), 0.0), 0.0), width / 2)
     ry = min(max(next((r for r in (down, across) if r is not None), 0.0), 0.0), height / 2)
     if rx > 0 and ry > 0:
-        return list(chains_of(Path(Rect(x=x, y=y, width=width, height=height, rx=rx, ry=ry))))
+        return _chains(Path(Rect(x=x, y=y, width=width, height=height, rx=rx, ry=ry)))
     corners = [[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]]
     return [_straight(np.array(corners))]
 
@@ -65,7 +73,7 @@ def _round(element: Element, viewport: Viewport, rx: float, ry: float) -> list[F
     if rx <= 0 or ry <= 0:
         return []
     centre = viewport.x(element, "cx"), viewport.y(element, "cy")
-    return list(chains_of(Path(Ellipse(cx=centre[0], cy=centre[1], rx=rx, ry=ry))))
+    return _chains(Path(Ellipse(cx=centre[0], cy=centre[1], rx=rx, ry=ry)))
 
 
 def _line(element: Element, viewport: Viewport) -> list[Floats]:

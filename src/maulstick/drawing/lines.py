@@ -7,6 +7,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from maulstick.drawing.document import NO_PLACE
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats, Ints
 
@@ -31,7 +32,7 @@ def polylines(chains: Sequence[Floats], turn: Floats, shift: Floats) -> list[Flo
         return []
     cubics = np.concatenate(chains) @ turn + shift
     if not (np.abs(cubics) < _FARTHEST).all():
-        raise InputError("a point in it has no place: it is no number, or too large; mend or delete that path")
+        raise InputError(NO_PLACE)
     parts = _parts(cubics)
     if parts.sum() + len(chains) > MOST_POINTS:
         raise InputError(f"its curves come to over {MOST_POINTS} points; draw it in parts")

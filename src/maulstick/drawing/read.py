@@ -55,8 +55,9 @@ def read_drawing(path: str | Path, options: DrawingOptions | None = None, hand: 
     root = parsed_svg(read_whole(path, "drawing", _LARGEST_FILE), path)
     try:
         check_uses(root, _LARGEST)
-        walk = Walk(root, Page.of(root))
-        return _drawing(walk, list(walk.shapes()), options, hand)
+        with np.errstate(all="ignore"):  # what is not finite is refused with a message
+            walk = Walk(root, Page.of(root))
+            return _drawing(walk, list(walk.shapes()), options, hand)
     except RecursionError as error:
         raise InputError(f"cannot draw {path}: it is nested too deeply, or refers to itself") from error
     except InputError as error:
