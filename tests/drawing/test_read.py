@@ -157,7 +157,7 @@ def test_hatches_are_cut_by_clips(read: Read) -> None:
         ({"hatch": 1e-6}, "hatch is 0.001 mm"),
         ({"hatch": 1e-3, "hatch_angle": float("inf")}, "hatch_angle is inf"),
         ({"shortest": -1.0}, "shortest is -1000 mm"),
-        ({"shortest": 1.0}, "nothing of it is left"),
+        ({"shortest": 1.0}, "all of it is shorter than 1000 mm; shortest must be less"),
     ],
 )
 def test_options_out_of_their_range_are_refused(read: Read, options: dict[str, object], fault: str) -> None:

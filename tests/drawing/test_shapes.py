@@ -161,7 +161,7 @@ def test_only_the_first_way_of_a_switch_that_a_pen_can_draw_is_drawn(read: Read)
         ('<g id="a"><use href="#a"/></g>', "a <use> in it uses itself"),
         ('<path d="M0 0L1e300 5"/>', "a point in it has no place"),
         ("", "there is no path or shape in it that can be seen"),
-        ('<path d="M200 0L300 5"/>', "nothing of it is left on its sheet of 100 x 50 mm; margin 0 scales it"),
+        ('<path d="M200 0L300 5"/>', "nothing of it lies on its sheet of 100 x 50 mm; margin 0 scales it"),
         ("<g>" * 150 + LINE + "</g>" * 150, "its groups and uses lie more than 100 deep"),
         ("<g>" * 9000 + LINE + "</g>" * 9000, "it is nested too deeply, or refers to itself"),
         ('<clipPath id="c" clip-path="url(#c)"><path d="M0 0h9v9z"/></clipPath><g clip-path="url(#c)">' + LINE + "</g>",

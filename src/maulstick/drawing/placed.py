@@ -37,10 +37,12 @@ class Placed:
                 self.lines[index] = [piece for pieces in cut(self._whole[index], region) for piece in pieces]
 
     def filled(self, index: int) -> BaseGeometry:
-        """Return the region that a shape fills, within its clips."""
+        """Return the region of the sheet that a shape fills, within its clips."""
         shape = self.shapes[index]
         region = region_of(self._whole[index], shape.rule)
-        return region if not shape.clips else shapely.intersection(region, self._within(shape.clips))
+        if shape.clips:
+            region = shapely.intersection(region, self._within(shape.clips))
+        return region if shapely.covers(self._sheet, region) else shapely.intersection(region, self._sheet)
 
     def on_sheet(self, lines: Sequence[Floats]) -> list[Floats]:
         """Return what of the lines (k, 2) lies on the sheet, and count those that are cut."""

@@ -74,17 +74,20 @@ def _drawing(walk: Walk, shapes: Sequence[Shape], options: DrawingOptions, hand:
     hatch = _hatching(options, hand)
     wanted = [_lines(pen, placed, hatch) for pen in pens]
     lines = [placed.on_sheet(each) for each in wanted]
+    sheet = Sheet(width=placed.layout.sheet[0], height=placed.layout.sheet[1])
+    if not any(lines):
+        told = f"{option('margin')} 0 scales it to the sheet"
+        raise InputError(f"nothing of it lies on its sheet of {sheet.millimetres}; {told}")
     if options.no_repeats:
         lines = [without_repeats(each) for each in lines]
     if options.shortest:
         lines = [_without_specks(each, options.shortest) for each in lines]
+        if not any(lines):
+            raise InputError(
+                f"all of it is shorter than {1e3 * options.shortest:g} mm; {option('shortest')} must be less"
+            )
     if not options.keep_order:
         lines = _in_quick_order(lines)
-    sheet = Sheet(width=placed.layout.sheet[0], height=placed.layout.sheet[1])
-    if not any(lines):
-        raise InputError(
-            f"nothing of it is left on its sheet of {sheet.millimetres}; {option('margin')} 0 scales it to the sheet"
-        )
     painting = _painting(pens, lines, sheet, _brush(placed), options)
     return Drawing(painting, tuple(_notes(walk, pens, placed, sheet)))
 

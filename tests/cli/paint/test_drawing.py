@@ -154,7 +154,7 @@ def test_a_dry_run_says_what_is_not_drawn_as_the_file_says(drawing: Path) -> Non
         (("--rotate", "45"), "there is no turn for --rotate '45'; there are: 0, 180, 270, 90"),
         (("--size", "large"), "'large' is not a size; write width x height and a unit"),
         (("--margin", "20"), "--margin is 20 mm; it must be below 20 mm, half of the sheet's shorter side"),
-        (("--shortest", "99"), "nothing of it is left on its sheet of 60 x 40 mm; --margin 0 scales it to the sheet"),
+        (("--shortest", "99"), "all of it is shorter than 99 mm; --shortest must be less"),
     ],
 )
 def test_options_that_cannot_be_used_are_refused_in_a_sentence(
