@@ -60,7 +60,10 @@ def test_a_layers_speed_is_that_of_its_strokes(read: Read) -> None:
 
 
 def test_what_codes_ask_for_that_is_not_done_is_said(read: Read) -> None:
-    assert [note[:2] for note in read(layer("1+H30", path(1)) + layer("2+D9", path(2))).notes] == ["+H", "+D"]
+    assert [note[:2] for note in read(layer("!1+H30", path(1)) + layer("2+D9", path(2))).notes] == ["+H", "+D"]
+    assert read(layer("!1 alone", path(1))).notes == (
+        "! in the name of a layer that is alone is passed over: there is no pen to change",
+    )
 
 
 def test_without_layers_groups_at_the_top_are_pens(read: Read) -> None:

@@ -172,6 +172,8 @@ def _notes(walk: Walk, pens: Sequence[Pen], placed: Placed, sheet: Sheet) -> lis
         notes.append(f"passed over: {', '.join(sorted(walk.passed_over))}")
     if any(pen.layer.height for pen in pens):
         notes.append("+H in the names of layers is passed over: the pen is lifted and lowered as the machine is set up")
+    if len(pens) == 1 and pens[0].layer.pauses:
+        notes.append("! in the name of a layer that is alone is passed over: there is no pen to change")
     if any(pen.layer.delay for pen in pens):
         notes.append("+D in the names of layers is passed over: the change of pen waits for you anyway")
     return notes
