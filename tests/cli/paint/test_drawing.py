@@ -12,6 +12,7 @@ from maulstick.robot.journal import journal_of
 from tests.cli.conftest import Ran, run
 from tests.cli.paint.conftest import answers, events, painted, picture_of
 from tests.cli.paint.test_terminal import Begun, Terminal, begin, begun, said_of, said_of_running, wait_for_stroke
+from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 
 __all__ = ["begin"]  # a fixture
@@ -19,6 +20,7 @@ __all__ = ["begin"]  # a fixture
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">{}</svg>'
 BARS = [(5.0 * x, 5.0, 5.0 * x, 35.0) for x in range(1, 11)]
 DOWN = 1e-6  # millimetres above the paper that count as on it
+STEPS_PER_MM = 80  # of an AxiDraw
 
 
 @pytest.fixture
@@ -32,7 +34,7 @@ def drawing(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def grbl() -> Iterator[FakeGrbl]:
-    with FakeGrbl(pace=4.0) as device:
+    with FakeGrbl(pace=2.0) as device:
         yield device
 
 
@@ -49,7 +51,7 @@ def touched(device: FakeGrbl) -> list[tuple[float, float]]:
 def test_a_drawing_that_is_killed_in_the_middle_goes_on_and_every_path_is_drawn_once(
     drawing: Path, grbl: FakeGrbl, begin: Begun
 ) -> None:
-    machine = ("--robot", f"grbl:{grbl.port}", "--speed", "30")
+    machine = ("--robot", f"grbl:{grbl.port}", "--speed", "20")
     terminal: Terminal = begin(drawing, *machine)
     wait_for_stroke(drawing, terminal, count=4)
     terminal.send(signal.SIGKILL)
@@ -184,3 +186,15 @@ def test_a_drawing_is_rendered_and_exported_as_it_would_be_painted(drawing: Path
     for kind in ("gcode", "hpgl", "svg", "json"):
         assert run("export", drawing, "--format", kind).code == 0
     assert drawing.with_name("drawing.plot.hpgl").read_text().count("PD") >= 10
+
+
+def test_an_axidraw_draws_it_from_the_corner_where_its_pen_rests(drawing: Path) -> None:
+    with FakeEbb(pace=200.0) as device:
+        ran = run("paint", drawing, "--robot", f"axidraw:{device.port}")
+    assert ran.code == 0, ran.stderr
+    assert sorted(painted(drawing)) == list(range(10))
+    motors = np.array([(one, two) for one, two, down in device.reached if down])
+    places = np.stack([motors.sum(axis=1), motors[:, 0] - motors[:, 1]], axis=1) / 2 / STEPS_PER_MM
+    for x0, y0, x1, y1 in BARS:
+        for end in ((x0, y0), (x1, y1)):
+            assert np.hypot(*(places - end).T).min() < 0.05
