@@ -14,7 +14,7 @@ from maulstick.storage.arrays import Floats, Ints
 FLATNESS: Final = 2e-5
 """Metres that a polyline departs from its curve at most."""
 
-MOST_POINTS: Final = 6_000_000
+MOST_POINTS: Final = 4_000_000
 """Points of all polylines of a drawing: they take some 2 GB as a painting."""
 
 _MOST_PARTS = 10_000  # of one curve: one of 20 m with the tightest bend takes fewer
