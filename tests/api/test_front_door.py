@@ -257,3 +257,24 @@ def test_one_ink_in_a_hand_that_is_arranged_is_drawn_in_its_order() -> None:
     assert ms.plan(demo_picture(), ink="black", arrange=0, **quick).succession is None
     assert ms.plan(demo_picture(), paints=2, **quick).succession is None
     assert ms.plan(demo_picture(), ink="black", **quick | {"style": "free"}).succession is None
+
+
+def test_an_svg_is_read_shown_and_painted(drawing: Path, tmp_path: Path) -> None:
+    painting = ms.read_painting(drawing, rotate=90, keep_order=True)
+    assert isinstance(painting, ms.Painting)
+    assert len(painting.strokes) == 26
+    assert ms.render(drawing, px=64).size == (64, 64)
+    assert ms.paint(painting, robot="sim").painted == 26
+    file = tmp_path / "drawing.svg"
+    file.write_text(SVG.format('<path d="M-5 50h50"/><path d="M5 5h9"/>'))
+    with pytest.warns(UserWarning, match=r"lines that reach beyond the sheet of 100 x 100 mm are cut at its edges: 1"):
+        painted = ms.paint(file, robot="sim", drawing={"hatch": 1e-3})
+    assert painted.strokes == 2
+    assert ms.paint(file, robot="sim", resume=True).painted == 2
+    with pytest.raises(InputError, match=r"hatch is 0\.001 mm; it must be from 0\.05 to 100 mm between lines"):
+        ms.paint(file, robot="sim", drawing={"hatch": 1e-6})
+    with pytest.raises(InputError, match="sice"):
+        ms.read_painting(file, sice=3)
+    painting.save(tmp_path / "painting.json")
+    with pytest.raises(InputError, match="is no SVG, and a painting is painted as it was planned; leave out drawing"):
+        ms.read_painting(tmp_path / "painting.json", hatch=1e-3)

@@ -94,14 +94,14 @@ def test_a_picture_goes_into_a_file_that_ends_in_png(ink: Path) -> None:
     )
 
 
-@pytest.mark.parametrize(("name", "content"), [("a.svg", "<svg/>"), ("a.json", '{"strokes": []}'), ("a.npz", "PK")])
+@pytest.mark.parametrize(("name", "content"), [("a.inkml", "<ink/>"), ("a.json", '{"strokes": []}'), ("a.npz", "PK")])
 def test_what_cannot_be_shown_is_refused_with_the_remedy(tmp_path: Path, name: str, content: str) -> None:
     path = tmp_path / name
     path.write_text(content)
     ran = run("show", path)
     assert ran.code == 2
     assert ran.mistake == (
-        f"{path} is none of what can be shown: brush, ink, painting, strokes, style; "
+        f"{path} is none of what can be shown: brush, ink, painting, strokes, style, svg; "
         "where it is another program's drawing, make ink of it with maulstick record ink"
     )
 

@@ -54,14 +54,15 @@ def paint(
 ) -> PaintResult:
     """Let a machine paint a painting, and return once it is done.
 
-    painting: the path of a painting.json, beside which a journal is kept, or for the simulated easel a `Painting`.
+    painting: the path of a painting.json or an SVG, beside which a journal is kept, or for the simulated easel a
+    `Painting`.
     robot: the spec of a machine, as in ``sim`` or ``grbl:/dev/ttyUSB0``, or a `Robot` of your own.
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
     restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.
     progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
-    colours.
+    colours; and drawing, the `DrawingOptions` by which an SVG is read, as in ``drawing={"hatch": 0.001}``.
 
     Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
     fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.

@@ -1,8 +1,14 @@
 """A painting in Python: a file, an SVG, and a picture in a notebook."""
 
+import warnings
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
+from pydantic import ValidationError
+
+from maulstick.drawing.options import DrawingOptions
+from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.paintable import read_paintable
 from maulstick.painting import painting as records
 from maulstick.painting.picture import encode_png
 from maulstick.painting.svg import painting_svg
@@ -55,10 +61,21 @@ class Painting(records.Painting):
         return encode_png(preview_of_height(self, _NOTEBOOK_PX))
 
 
-def read_painting(path: str | Path) -> Painting:
-    """Read a painting.json. Raises InputError where there is none, or it is not a painting.
+def read_painting(path: str | Path, **drawing: Any) -> Painting:
+    """Read a painting.json, or an SVG as a painting that a machine draws as it is.
 
-    >>> read_painting(folder / "cat.json").sheet.width
-    0.2
+    drawing: fields of `DrawingOptions`, by which an SVG is read, lengths in metres: size, margin, rotate, hatch,
+    hatch_angle, hatch_hand, no_repeats, shortest, keep_order.
+    Raises InputError where there is none, or it is not a painting. Warns of what of an SVG is not drawn as it says.
+
+        >>> read_painting(folder / "cat.json").sheet.width
+        0.2
     """
-    return Painting.of(records.read_painting(path))
+    try:
+        options = DrawingOptions.model_validate(drawing) if drawing else None
+    except ValidationError as error:
+        raise InputError(validation_fault(error)) from error
+    read = read_paintable(path, options)
+    for note in read.notes:
+        warnings.warn(note, stacklevel=2)
+    return Painting.of(read.painting)

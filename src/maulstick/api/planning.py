@@ -11,6 +11,7 @@ from PIL import Image as Pillow
 
 from maulstick.api.painting import Painting
 from maulstick.errors import InputError
+from maulstick.jobs.paintable import read_paintable
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
@@ -77,7 +78,7 @@ def plan(
 
 
 def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
-    """Draw a painting, or the painting.json at a path, as a Pillow image (RGB) that is `px` pixels high.
+    """Draw a painting, or the painting.json or SVG at a path, as a Pillow image (RGB) that is `px` pixels high.
 
     Raises InputError where there is no painting, or a side of the image would be longer than 8192 pixels.
 
@@ -102,4 +103,4 @@ def compare(painting: records.Painting | str | Path, picture: Picture) -> Metric
 
 
 def _read(painting: records.Painting | str | Path) -> records.Painting:
-    return painting if isinstance(painting, records.Painting) else records.read_painting(painting)
+    return painting if isinstance(painting, records.Painting) else read_paintable(painting).painting

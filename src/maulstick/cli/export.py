@@ -7,11 +7,23 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from maulstick.cli.drawing import (
+    Hatch,
+    HatchHand,
+    KeepOrder,
+    Margin,
+    NoRepeats,
+    Rotate,
+    Shortest,
+    Size,
+    drawing_options,
+    read_plan,
+)
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.ordering.sequence import sequenced
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
 from maulstick.painting.svg import axidraw_svg
 from maulstick.robot.easel import Easel, Pen, read_easel
 from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
@@ -31,7 +43,7 @@ _machine = partial(typer.Option, rich_help_panel="The machine")
 
 
 def export(
-    painting: Annotated[Path, typer.Argument(help="The painting.json to export.")],
+    painting: Annotated[Path, typer.Argument(help="The painting.json, or SVG, to export.")],
     format: Annotated[
         str,
         _writing(
@@ -68,6 +80,14 @@ def export(
         Path | None, _writing(metavar="FILE", show_default="beside the painting", help="File to write.")
     ] = None,
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace an earlier file.")] = False,
+    size: Size = None,
+    margin: Margin = None,
+    rotate: Rotate = "0",
+    hatch: Hatch = None,
+    hatch_hand: HatchHand = None,
+    no_repeats: NoRepeats = False,
+    shortest: Shortest = None,
+    keep_order: KeepOrder = False,
 ) -> None:
     """Write a painting for a machine that another program drives, with its strokes in a quick order.
 
@@ -86,7 +106,8 @@ def export(
     PaintOptions(speed=fastest).check()
     path = out or painting.with_suffix(f".plot.{format}")
     check_absent(path, "--out", overwrite)
-    plan = sequenced(read_painting(painting), (0.0, 0.0))
+    drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
+    plan = sequenced(read_plan(painting, drawing), (0.0, 0.0))
     if not plan.strokes:
         raise InputError(f"{painting} has no strokes; plan it again with more")
     if format == "svg":

@@ -6,8 +6,10 @@ from typing import Annotated
 
 import typer
 
+from maulstick.cli.drawing import read_plan
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
+from maulstick.jobs.paintable import is_svg
 from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write, read_whole
 
@@ -17,14 +19,14 @@ _LARGEST_FILE = 256 * 2**20  # bytes: more than any file of ours has
 
 
 def show(
-    file: Annotated[Path, typer.Argument(help="File with ink, strokes, a style, a brush or a painting.")],
+    file: Annotated[Path, typer.Argument(help="File with ink, strokes, a style, a brush or a painting, or an SVG.")],
     px: Annotated[int, typer.Option(metavar="N", help="Height of the picture in pixels.")] = 1024,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", show_default="beside the file", help="The PNG file to write.")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace an earlier picture.")] = False,
 ) -> None:
-    """Draw a picture of ink, strokes, a style, a brush or a painting.
+    """Draw a picture of ink, strokes, a style, a brush, a painting or an SVG.
 
     Example: maulstick show me.ink.npz --out me.png
     """
@@ -52,7 +54,7 @@ def kind_in(file: Path) -> str | None:
 
 def _kind(file: Path) -> str:
     """Return the kind of content of a file. Raises InputError where there is no picture of it."""
-    kind = kind_in(file)
+    kind = "svg" if is_svg(file) else kind_in(file)
     if kind not in _PICTURES:
         raise InputError(
             f"{file} is none of what can be shown: {', '.join(sorted(_PICTURES))}; "
@@ -97,11 +99,10 @@ def _brush(file: Path, px: int) -> bytes:
 
 
 def _painting(file: Path, px: int) -> bytes:
-    from maulstick.painting.painting import read_painting
     from maulstick.painting.picture import encode_png
     from maulstick.painting.raster import Canvas
 
-    plan = read_painting(file)
+    plan = read_plan(file, None)
     canvas = Canvas.of_height((plan.sheet.width, plan.sheet.height), px)
     if canvas.width_px > _WIDEST_PX:
         raise InputError(f"the picture would be {canvas.width_px} pixels wide; choose a smaller --px")
@@ -116,4 +117,5 @@ _PICTURES: dict[str, Callable[[Path, int], bytes]] = {
     "style": _style,
     "brush": _brush,
     "painting": _painting,
+    "svg": _painting,
 }

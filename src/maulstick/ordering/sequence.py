@@ -25,7 +25,10 @@ def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
     Strokes keep their ids, and overlapping strokes of different paints keep their order. Strokes of one paint may come
     in any order, as a colour over itself is the same colour. The paint never changes more often than before. A stroke
     may be reversed where its pressure is even, it has no speeds of its own, and its mark stays the same.
+    A painting that is `literal` stays as it is.
     """
+    if painting.literal:
+        return painting
     paint_of = np.array([stroke.paint for stroke in painting.strokes], dtype=np.int64)
     ends = np.array([[s.trajectory[0][:2], s.trajectory[-1][:2]] for s in painting.strokes]).reshape(-1, 2, 2)
     may = reversible(painting)

@@ -200,6 +200,8 @@ class Painting(_Part):
     on its bed.  area: the picture's place on it, (x, y, width, height), metres.
     brushes: all brushes by name.  paints: the list that a stroke's `paint` is an index into.
     succession: what the hand draws next, where strokes are to be drawn in its order; not in the file where None.
+    literal: whether strokes go straight from point to point and are painted in just this order, as a drawing is, where
+    others are `refined` and put in a quick order; not in the file where False.
     Raises ValidationError where a field is wrong or two of them do not agree.
     """
 
@@ -211,6 +213,7 @@ class Painting(_Part):
     paints: tuple[Paint, ...]
     strokes: tuple[Stroke, ...]
     succession: Succession | None = None
+    literal: bool = False
 
     @model_validator(mode="after")
     def _agrees_with_itself(self) -> Self:
@@ -287,7 +290,7 @@ def write_painting(painting: Painting, path: str | Path) -> None:
 
     Raises OutputError where that fails; what was at `path` is then still there.
     """
-    fields = _said(painting.model_dump(mode="json"))
+    fields = _said(painting.model_dump(mode="json", exclude=None if painting.literal else {"literal"}))
     fields["sheet"] = _said(fields["sheet"])
     for name in ("paints", "strokes"):
         fields[name] = [_said(entry) for entry in fields[name]]

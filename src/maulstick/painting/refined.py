@@ -11,7 +11,10 @@ def refined(painting: Painting) -> Painting:
     """Return the painting with further points in its strokes, as `refine` finds them; ids, order and paints stay.
 
     No new point lies further off the sheet than the other points of its stroke, or at most on the sheet's edge.
+    A painting that is `literal` has all points that it needs.
     """
+    if painting.literal:
+        return painting
     paths = refine([_columns(stroke) for stroke in painting.strokes])
     strokes = (_with(stroke, path, painting.sheet) for stroke, path in zip(painting.strokes, paths, strict=True))
     return painting.model_copy(update={"strokes": tuple(strokes)})

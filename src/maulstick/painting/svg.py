@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
+from typing import Final
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,8 +12,10 @@ from maulstick.painting.painting import Paint, Painting, Stroke, hex_colour
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Floats
 
+AXIDRAW_SPEED: Final = 0.2
+"""Metres per second that +S100 in a layer's name stands for."""
+
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
-_AXIDRAW_SPEED = 0.2  # metres per second that +S100 stands for
 _AXIDRAW_TOUCH = 40  # per cent of the servo's way: the usual height at which a pen just touches
 
 
@@ -45,7 +48,7 @@ def _coded_label(number: int, paint: Paint, brush: Brush, run: Sequence[Stroke])
     )
     codes = ""
     if len(speeds) == 1 and (speed := speeds.pop()) is not None:
-        codes += f"+S{min(max(round(100 * speed / _AXIDRAW_SPEED), 1), 100)}"
+        codes += f"+S{min(max(round(100 * speed / AXIDRAW_SPEED), 1), 100)}"
     if len(pressures) == 1:
         codes += f"+H{round(_AXIDRAW_TOUCH * (1 - pressures.pop()))}"
     return f"{pause}{number}{codes} {paint.label} {paint.brush}"

@@ -64,7 +64,8 @@ class Easel(BaseModel):
     @property
     def up(self) -> Floats:
         """Unit vector (3,) out of the paper."""
-        return np.cross(self.down, self.right)
+        (a, b, c), (x, y, z) = self.down, self.right
+        return np.array([b * z - c * y, c * x - a * z, a * y - b * x])  # np.cross takes ten times as long
 
     @property
     def tilt(self) -> float:

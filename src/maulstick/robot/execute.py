@@ -80,11 +80,12 @@ def execute(
     """
     seconds = seconds_of(actions, robot.limits, robot.place)
     left = np.concatenate([np.cumsum(seconds[::-1])[::-1], [0.0]])
+    following = _next_paints(actions)
     metres, drawn = sum(a.motion.length for a in actions if isinstance(a, Draw)), 0.0
     index, painted = 0, 0
     _clear_all(actions, robot)
     for index, action in enumerate(actions):
-        watch(PaintProgress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
+        watch(PaintProgress(action, drawn, metres, float(left[index]), following[index]))
         if pause is not None:
             pause.wait(robot)
         match action:
@@ -120,7 +121,10 @@ def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: N
     robot.lift(motion.after)
 
 
-def _next_paint(actions: Sequence[Action], index: int) -> int | None:
-    """Return the paint that follows the one in use at `index`, or None where it is the last."""
-    now = actions[index].paint
-    return next((action.paint for action in actions[index:] if action.paint != now), None)
+def _next_paints(actions: Sequence[Action]) -> list[int | None]:
+    """Return for each action the paint that follows the one in use, or None where that is the last."""
+    found: list[int | None] = []
+    for action, after in zip(reversed(actions), [None, *reversed(actions)], strict=False):
+        following = found[-1] if found else None
+        found.append(following if after is None or after.paint == action.paint else after.paint)
+    return found[::-1]

@@ -60,6 +60,8 @@ _PAGE: Final = Wording(
         Remedy.NAME_CAMERA: "choose one",
         Remedy.LEAVE_OUT_CAMERA: "choose that one, or none",
         Remedy.WITHOUT_REPLAN: "go on without a camera",
+        Remedy.WITHOUT_DRAWING: "leave out how a drawing is read",
+        Remedy.SAME_DRAWING_OR_RESTART: f"leave them out, or “{RESTART_LABEL}”",
         Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",

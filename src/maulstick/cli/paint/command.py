@@ -6,6 +6,17 @@ from typing import Annotated
 
 import typer
 
+from maulstick.cli.drawing import (
+    Hatch,
+    HatchHand,
+    KeepOrder,
+    Margin,
+    NoRepeats,
+    Rotate,
+    Shortest,
+    Size,
+    drawing_options,
+)
 from maulstick.errors import InputError
 from maulstick.robot.machines import SPECS
 
@@ -18,7 +29,7 @@ _progress = partial(typer.Option, rich_help_panel="Where to begin")
 
 
 def paint(
-    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json to paint.")],
+    painting: Annotated[Path, typer.Argument(metavar="PAINTING", help="The painting.json, or SVG, to paint.")],
     robot: Annotated[
         str | None, _machine(metavar="MACHINE", show_default="sim", help=f"The machine that paints: {SPECS}.")
     ] = None,
@@ -52,6 +63,14 @@ def paint(
     colours: Annotated[
         Path | None, _camera(metavar="FILE", help="The camera's colours, from `maulstick calibrate colours`.")
     ] = None,
+    size: Size = None,
+    margin: Margin = None,
+    rotate: Rotate = "0",
+    hatch: Hatch = None,
+    hatch_hand: HatchHand = None,
+    no_repeats: NoRepeats = False,
+    shortest: Shortest = None,
+    keep_order: KeepOrder = False,
     from_stroke: Annotated[
         int | None, _progress(metavar="N", help="Begin with the Nth stroke. Those before count as painted.")
     ] = None,
@@ -66,12 +85,14 @@ def paint(
         bool, _progress("--restart", metavar="", help="Start again on a new sheet. The old journal is kept.")
     ] = False,
 ) -> None:
-    """Let a machine paint a painting.
+    """Let a machine paint a painting, or draw an SVG.
 
     Every stroke is written into a journal beside the painting, before it and after it, so that --resume goes on after
     Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen.
 
     Example: maulstick paint cat/painting.json --robot grbl:/dev/ttyUSB0 --speed 40
+
+    Example: maulstick paint drawing.svg --robot axidraw --size A4 --margin 10
     """
     if resume and (restart or from_stroke is not None):
         raise InputError("--resume knows where to go on; leave out --restart and --from-stroke")
@@ -95,6 +116,7 @@ def paint(
         "view": view,
         "tag": None if tag is None else tag * 1e-3,
         "colours": colours,
+        "drawing": drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order),
     }
     options = PaintOptions.model_validate({name: value for name, value in given.items() if value is not None})
     options.check()

@@ -28,7 +28,9 @@ def run(run: Run) -> None:
     """Paint, go on painting, or print what would be painted."""
     console = Console(stderr=True, markup=False, highlight=False)
     if run.dry_run:
-        console.print(in_words(session.rehearse(run.request)), soft_wrap=True)
+        estimate = session.rehearse(run.request)
+        for sentence in (*(f"note: {note}" for note in estimate.notes), in_words(estimate)):
+            console.print(sentence, soft_wrap=True)
         return
 
     def is_painted(stroke: int) -> bool:

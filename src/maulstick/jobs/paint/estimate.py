@@ -15,7 +15,7 @@ class Estimate:
     """Estimate of a run.
 
     strokes, metres, seconds: what is left, without the time that an operator needs.  painted: strokes that are painted
-    already.  paints: of the whole painting.
+    already.  paints: of the whole painting.  notes: sentences about what of a drawing's file is not drawn as it says.
     """
 
     strokes: int
@@ -23,6 +23,7 @@ class Estimate:
     seconds: float
     painted: int
     paints: int
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, actions: Sequence[Action], painting: Painting, limits: Limits, place: Floats) -> Self:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from glob import escape
 from itertools import count
 from pathlib import Path
@@ -15,7 +15,7 @@ from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.setup import PaintSetup
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_sum
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
@@ -26,7 +26,7 @@ from maulstick.robot.workplace import Workplace
 
 @dataclass(frozen=True)
 class PaintRequest:
-    """A painting, and how to paint it.
+    """A painting.json or an SVG, and how to paint it.
 
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
     restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
@@ -43,9 +43,8 @@ class PaintRequest:
 
 def rehearse(request: PaintRequest) -> Estimate:
     """Return the estimate of a run without any motion; asks the machine for its limits. Raises what `paint` would."""
-    plan = _plan_of(request)
     if not request.resume:
-        setup = PaintSetup.of(request.options, plan, request.robot)
+        setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         return _rehearsed(setup, setup.first(request.from_stroke))
     with _reopened(request) as (setup, journal):
         return _rehearsed(setup, journal.painted)
@@ -62,9 +61,8 @@ def paint(
     operator_for: returns the operator for a setup in which the strokes with these ids are painted already.
     Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
     """
-    plan = _plan_of(request)
     if not request.resume:
-        setup = PaintSetup.of(request.options, plan, request.robot)
+        setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         with machine_lock(request.options.machine):
             _check_not_begun(request)
             _paint(request, setup, None, operator_for)
@@ -75,13 +73,14 @@ def paint(
         _paint(request, setup, journal, operator_for)
 
 
-def _plan_of(request: PaintRequest) -> Painting:
+def _plan_of(request: PaintRequest) -> Paintable:
     """Return the painting of a request. Raises InputError where it has no strokes, or not the first one named."""
-    plan, number = read_painting(request.painting), request.from_stroke
-    if not plan.strokes:
+    plan, number = read_paintable(request.painting, request.options.drawing), request.from_stroke
+    count = len(plan.painting.strokes)
+    if not count:
         raise InputError(f"{request.painting} has no strokes; plan it again with more")
-    if number is not None and not 1 <= number <= len(plan.strokes):
-        raise InputError.of_range(option("from_stroke"), number, f"1 to the {len(plan.strokes)} strokes")
+    if number is not None and not 1 <= number <= count:
+        raise InputError.of_range(option("from_stroke"), number, f"1 to the {count} strokes")
     return plan
 
 
@@ -94,10 +93,12 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
     with Journal.open(path) as journal:
         if journal.revision is None:
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
-        yield (
-            PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting()), request.robot),
-            journal,
-        )
+        options, file = request.options.after(journal.options), journal.painting()
+        plan = read_paintable(file, options.drawing if is_svg(file) else None)
+        if options.strokes_sha256 is not None and is_svg(file) and strokes_sum(plan.painting) != options.strokes_sha256:
+            changed = "by another Maulstick, or a hand that has changed"
+            raise InputError(f"{file} has other strokes than when it was begun, {changed}", Remedy.RESTART)
+        yield PaintSetup.of(options, plan, request.robot), journal
 
 
 def _was_begun(path: Path) -> bool:
@@ -141,7 +142,7 @@ def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
     with machine_lock(setup.options.machine), setup.robot.connected():
         actions = _actions(setup, done)
     start = setup.easel.canvas_to_machine(np.zeros(3))
-    return Estimate.of(actions, setup.plan, setup.robot.limits, start)
+    return replace(Estimate.of(actions, setup.plan, setup.robot.limits, start), notes=setup.notes)
 
 
 def _where_it_stands(easel: Easel, robot: Robot) -> str:
@@ -175,6 +176,8 @@ def _paint(
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)
     operator = operator_for(setup, done)
+    for sentence in setup.notes if before is None else ():
+        operator.note(sentence)
     if setup.simulation is not None and (note := setup.simulation.note) is not None:
         operator.note(note)
     with ExitStack() as stack:
@@ -201,7 +204,10 @@ def _paint(
             if setup.replanning is not None and eye is not None:
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
-        journal.write_options(setup.options.as_json())
+        options = setup.options
+        if before is None and is_svg(request.painting):
+            options = options.model_copy(update={"strokes_sha256": strokes_sum(setup.plan)})
+        journal.write_options(options.as_json())
         ask = operator.ask if setup.simulation is None else setup.simulation.ask
         place = Workplace(
             robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
+from maulstick.jobs.paintable import Paintable
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
@@ -19,6 +20,7 @@ class PaintSetup:
     """All that a run needs, read and checked; nothing is connected.
 
     simulation: None where the machine is a real one.  replanning: None where the sheet is not looked at on the way.
+    notes: sentences about what of a drawing's file is not drawn as it says.
     """
 
     options: PaintOptions
@@ -28,11 +30,12 @@ class PaintSetup:
     tray: Tray | None
     simulation: Simulation | None
     replanning: Replanning | None
+    notes: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, options: PaintOptions, plan: Painting, robot: Robot | None = None) -> "PaintSetup":
+    def of(cls, options: PaintOptions, paintable: Paintable, robot: Robot | None = None) -> "PaintSetup":
         """Return the setup that the options name. Raises InputError where something of it cannot be used."""
-        replanning = Replanning.of(options)
+        plan, replanning = paintable.painting, Replanning.of(options)
         if replanning is not None:
             replanning.check(plan)
         easel = read_easel(options.easel) if options.easel is not None else None
@@ -42,7 +45,7 @@ class PaintSetup:
         if robot is None:
             robot = machine(options.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
-        return cls(options, plan, robot, easel, tray, simulation, replanning)
+        return cls(options, plan, robot, easel, tray, simulation, replanning, paintable.notes)
 
     def first(self, from_stroke: int | None) -> tuple[int, ...]:
         """Return the ids of the strokes before that one, counted from 1."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.painting.painting import read_painting
+from maulstick.jobs.paintable import is_svg, read_paintable
 from maulstick.robot.journal import Journal, journal_of
 
 
@@ -38,6 +38,7 @@ def status_of(painting: Path) -> PaintStatus | None:
     journal = Journal.read(path)
     if journal.revision is None:
         return None
-    strokes = read_painting(journal.painting()).strokes
+    file, options = journal.painting(), PaintOptions().after(journal.options)
+    strokes = read_paintable(file, options.drawing if is_svg(file) else None).painting.strokes
     painted = sum(stroke.id in journal.painted for stroke in strokes)
-    return PaintStatus(len(strokes), painted, journal.unfinished, PaintOptions().after(journal.options))
+    return PaintStatus(len(strokes), painted, journal.unfinished, options)

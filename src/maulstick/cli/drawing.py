@@ -1,0 +1,101 @@
+"""Options about how an SVG is read, which all commands that take one share."""
+
+from functools import partial
+from math import radians
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from maulstick.drawing.options import DrawingOptions
+from maulstick.errors import InputError
+from maulstick.jobs.paintable import read_paintable
+from maulstick.painting.painting import Painting
+from maulstick.painting.raster import parse_size
+
+_drawing = partial(typer.Option, rich_help_panel="An SVG")
+_TURNS = ("0", "90", "180", "270")
+
+Size = Annotated[
+    str | None,
+    _drawing(
+        metavar="WxHmm", show_default="the page's", help="Scale the page to a sheet: 210x297mm, A4, A5-landscape."
+    ),
+]
+Margin = Annotated[
+    float | None,
+    _drawing(metavar="MM", show_default="the page's", help="Scale what is drawn to so far from the sheet's edges."),
+]
+Rotate = Annotated[str, _drawing(metavar="DEGREES", help="Turn the page clockwise: 90, 180 or 270.")]
+Hatch = Annotated[
+    str | None,
+    _drawing(
+        metavar="MM[@DEGREES]", show_default="empty", help="Fill filled shapes with parallel lines so far apart: 1@30."
+    ),
+]
+HatchHand = Annotated[
+    str | None,
+    _drawing(
+        metavar="STYLE", show_default="lines", help="Hatch with strokes of this hand, as densely as --hatch says."
+    ),
+]
+NoRepeats = Annotated[bool, _drawing("--no-repeats", metavar="", help="Leave out paths that are there twice.")]
+Shortest = Annotated[
+    float | None, _drawing(metavar="MM", show_default="0", help="Leave out paths that are shorter than this.")
+]
+KeepOrder = Annotated[
+    bool, _drawing("--keep-order", metavar="", help="Draw each pen's paths in the order of the file, not a quick one.")
+]
+
+
+def drawing_options(
+    size: str | None,
+    margin: float | None,
+    rotate: str,
+    hatch: str | None,
+    hatch_hand: str | None,
+    no_repeats: bool,
+    shortest: float | None,
+    keep_order: bool,
+) -> DrawingOptions | None:
+    """Return the options as they were typed, None where none was. Raises InputError where one cannot be used."""
+    if rotate not in _TURNS:
+        raise InputError.of_choice("turn for --rotate", rotate, _TURNS)
+    given: dict[str, Any] = {
+        "size": None if size is None else parse_size(size),
+        "margin": None if margin is None else margin * 1e-3,
+        "rotate": int(rotate) or None,
+        **({} if hatch is None else _hatch(hatch)),
+        "hatch_hand": hatch_hand,
+        "no_repeats": no_repeats or None,
+        "shortest": None if shortest is None else shortest * 1e-3,
+        "keep_order": keep_order or None,
+    }
+    given = {name: value for name, value in given.items() if value is not None}
+    if not given:
+        return None
+    options = DrawingOptions.model_validate(given)
+    options.check()
+    return options
+
+
+def read_plan(path: Path, drawing: DrawingOptions | None) -> Painting:
+    """Read a painting.json, or an SVG, and print the notes about it on the terminal."""
+    read = read_paintable(path, drawing)
+    console = Console(stderr=True, markup=False, highlight=False)
+    for note in read.notes:
+        console.print(f"note: {note}", soft_wrap=True)
+    return read.painting
+
+
+def _hatch(text: str) -> dict[str, float]:
+    """Return the fields for a spacing in millimetres and an angle, as in ``1.5`` and ``1@30``."""
+    spacing, at, angle = text.partition("@")
+    try:
+        found = {"hatch": float(spacing) * 1e-3}
+        return found | ({"hatch_angle": radians(float(angle))} if at else {})
+    except ValueError:
+        raise InputError(
+            f"--hatch is {text!r}; it must be millimetres between lines, as 1, or 1@30 with an angle"
+        ) from None

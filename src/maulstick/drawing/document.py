@@ -1,0 +1,146 @@
+"""Reading an SVG's XML, safely, and the lengths in it."""
+
+import re
+from dataclasses import dataclass
+from math import hypot
+from pathlib import Path
+from typing import Final, Self
+from xml.etree.ElementTree import Element, ParseError
+
+from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
+from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
+
+from maulstick.errors import InputError
+from maulstick.recording.files.markup import METRES, parsed
+
+SVG_SPACE: Final = "http://www.w3.org/2000/svg"
+INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
+
+NO_PLACE: Final = "a point in it has no place: it is no number, or too large; mend or delete that path"
+"""Fault of a drawing whose numbers are damaged."""
+
+_PPI = 96  # pixels per inch, as CSS has it
+_FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
+_LARGEST = 1e7  # pixels: 2.6 km
+_PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
+_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+
+def parsed_svg(content: bytes, path: Path) -> Element:
+    """Return the outermost element of an SVG.
+
+    Raises InputError where it is none, is compressed, or declares entities, which could grow without bound.
+    """
+    if content[:2] == b"\x1f\x8b":
+        raise InputError(f"{path} is a compressed SVG; save it as plain SVG")
+    try:
+        return parsed(content, "svg")
+    except DefusedXmlException as error:
+        raise InputError(f"{path} declares entities, which may hide anything; save it as plain SVG") from error
+    except InputError as error:
+        raise InputError(f"{path} is not an SVG: {error}") from error
+    except (ParseError, ValueError, LookupError) as error:
+        raise InputError(f"{path} is not an SVG that can be read: {error}; save it again as plain SVG") from error
+
+
+def numbers(text: str | None) -> list[float]:
+    """Return all numbers in a text such as a viewBox or the points of a polygon."""
+    return [float(number) for number in _NUMBER.findall(text or "")]
+
+
+def pixels(text: str | None, whole: float = 0.0) -> float | None:
+    """Return a length in pixels, 96 per inch, or None where it is none; a percentage is of `whole`."""
+    match = _LENGTH.fullmatch(text or "")
+    if match is None:
+        return None
+    number, unit = float(match[1]), match[2].lower()
+    if unit == "%":
+        return number / 100 * whole
+    if unit in _FONT_UNITS:
+        return number * _FONT_UNITS[unit]
+    return number * METRES[unit or "px"] / METRES["px"] if unit in (*METRES, "") else None
+
+
+@dataclass(frozen=True)
+class Viewport:
+    """Viewport whose width and height, in user units, percentages are taken of."""
+
+    width: float
+    height: float
+
+    def x(self, element: Element, name: str, otherwise: str = "0") -> float:
+        """Return an attribute that is a length along x, in user units."""
+        return pixels(element.get(name, otherwise), self.width) or 0.0
+
+    def y(self, element: Element, name: str, otherwise: str = "0") -> float:
+        """Return an attribute that is a length along y, in user units."""
+        return pixels(element.get(name, otherwise), self.height) or 0.0
+
+    def other(self, text: str | None) -> float:
+        """Return a length along neither, as a radius is, in user units."""
+        return pixels(text, hypot(self.width, self.height) / 2**0.5) or 0.0
+
+
+@dataclass(frozen=True)
+class Page:
+    """Page of a drawing.
+
+    width, height: pixels, 96 per inch.  matrix: from the outermost user units to these pixels.
+    viewport: what percentages on it are taken of.  said: whether the file says how large it is.
+    """
+
+    width: float
+    height: float
+    matrix: Matrix
+    viewport: Viewport
+    said: bool
+
+    @classmethod
+    def of(cls, root: Element) -> Self:
+        """Return the page of a document. A side that is a percentage, or left out, is that of the viewBox in pixels."""
+        view = view_box(root)
+        width, height = (
+            None if (text := root.get(name, "")).strip().endswith("%") else pixels(text) for name in ("width", "height")
+        )
+        said = view is not None or (width is not None and height is not None)
+        if view is not None:
+            if width is None and height is None:
+                width, height = view[2:]
+            width = view[2] * (height or 0) / view[3] if width is None else width
+            height = view[3] * width / view[2] if height is None else height
+        width, height = (_PAGE if side is None else side for side in (width, height))
+        if not (0 < width < _LARGEST and 0 < height < _LARGEST):
+            raise InputError(f"its page is {width:g} x {height:g} pixels; give it a width and a height above 0")
+        matrix, viewport = viewed(root, (0.0, 0.0, width, height))
+        return cls(width, height, matrix, viewport, said)
+
+
+def view_box(element: Element) -> list[float] | None:
+    """Return the viewBox (x, y, width, height) of an element, or None where it has none that can be used."""
+    view = numbers(element.get("viewBox"))
+    return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else None
+
+
+def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[Matrix, Viewport]:
+    """Return the matrix from the inside of an element with a viewBox to its outside, and the viewport inside.
+
+    place: x, y, width and height of the element outside.
+    """
+    view = view_box(element)
+    if view is None:
+        return Matrix.translate(*place[:2]), Viewport(*place[2:])
+    aspect = " ".join(element.get("preserveAspectRatio", "xMidYMid").replace("defer", "").split())
+    return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])
+
+
+def transform_of(text: str | None, viewport: Viewport) -> Matrix:
+    """Return the matrix of a transform attribute; one that is faulty is none, as in browsers."""
+    if not text:
+        return Matrix()
+    try:
+        matrix = Matrix(text)
+        matrix.render(ppi=_PPI, width=viewport.width, height=viewport.height)
+        return Matrix(*(float(matrix[i]) for i in range(6)))
+    except (ValueError, TypeError, IndexError):
+        return Matrix()

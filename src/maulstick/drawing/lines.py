@@ -1,0 +1,118 @@
+"""Polylines of curves, and polylines cut at the edges of a region."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from maulstick.drawing.document import NO_PLACE
+from maulstick.errors import InputError
+from maulstick.storage.arrays import Floats, Ints
+
+FLATNESS: Final = 2e-5
+"""Metres that a polyline departs from its curve at most."""
+
+MOST_POINTS: Final = 4_000_000
+"""Points of all polylines of a drawing: they take some 2 GB as a painting."""
+
+_MOST_PARTS = 10_000  # of one curve: one of 20 m with the tightest bend takes fewer
+_FARTHEST = 1e5  # metres: beyond, numbers are damaged
+_SAME = 1e-9  # metres, or a share of a step: less is rounding
+
+
+def polylines(chains: Sequence[Floats], turn: Floats, shift: Floats) -> list[Floats]:
+    """Return polylines (k, 2), metres, of chains of cubic Béziers (m, 4, 2), to within `FLATNESS`.
+
+    turn (2, 2), shift (2,): metres = points @ turn + shift.
+    Raises InputError where a point has no place, or the polylines take more than `MOST_POINTS`.
+    """
+    if not chains:
+        return []
+    cubics = np.concatenate(chains) @ turn + shift
+    if not (np.abs(cubics) < _FARTHEST).all():
+        raise InputError(NO_PLACE)
+    parts = _parts(cubics)
+    if parts.sum() + len(chains) > MOST_POINTS:
+        raise InputError(f"its curves come to over {MOST_POINTS} points; draw it in parts")
+    which = np.repeat(np.arange(len(cubics)), parts)
+    last = np.cumsum(parts)
+    t = ((np.arange(len(which)) - (last - parts)[which] + 1) / parts[which])[:, None]
+    a, b, c, d = (cubics[which, i] for i in range(4))
+    s = 1 - t
+    points = s * s * s * a + 3 * (s * s * t) * b + 3 * (s * t * t) * c + t * t * t * d
+    sizes = np.array([len(chain) for chain in chains])
+    firsts = np.cumsum(sizes) - sizes
+    ends = last[firsts + sizes - 1]
+    begins = np.concatenate([[0], ends[:-1]])
+    return [np.concatenate([cubics[first, :1], points[i:j]]) for first, i, j in zip(firsts, begins, ends, strict=True)]
+
+
+def _parts(cubics: Floats) -> Ints:
+    """Return into how many equal parts of its parameter each curve is cut, (M,): Wang's bound."""
+    bend = np.linalg.norm(np.diff(cubics, n=2, axis=1), axis=2).max(axis=1)
+    bend[bend < _SAME] = 0.0
+    parts: Ints = np.ceil(np.sqrt(0.75 * bend / FLATNESS)).clip(1, _MOST_PARTS).astype(np.int64)
+    return parts
+
+
+def lengths(lines: Sequence[Floats]) -> Floats:
+    """Return the length of each polyline (k, 2), metres."""
+    return np.array([np.hypot(*np.diff(line, axis=0).T).sum() for line in lines])
+
+
+def cut(lines: Sequence[Floats], region: BaseGeometry) -> list[list[Floats]]:
+    """Return the pieces of each polyline (k, 2) that lie in a region, its edges included, in their order.
+
+    Each step is cut by itself, so that a line that crosses itself stays in one piece.
+    """
+    shapely.prepare(region)
+    pieces: list[list[Floats]] = []
+    for line, inside in zip(lines, _inside(lines, region), strict=True):
+        if inside is not None:
+            pieces.append([line] if inside else [])
+        else:
+            pieces.append(_pieces(line, region))
+    return pieces
+
+
+def _inside(lines: Sequence[Floats], region: BaseGeometry) -> list[bool | None]:
+    """Return of each line whether it lies in the region, or None where only a part of it does."""
+    if not lines:
+        return []
+    points = np.concatenate([line[[0, *range(len(line))]] if len(line) == 1 else line for line in lines])
+    owners = np.repeat(np.arange(len(lines)), [max(len(line), 2) for line in lines])
+    shapes = shapely.linestrings(points, indices=owners)
+    covered, touched = shapely.covers(region, shapes), shapely.intersects(region, shapes)
+    dots = np.array([np.ptp(line, axis=0).max() < _SAME for line in lines])
+    if dots.any():
+        places = np.array([line[0] for line, dot in zip(lines, dots, strict=True) if dot])
+        covered[dots] = touched[dots] = shapely.covers(region, shapely.points(places))
+    return [True if all_of else (None if any_of else False) for all_of, any_of in zip(covered, touched, strict=True)]
+
+
+def _pieces(line: Floats, region: BaseGeometry) -> list[Floats]:
+    starts, steps = line[:-1], np.diff(line, axis=0)
+    moving = np.flatnonzero(np.hypot(*steps.T) > _SAME)
+    starts, steps = starts[moving], steps[moving]
+    found = shapely.intersection(shapely.linestrings(np.stack([starts, starts + steps], axis=1)), region)
+    parts, which = shapely.get_parts(found, return_index=True)
+    kept = (shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & ~shapely.is_empty(parts)
+    parts, which = parts[kept], which[kept]
+    if not len(parts):
+        return []
+    ends = np.stack([shapely.get_coordinates(shapely.get_point(parts, end)) for end in (0, -1)], axis=1)
+    along = steps[which] / (steps[which] ** 2).sum(axis=1, keepdims=True)
+    shares = np.sort(((ends - starts[which][:, None]) * along[:, None]).sum(axis=2), axis=1)
+    shares[np.abs(shares) < _SAME], shares[np.abs(shares - 1) < _SAME] = 0.0, 1.0
+    pieces: list[list[Floats]] = []
+    last, left = -1, 0.0  # the step of the latest piece, and the share of it where that ended
+    for i in np.lexsort([shares[:, 0], which]):
+        step, (begin, end) = int(which[i]), shares[i]
+        goes_on = begin == left if step == last else step == last + 1 and (left, begin) == (1.0, 0.0)
+        if not pieces or not goes_on:
+            pieces.append([starts[step] + begin * steps[step]])
+        pieces[-1].append(starts[step] + end * steps[step])
+        last, left = step, end
+    return [np.array(piece) for piece in pieces]

@@ -1,0 +1,52 @@
+"""Options of how an SVG is read."""
+
+from math import isfinite
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from maulstick.errors import InputError, option
+
+_SIDES = (1e-3, 20.0)  # metres of a sheet's side: beyond, the unit is probably wrong
+_SPACINGS = (5e-5, 0.1)  # metres between hatching lines: a pen's line is wider than the least
+
+
+class DrawingOptions(BaseModel):
+    """Options of how an SVG is read; lengths in metres, angles in radians.
+
+    size: width and height of the sheet, to which the page is scaled; its own size by default.
+    margin: what is drawn is scaled to reach just so far from the sheet's edges; left out, the page keeps its margins.
+    rotate: degrees, clockwise.
+    hatch: distance of the parallel lines that fill filled shapes; None leaves them empty.  hatch_angle: of those lines,
+    from the x axis, clockwise as seen.  hatch_hand: name of the style whose strokes hatch, instead of lines.
+    no_repeats: whether a path that was there already is left out.  shortest: paths that are shorter are left out.
+    keep_order: whether the paths of a pen are drawn in the order of the file, and not in a quick one.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    size: tuple[float, float] | None = None
+    margin: float | None = None
+    rotate: Literal[0, 90, 180, 270] = 0
+    hatch: float | None = None
+    hatch_angle: float | None = None
+    hatch_hand: str | None = None
+    no_repeats: bool = False
+    shortest: float = 0.0
+    keep_order: bool = False
+
+    def check(self) -> None:
+        """Raise InputError for an option that is out of its range."""
+        for side in self.size or ():
+            if not _SIDES[0] <= side <= _SIDES[1]:
+                raise InputError.of_range(option("size"), f"{1e3 * side:g} mm on a side", "from 1 to 20000 mm")
+        if self.margin is not None and not 0 <= self.margin < _SIDES[1]:
+            raise InputError.of_range(option("margin"), f"{1e3 * self.margin:g} mm", "at least 0")
+        if self.hatch is not None and not _SPACINGS[0] <= self.hatch <= _SPACINGS[1]:
+            raise InputError.of_range(option("hatch"), f"{1e3 * self.hatch:g} mm", "from 0.05 to 100 mm between lines")
+        if self.hatch_hand is not None and self.hatch is None:
+            raise InputError(f"{option('hatch_hand')} hatches as densely as {option('hatch')} says; give both")
+        if self.hatch_angle is not None and not isfinite(self.hatch_angle):
+            raise InputError.of_range(option("hatch_angle"), self.hatch_angle, "a finite number")
+        if not 0 <= self.shortest < _SIDES[1]:
+            raise InputError.of_range(option("shortest"), f"{1e3 * self.shortest:g} mm", "at least 0")

@@ -1,0 +1,259 @@
+"""Shapes of an SVG, as they lie on its page: transforms, nested viewports, <use>, styles, layers and clips resolved.
+
+svgelements reads paths, transforms and colours. Its own walk through a document loses clips and layers, takes
+percentages after a nested <svg> of the wrong viewport, and knows neither <symbol>'s viewBox nor <switch>.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Final
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from svgelements import Matrix  # type: ignore[import-untyped]
+
+from maulstick.drawing.css import INHERITED, Rgb, Style, StyleSheet, colour_of, referred
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, transform_of, viewed
+from maulstick.drawing.geometry import is_shape, outline
+from maulstick.errors import InputError
+from maulstick.recording.files.markup import local_name
+from maulstick.storage.arrays import Floats
+
+NEVER: Final = "%"
+"""First character of the label of a layer that is not plotted."""
+
+_MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
+_DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
+_GROUPS = ("svg", "g", "a", "switch")
+_TEXT = "it has text{where}; a pen draws paths: make them in Inkscape by Path > Object to Path, and save it again"
+_IMAGE = "it has a picture{where}; a pen draws paths: trace it in Inkscape by Path > Trace Bitmap, or delete it"
+
+
+@dataclass(frozen=True)
+class Clip:
+    """Region in which shapes are drawn: that within any of these shapes, by their rules."""
+
+    shapes: tuple["Shape", ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Group that may be a pen of its own: an Inkscape layer, or a group at the top; label: None where it has none."""
+
+    label: str | None
+    is_layer: bool
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Shape on the page.
+
+    chains: its subpaths, each of cubic Béziers (m, 4, 2), pixels of the page.  width: of its stroke, in pixels.
+    stroke, fill: colours, None where there is none.  rule: of its fill, ``nonzero`` or ``evenodd``.
+    """
+
+    chains: list[Floats]
+    stroke: Rgb | None
+    fill: Rgb | None
+    rule: str
+    width: float
+    group: Group | None
+    clips: tuple[Clip, ...]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where an element stands in the document."""
+
+    matrix: Matrix
+    viewport: Viewport
+    style: Style
+    clips: tuple[Clip, ...] = ()
+    group: Group | None = None
+    depth: int = 0
+    used: tuple[str, ...] = ()
+
+
+@dataclass
+class Walk:
+    """Walk through a document.
+
+    passed_over: names of what it has, and is not drawn.  faulty: number of paths with faulty data.
+    """
+
+    root: Element
+    page: Page
+    passed_over: set[str] = field(default_factory=set)
+    faulty: int = 0
+
+    def __post_init__(self) -> None:
+        self._sheet = StyleSheet(self.root)
+        self._named = {name: element for element in self.root.iter() if (name := element.get("id")) is not None}
+        self._clips: dict[tuple[str, str], Clip] = {}
+        self._count = 0
+        self._clipping = False
+
+    def shapes(self) -> Iterator[Shape]:
+        """Yield all shapes that can be seen, in their order.
+
+        Raises InputError for text, pictures, references to other files, and what is too large or refers to itself.
+        """
+        own = self._sheet.of(self.root)
+        if own.get("display") != "none":
+            yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
+
+    def _children(self, parent: Element, place: _Place) -> Iterator[Shape]:
+        inside = replace(place, depth=place.depth + 1)
+        children = iter(parent)
+        if local_name(parent) == "switch":
+            children = iter([child for child in parent if local_name(child) != "foreignObject"][:1])
+        for child in children:
+            yield from self._element(child, inside)
+
+    def _element(self, element: Element, place: _Place) -> Iterator[Shape]:
+        space, _, tag = element.tag.rpartition("}")
+        if space.lstrip("{") not in ("", SVG_SPACE):
+            return
+        own = self._sheet.of(element)
+        if own.get("display") == "none":
+            return
+        if place.depth > _DEEPEST:
+            raise InputError(f"its groups and uses lie more than {_DEEPEST} deep within each other; ungroup some")
+        self._count += 1
+        if self._count > _MOST_ELEMENTS:
+            raise InputError(f"it has over {_MOST_ELEMENTS} elements, counting every <use> of them; split it")
+        style = _inherited(place.style, own)
+        if tag in _GROUPS or tag == "use":
+            yield from self._group(element, tag, own, replace(place, style=style))
+        elif style.get("visibility", "visible") == "visible":
+            if tag in ("text", "foreignObject") and "".join(element.itertext()).strip():
+                raise InputError(_TEXT.format(where=_named(element)))
+            if tag == "image":
+                raise InputError(_IMAGE.format(where=_named(element)))
+            if is_shape(tag):
+                yield from self._shape(element, own, replace(place, style=style))
+
+    def _shape(self, element: Element, own: Style, place: _Place) -> Iterator[Shape]:
+        place = self._transformed(own, place)
+        chains, whole = outline(element, place.viewport)
+        self.faulty += not whole
+        m = place.matrix
+        turn, shift = np.array([[m.a, m.b], [m.c, m.d]]), np.array([m.e, m.f])
+        style = place.style
+        self.passed_over.update(
+            "markers" for name in ("marker-start", "marker-mid", "marker-end") if referred(own.get(name))
+        )
+        if chains:
+            yield Shape(
+                [chain @ turn + shift for chain in chains],
+                colour_of(style, "stroke", "none"),
+                colour_of(style, "fill", "black"),
+                style.get("clip-rule" if self._clipping else "fill-rule", "nonzero"),
+                place.viewport.other(style.get("stroke-width", "1")) * abs(m.determinant) ** 0.5,
+                place.group,
+                place.clips,
+            )
+
+    def _group(self, element: Element, tag: str, own: Style, place: _Place) -> Iterator[Shape]:
+        group = self._group_of(element, tag, place)
+        if group is not None and (group.label or "").lstrip().startswith(NEVER):
+            return
+        place = self._transformed(own, replace(place, group=group))
+        if tag == "use":
+            yield from self._used(element, place)
+            return
+        if tag == "svg":
+            view = place.viewport
+            box = (
+                view.x(element, "x"),
+                view.y(element, "y"),
+                view.x(element, "width", "100%"),
+                view.y(element, "height", "100%"),
+            )
+            place = self._within(element, own, box, place)
+        yield from self._children(element, place)
+
+    def _group_of(self, element: Element, tag: str, place: _Place) -> Group | None:
+        """Return the group that the children belong to: the outermost layer, else the group at the top."""
+        if self._clipping or tag != "g" or (place.group is not None and place.group.is_layer):
+            return place.group
+        label = element.get(f"{INKSCAPE}label")
+        if element.get(f"{INKSCAPE}groupmode") == "layer":
+            return Group(label or element.get("id"), is_layer=True)
+        return Group(label or element.get("id"), is_layer=False) if place.depth == 1 else place.group
+
+    def _used(self, element: Element, place: _Place) -> Iterator[Shape]:
+        link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
+        if link and not link.startswith("#"):
+            raise InputError(f"it uses {link[:60]!r} of another file; copy that into the drawing")
+        target = self._named.get(link[1:])
+        if target is None:
+            return
+        if link in place.used:
+            raise InputError(f"a <use> in it uses itself, by {link[:60]!r}; take that out")
+        view = place.viewport
+        matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
+        place = replace(place, matrix=matrix, used=(*place.used, link), depth=place.depth + 1)
+        tag = local_name(target)
+        if tag not in ("symbol", "svg"):
+            yield from self._element(target, place)
+            return
+        own = self._sheet.of(target)
+        if own.get("display") == "none":
+            return
+        sized = [element if element.get(name) is not None else target for name in ("width", "height")]
+        box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
+        place = replace(place, style=_inherited(place.style, own))
+        yield from self._children(target, self._within(target, own, box, place))
+
+    def _within(self, element: Element, own: Style, box: tuple[float, float, float, float], place: _Place) -> _Place:
+        """Return the place inside an element with a viewport of its own, at `box`: x, y, width and height."""
+        clips = place.clips
+        if own.get("overflow", "hidden") not in ("visible", "auto"):
+            frame = Element(
+                "rect", {name: f"{side!r}" for name, side in zip(("x", "y", "width", "height"), box, strict=True)}
+            )
+            clips = (*clips, Clip(tuple(self._shape(frame, {}, replace(place, clips=())))))
+        matrix, viewport = viewed(element, box)
+        return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
+
+    def _transformed(self, own: Style, place: _Place) -> _Place:
+        """Return the place after an element's own transform and clip."""
+        if not own:
+            return place
+        if "transform" in own:
+            place = replace(place, matrix=transform_of(own["transform"], place.viewport) * place.matrix)
+        if referred(own.get("mask")):
+            self.passed_over.add("masks")
+        name = referred(own.get("clip-path"))
+        if name is not None and name in self._named:
+            place = replace(place, clips=(*place.clips, *self._clips_of(name, place)))
+        return place
+
+    def _clips_of(self, name: str, place: _Place) -> tuple[Clip, ...]:
+        element = self._named[name]
+        if local_name(element) != "clipPath" or element.get("clipPathUnits") == "objectBoundingBox":
+            self.passed_over.add("clips in units of a box")
+            return ()
+        key = f"clip {name}"
+        if key in place.used:
+            raise InputError(f"the clip {name!r} in it clips itself; take that out")
+        at = name, repr(place.matrix)
+        if at not in self._clips:
+            before, self._clipping = self._clipping, True
+            own = self._sheet.of(element)
+            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
+            shapes = tuple(self._children(element, inner))
+            self._clipping = before
+            self._clips[at] = Clip(shapes)
+        return (self._clips[at],)
+
+
+def _named(element: Element) -> str:
+    name = element.get(f"{INKSCAPE}label") or element.get("id")
+    return "" if name is None else f" ({name[:40]!r})"
+
+
+def _inherited(style: Style, own: Style) -> Style:
+    """Return the style of an element in which its own properties count before those of its parents."""
+    return {**style, **{name: own[name] for name in INHERITED if name in own}} if own else style

@@ -1,0 +1,79 @@
+"""What readers of SVG share: paths as chains of cubic Béziers, and a bound on what <use> repeats."""
+
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from svgelements import Arc, Close, CubicBezier, Line, Move, Path, QuadraticBezier  # type: ignore[import-untyped]
+
+from maulstick.errors import InputError
+from maulstick.recording.files.markup import local_name
+from maulstick.storage.arrays import Floats
+
+_ELEMENT = 32  # characters that an element counts in addition to its attributes
+
+
+def chains_of(path: Path) -> Iterator[Floats]:
+    """Yield each subpath as cubic Béziers (m, 4, 2), each starting where the last one ended."""
+    cubics: list[list[complex]] = []
+    for segment in path:
+        if isinstance(segment, Move) and cubics:
+            yield _points(cubics)
+            cubics = []
+        cubics += _cubics(segment)
+    if cubics:
+        yield _points(cubics)
+
+
+def _cubics(segment: object) -> list[list[complex]]:
+    if isinstance(segment, (Line, Close)):
+        if segment.start is None or segment.end is None:
+            return []
+        return _straight(segment)
+    if isinstance(segment, Arc):
+        if segment.rx == 0 or segment.ry == 0:  # then it is a line (SVG 1.1, F.6.2)
+            return _straight(segment)
+        return [_complex(c.start, c.control1, c.control2, c.end) for c in segment.as_cubic_curves()]
+    if isinstance(segment, CubicBezier):
+        return [_complex(segment.start, segment.control1, segment.control2, segment.end)]
+    if isinstance(segment, QuadraticBezier):
+        start, control, end = _complex(segment.start, segment.control, segment.end)
+        return [[start, start + (control - start) * 2 / 3, end + (control - end) * 2 / 3, end]]
+    return []
+
+
+def _straight(segment: Line | Close | Arc) -> list[list[complex]]:
+    start, end = _complex(segment.start, segment.end)
+    return [[start, start + (end - start) / 3, end - (end - start) / 3, end]]
+
+
+def _complex(*points: object) -> list[complex]:
+    return [complex(point) for point in points]  # type: ignore[call-overload]
+
+
+def _points(cubics: list[list[complex]]) -> Floats:
+    chain = np.array(cubics)
+    return np.stack([chain.real, chain.imag], axis=-1)
+
+
+def check_uses(root: Element, most: int) -> None:
+    """Raise InputError where <use> makes a small file very large or endless: over `most` characters in all."""
+    named = {element.get("id"): element for element in root.iter()}
+    costs: dict[Element, int] = {}
+    under_way: set[Element] = set()
+
+    def cost(element: Element) -> int:
+        if element in under_way:
+            raise InputError("a <use> in it uses itself; take that out")
+        if element not in costs:
+            under_way.add(element)
+            total = _ELEMENT + sum(map(len, element.attrib.values())) + sum(cost(child) for child in element)
+            if local_name(element) == "use":
+                links = [value[1:] for name, value in element.attrib.items() if name.rpartition("}")[2] == "href"]
+                total += sum(cost(named[link]) for link in links if link in named)
+            under_way.remove(element)
+            costs[element] = total
+        return costs[element]
+
+    if cost(root) > most:
+        raise InputError(f"its shapes come to over {most >> 20} MiB, counting every <use> of them; split it")

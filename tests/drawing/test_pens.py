@@ -1,0 +1,101 @@
+from pathlib import Path
+
+import pytest
+
+from maulstick.drawing.options import DrawingOptions
+from maulstick.drawing.pens import LayerName
+from maulstick.drawing.read import read_drawing
+from maulstick.painting.painting import write_painting
+from maulstick.painting.svg import AXIDRAW_SPEED, axidraw_svg
+from tests.drawing.conftest import Read, labels, points
+
+
+def layer(label: str, body: str) -> str:
+    return f'<g inkscape:groupmode="layer" inkscape:label="{label}">{body}</g>'
+
+
+def path(x: float, colour: str = "black") -> str:
+    return f'<path d="M{x} 1L{x} 9" fill="none" stroke="{colour}"/>'
+
+
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [
+        ("outlines", LayerName(name="outlines")),
+        ("3 outlines", LayerName(number=3, name="outlines")),
+        ("12", LayerName(number=12, name="12")),
+        ("2+S50+D250 fine red", LayerName(number=2, speed=50, delay=0.25, name="fine red")),
+        (" !5+h30 +s500 loud", LayerName(number=5, pauses=True, speed=100, height=True, name="loud")),
+        ("+S0 slow", LayerName(speed=1, name="slow")),
+        ("2 plus +S50", LayerName(number=2, name="plus +S50")),
+        ("tab\tand\nline", LayerName(name="tab and line")),
+        ("", LayerName()),
+        (None, LayerName()),
+    ],
+)
+def test_a_layers_name_is_taken_apart_at_axidraws_codes(label: str | None, expected: LayerName) -> None:
+    assert LayerName.of(label) == expected
+
+
+def test_layers_are_pens_in_the_order_of_their_numbers(read: Read) -> None:
+    body = (
+        layer("10 last", path(1, "red"))
+        + layer("sketch", path(2))
+        + layer("2 first", f"<g>{path(3)}</g>" + layer("inner", path(4, "blue")) + path(5, "blue"))
+    )
+    drawing = read(body)
+    assert labels(drawing) == ["first #0000ff", "last #ff0000", "sketch #000000"]
+    assert [line[0][0] for line in points(drawing)] == [3, 4, 5, 1, 2]
+
+
+def test_a_layer_that_begins_with_a_per_cent_sign_is_not_plotted_whatever_is_in_it(read: Read) -> None:
+    drawing = read(layer("% notes", f"<text>words</text>{path(1)}") + layer("a", path(2)))
+    assert labels(drawing) == ["a #000000"]
+
+
+def test_a_layers_speed_is_that_of_its_strokes(read: Read) -> None:
+    strokes = read(layer("1+S50", path(1)) + layer("2", path(2))).painting.strokes
+    assert strokes[0].speed == (AXIDRAW_SPEED / 2,) * 2
+    assert strokes[1].speed is None
+
+
+def test_what_codes_ask_for_that_is_not_done_is_said(read: Read) -> None:
+    assert [note[:2] for note in read(layer("!1+H30", path(1)) + layer("2+D9", path(2))).notes] == ["+H", "+D"]
+    assert read(layer("!1 alone", path(1))).notes == (
+        "! in the name of a layer that is alone is passed over: there is no pen to change",
+    )
+
+
+def test_without_layers_groups_at_the_top_are_pens(read: Read) -> None:
+    drawing = read(f'<g id="one">{path(1)}<g>{path(2, "red")}</g></g><g id="two">{path(3)}</g>{path(4)}')
+    assert labels(drawing) == ["one #000000", "two #000000", "#000000"]
+
+
+def test_groups_that_nobody_named_or_that_are_very_many_are_no_pens(read: Read) -> None:
+    assert labels(read("".join(f"<g>{path(x)}</g>" for x in (1, 2, 3)))) == ["#000000"]
+    assert labels(read("".join(f'<g id="g{x}">{path(x)}</g>' for x in range(50)))) == ["#000000"]
+
+
+def test_without_groups_colours_are_pens(read: Read) -> None:
+    drawing = read(
+        f'<g id="all">{path(1, "red")}{path(2)}{path(3, "#F00")}<rect width="9" height="9" fill="blue"/></g>'
+    )
+    assert labels(drawing) == ["#ff0000", "#000000", "#0000ff"]
+
+
+def test_the_brush_is_as_wide_as_most_of_the_lines(read: Read) -> None:
+    thin, wide = ('<path d="M1 1h{}" stroke="black" stroke-width="{}"/>'.format(*each) for each in ((5, 0.2), (9, 0.8)))
+    (brush,) = read(thin + f'<g transform="scale(.5)">{wide}</g>' + thin).painting.brushes.values()
+    assert (brush.name, brush.beta) == ("fineliner 0.2 mm", 1e-4)
+    (usual,) = read('<path d="M1 1h9"/>').painting.brushes.values()
+    assert usual.name == "fineliner"
+
+
+def test_an_svg_that_we_have_written_is_read_as_the_same_strokes(read: Read, tmp_path: Path) -> None:
+    first = read(layer("1+S50 red", path(1, "red")) + layer("2 blue", path(2, "blue"))).painting
+    write_painting(first, tmp_path / "painting.json")
+    assert '"literal": true' in (tmp_path / "painting.json").read_text()
+    (tmp_path / "again.svg").write_text(axidraw_svg(first))
+    again = read_drawing(tmp_path / "again.svg", DrawingOptions(keep_order=True)).painting
+    assert [stroke.trajectory for stroke in again.strokes] == [stroke.trajectory for stroke in first.strokes]
+    assert [stroke.speed for stroke in again.strokes] == [stroke.speed for stroke in first.strokes]
