@@ -94,7 +94,7 @@ def export(
     else:
         place = read_easel(easel) if easel is not None else _at_the_origin(plan)
         if servo is not None:
-            place = place.model_copy(update={"pen": _servo(servo)})
+            place = place.model_copy(update={"pen": servo_of(servo)})
         wells = read_tray(tray) if tray is not None else None
         limits = place.limits or _around(plan, place, wells, fastest)
         if place.pen is not None or format == "hpgl":
@@ -109,7 +109,8 @@ def export(
     print(path, flush=True)
 
 
-def _servo(text: str) -> Pen:
+def servo_of(text: str) -> Pen:
+    """Return the servo whose two numbers, for up and down, are in the text. Raises InputError where they are not."""
     try:
         up, down = (float(number) for number in text.split(","))
         if not np.isfinite([up, down]).all():

@@ -199,7 +199,7 @@ class FakeGrbl:
             self._tell("error:9")
             return True
         words = dict(re.findall(r"([A-Z])(-?[\d.]+)", line))
-        motion = "X" in words or "Y" in words or "Z" in words
+        motion = ("X" in words or "Y" in words or "Z" in words) and words.get("G") != "10"
         if motion and self._motion.full:
             return False
         if ("M" in words or words.get("G") == "4") and (self._motion.busy or self._dwell > 0):
@@ -209,6 +209,8 @@ class FakeGrbl:
         if fault is not None:
             self._fail(fault)
             return True
+        if words.get("G") == "10":
+            self._set_origin(words)
         if "S" in words:
             self.servo = float(words["S"])
         if words.get("G") == "4":
@@ -258,6 +260,13 @@ class FakeGrbl:
         self._motion.add((x, y, z), self._rate)
         if self._state == "Idle" and self._motion.busy:
             self._state = "Run"
+
+    def _set_origin(self, words: dict[str, str]) -> None:
+        x, y, z = (
+            here - float(words[letter]) if letter in words else before
+            for letter, here, before in zip("XYZ", self._motion.place, self.origin, strict=True)
+        )
+        self.origin = (x, y, z)
 
     def _run(self, ticks: int) -> None:
         for _ in range(ticks):

@@ -53,6 +53,10 @@ class EbbBoard:
         """Switch both motors on, with steps divided by 16; steps are counted from where they are now."""
         self._command("EM,1,1")
 
+    def disable(self) -> None:
+        """Switch both motors off, so that the pen can be moved by hand; the count of steps begins again at 0."""
+        self._command("EM,0,0")
+
     def set_pen(self, up: float, down: float) -> None:
         """Set the servo's pulses for the lifted and the lowered pen, in units of 1/12 microsecond."""
         self._command(f"SC,4,{up:.0f}")
