@@ -11,6 +11,7 @@ import numpy as np
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
+from maulstick.storage.arrays import Floats
 
 _GLANCE = 0.05  # seconds between two looks at a pause: shorter than a person notices
 
@@ -81,8 +82,10 @@ def execute(
             pause.wait()
         match action:
             case Prompt():
+                if action.aside is not None:
+                    _step_aside(robot, np.array(action.aside))
                 ask(action)
-                load = PaintLoad(action.paint)
+                load = PaintLoad(action.paint) if action.renews else load
             case TrayVisit(motion=motion):
                 _perform(motion, robot)
                 load = PaintLoad(action.paint) if action.what == "dip" else PaintLoad()
@@ -90,7 +93,7 @@ def execute(
                 _perform(motion, robot, partial(journal.begin, action.stroke))
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
-                load = PaintLoad(action.paint, load.painted + motion.length)
+                load = load.after(action.paint, motion.length, float(seconds[index]))
                 if enough(painted):
                     break
     watch(PaintProgress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
@@ -110,6 +113,14 @@ def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: N
     begin()
     robot.stroke(motion.path, motion.speed)
     robot.lift(motion.after)
+
+
+def _step_aside(robot: Robot, place: Floats) -> None:
+    """Lift the tip at least to the height of a place (3,), metres, and move it above that."""
+    height = max(float(robot.place[2]), float(place[2]))
+    if height > robot.place[2]:
+        robot.lift(height)
+    robot.move(np.array([*place[:2], height]))
 
 
 def _next_paint(actions: Sequence[Action], index: int) -> int | None:

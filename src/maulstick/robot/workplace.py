@@ -12,6 +12,7 @@ from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
+from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
@@ -25,7 +26,7 @@ class Workplace:
     """Machine, sheet and operator, with which a painting can be painted.
 
     ask, watch, pause: as in `execute`.  tray: None for tools that are not dipped.
-    speed: highest speed, metres per second, as in `routine`.
+    speed: highest speed, metres per second, as in `routine`.  stops: pauses and refills.
     """
 
     robot: Robot
@@ -36,18 +37,13 @@ class Workplace:
     pause: Pause = field(default_factory=Pause)
     tray: Tray | None = None
     speed: float | None = None
+    stops: Stops = field(default_factory=Stops)
 
     def left_of(self, painting: Painting, load: PaintLoad = NOTHING) -> list[Action]:
         """Return the actions of a painting that are still to be done; raises InputError as `routine` does."""
-        return routine(
-            painting,
-            self.easel,
-            self.robot.limits,
-            self.tray,
-            speed=self.speed,
-            done=self.journal.painted,
-            load=load,
-        )
+        limits, painted = self.robot.limits, self.journal.painted
+        actions = routine(painting, self.easel, limits, self.tray, speed=self.speed, done=painted, load=load)
+        return self.stops.put_into(actions, painting, self.easel, limits, load)
 
     def in_order(self, painting: Painting) -> Painting:
         """Return the painting with the strokes that are left in a quick order from where the tip is."""

@@ -174,7 +174,8 @@ def in_words(estimate: Estimate) -> str:
         return "all strokes are painted"
     what = f"{_counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
     painted = f"; {estimate.painted} are painted" if estimate.painted else ""
-    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}"
+    more = f"; then {_counted(estimate.more_sheets, 'more sheet')}" if estimate.more_sheets else ""
+    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}{more}"
 
 
 def _counted(number: int, what: str) -> str:

@@ -15,7 +15,7 @@ class Estimate:
     """Estimate of a run.
 
     strokes, metres, seconds: what is left, without the time that an operator needs.  painted: strokes that are painted
-    already.  paints: of the whole painting.
+    already.  paints: of the whole painting.  more_sheets: how many copies follow this sheet.
     """
 
     strokes: int
@@ -23,6 +23,7 @@ class Estimate:
     seconds: float
     painted: int
     paints: int
+    more_sheets: int = 0
 
     @classmethod
     def of(cls, actions: Sequence[Action], painting: Painting, limits: Limits, place: Floats) -> Self:

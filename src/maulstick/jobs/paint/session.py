@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from glob import escape
 from itertools import count
 from pathlib import Path
@@ -18,8 +19,10 @@ from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.robot import Robot, StoppedError
-from maulstick.robot.routine import routine
+from maulstick.robot.routine import NOTHING, PaintLoad, Prompt, routine
+from maulstick.robot.stops import UNKNOWN
 from maulstick.robot.workplace import Workplace
+from maulstick.storage.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,7 @@ class PaintRequest:
     from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
     restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
     robot: a machine of one's own, instead of the one that the options name.
+    from_pen: the first time that a pen is put in, counted from 1; as from_stroke.
     """
 
     painting: Path
@@ -37,6 +41,21 @@ class PaintRequest:
     resume: bool = False
     restart: bool = False
     robot: Robot | None = None
+    from_pen: int | None = None
+
+
+@dataclass(frozen=True)
+class _Sheet:
+    """One of the sheets that a painting is painted on, counted from 1.
+
+    journal: that of an earlier run which began this sheet; None where none did.
+    load: the paint that the machine holds.  home: place (3,) where the machine was at first, None before that.
+    """
+
+    number: int
+    journal: Journal | None = None
+    load: PaintLoad = NOTHING
+    home: Floats | None = None
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -44,9 +63,9 @@ def rehearse(request: PaintRequest) -> Estimate:
     plan = _plan_of(request)
     if not request.resume:
         setup = PaintSetup.of(request.options, plan, request.robot)
-        return _rehearsed(setup, setup.first(request.from_stroke))
-    with _reopened(request) as (setup, journal):
-        return _rehearsed(setup, journal.painted)
+        return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
+    with _reopened(request) as (setup, sheet, journal):
+        return _rehearsed(setup, journal.painted, sheet.number, sheet.load)
 
 
 def paint(
@@ -65,12 +84,12 @@ def paint(
         setup = PaintSetup.of(request.options, plan, request.robot)
         with machine_lock(request.options.machine):
             _check_not_begun(request)
-            _paint(request, setup, None, operator_for)
+            _paint_sheets(request, setup, _Sheet(1), operator_for)
         return
-    with _reopened(request) as (setup, journal), machine_lock(setup.options.machine):
+    with _reopened(request) as (setup, sheet, journal), machine_lock(setup.options.machine):
         if (stroke := journal.unfinished) is not None:
             (journal.end if is_painted(stroke) else journal.again)(stroke)
-        _paint(request, setup, journal, operator_for)
+        _paint_sheets(request, setup, sheet, operator_for)
 
 
 def _plan_of(request: PaintRequest) -> Painting:
@@ -84,18 +103,20 @@ def _plan_of(request: PaintRequest) -> Painting:
 
 
 @contextmanager
-def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, Journal]]:
-    """Open the journal of an earlier run, with the setup that it says. Raises InputError where there is none."""
+def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, _Sheet, Journal]]:
+    """Open the journal of the latest sheet, with the setup that it says. Raises InputError where there is none."""
     path = journal_of(request.painting)
     if not path.exists():
         raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
+    number = next(number for number in count(1) if not _was_begun(journal_of(request.painting, number + 1)))
+    path = journal_of(request.painting, number)
     with Journal.open(path) as journal:
         if journal.revision is None:
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
-        yield (
-            PaintSetup.of(request.options.after(journal.options), read_painting(journal.painting()), request.robot),
-            journal,
-        )
+        drawn = journal.painted - {*journal.revision.painted}
+        sheet = _Sheet(number, journal, UNKNOWN if drawn or number > 1 else NOTHING)
+        options = request.options.after(journal.options)
+        yield PaintSetup.of(options, read_painting(journal.painting()), request.robot), sheet, journal
 
 
 def _was_begun(path: Path) -> bool:
@@ -112,9 +133,9 @@ def _check_not_begun(request: PaintRequest) -> None:
 
 
 @contextmanager
-def _new_journal(painting: Path) -> Iterator[Journal]:
-    """Open an empty journal; that of an earlier run is moved away."""
-    path = journal_of(painting)
+def _new_journal(painting: Path, sheet: int) -> Iterator[Journal]:
+    """Open an empty journal of a sheet; those of an earlier run are moved away."""
+    path = journal_of(painting, sheet)
     if _was_begun(path):
         _make_room(path, painting.stem)
     with Journal.open(path) as journal:
@@ -127,33 +148,50 @@ def _make_room(path: Path, stem: str) -> None:
     with locked(path):
         try:
             kept.mkdir()
-            beside = (f"{escape(stem)}.r[0-9]*.*", f"{escape(stem)}.eye.npz", path.name)
+            beside = (*(escape(stem) + end for end in (".r[0-9]*.*", ".copy[0-9]*.log.jsonl", ".eye.npz")), path.name)
             for old in [found for name in beside for found in path.parent.glob(name)]:
                 old.rename(kept / old.name)
         except OSError as error:
             raise OutputError(f"cannot move {path} to {kept}: {error.strerror}; do, and run again") from error
 
 
-def _rehearsed(setup: PaintSetup, done: Collection[int]) -> Estimate:
-    """Return the estimate of a run in which the strokes `done` are painted already."""
+def _rehearsed(setup: PaintSetup, done: Collection[int], number: int, load: PaintLoad) -> Estimate:
+    """Return the estimate of a run in which the strokes `done` of the sheet of that number are painted already."""
+    stops = setup.stops
     with machine_lock(setup.options.machine):
         setup.robot.ask_limits()
-    actions = routine(setup.plan, setup.easel, setup.robot.limits, setup.tray, speed=setup.options.speed, done=done)
-    start = setup.easel.canvas_to_machine(np.zeros(3))
-    return Estimate.of(actions, setup.plan, setup.robot.limits, start)
+    limits, easel = setup.robot.limits, setup.easel
+    actions = routine(setup.plan, easel, limits, setup.tray, speed=setup.options.speed, done=done, load=load)
+    actions = stops.put_into(actions, setup.plan, easel, limits, load)
+    estimate = Estimate.of(actions, setup.plan, limits, easel.canvas_to_machine(np.zeros(3)))
+    return replace(estimate, more_sheets=max(setup.options.sheets - number, 0))
+
+
+def _paint_sheets(
+    request: PaintRequest,
+    setup: PaintSetup,
+    sheet: _Sheet,
+    operator_for: Callable[[PaintSetup, Collection[int]], Operator],
+) -> None:
+    """Paint a sheet and all that follow it; the machine is left between two, with its pen lifted."""
+    for number in range(sheet.number + 1, setup.options.sheets + 1):
+        load, home = _paint(request, setup, sheet, operator_for)
+        sheet = _Sheet(number, load=load, home=home)
+    _paint(request, setup, sheet, operator_for)
 
 
 def _paint(
     request: PaintRequest,
     setup: PaintSetup,
-    before: Journal | None,
+    sheet: _Sheet,
     operator_for: Callable[[PaintSetup, Collection[int]], Operator],
-) -> None:
-    """Paint with a setup.
+) -> tuple[PaintLoad, Floats]:
+    """Paint a sheet with a setup; returns the paint that the machine holds then, and where it was at first, (3,).
 
-    before: the journal of the run that is resumed; None begins a new one once the machine is connected.
+    A new journal is begun once the machine is connected.
     """
-    first = setup.first(request.from_stroke)
+    before, stops = sheet.journal, setup.stops
+    first = setup.first(request.from_stroke, request.from_pen) if sheet.number == 1 else ()
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)
     operator = operator_for(setup, done)
@@ -167,28 +205,54 @@ def _paint(
                 else stack.enter_context(setup.replanning.opened(setup.plan, setup.simulation, before))
             )
         robot = stack.enter_context(setup.robot)
-        actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=setup.options.speed, done=done)
+        home = robot.place if sheet.home is None else sheet.home
+        speed = setup.options.speed
+        actions = routine(setup.plan, setup.easel, robot.limits, setup.tray, speed=speed, done=done, load=sheet.load)
+        actions = stops.put_into(actions, setup.plan, setup.easel, robot.limits, sheet.load)
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
-            return
+            return sheet.load, home
         if operator.stopped:
             raise StoppedError
-        journal = before or stack.enter_context(_new_journal(request.painting))
+        journal = before or stack.enter_context(_new_journal(request.painting, sheet.number))
         if before is None:
             if setup.replanning is not None and eye is not None:
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
         journal.write_options(setup.options.as_json())
-        ask = operator.ask if setup.simulation is None else setup.simulation.ask
+        if sheet.number > 1 and not done:
+            actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
         place = Workplace(
-            robot, setup.easel, journal, ask, operator.watch, operator.pause, setup.tray, setup.options.speed
+            robot,
+            setup.easel,
+            journal,
+            partial(_ask, setup, operator),
+            operator.watch,
+            operator.pause,
+            setup.tray,
+            speed,
+            stops,
         )
         try:
             with operator.on_duty():
                 if setup.replanning is None or eye is None:
-                    place.do(actions)
-                else:
-                    setup.replanning.paint(setup.plan, place, eye, operator)
+                    return place.do(actions, sheet.load), home
+                setup.replanning.paint(setup.plan, place, eye, operator)
+                return NOTHING, home
         finally:
             if setup.simulation is not None:
                 operator.leave(setup.simulation.write_photograph(request.painting))
+
+
+def _new_sheet(number: int, sheets: int, paint: int, home: Floats) -> Prompt:
+    """Return the prompt for the sheet of that number, with the machine where it was at first, (3,) metres."""
+    x, y, z = home.tolist()
+    return Prompt(f"put in a new sheet for copy {number} of {sheets}", paint, renews=False, aside=(x, y, z))
+
+
+def _ask(setup: PaintSetup, operator: Operator, prompt: Prompt) -> None:
+    """Ask the operator; a simulation changes and refills its pens by itself."""
+    if setup.simulation is None or not prompt.renews:
+        operator.ask(prompt)
+    else:
+        setup.simulation.ask(prompt)

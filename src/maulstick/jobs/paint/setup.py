@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from maulstick.errors import InputError, option
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
@@ -11,6 +12,7 @@ from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
 from maulstick.robot.machines import machine
 from maulstick.robot.robot import Robot
+from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, read_tray
 
 
@@ -32,6 +34,7 @@ class PaintSetup:
     @classmethod
     def of(cls, options: PaintOptions, plan: Painting, robot: Robot | None = None) -> "PaintSetup":
         """Return the setup that the options name. Raises InputError where something of it cannot be used."""
+        options.check_together()
         replanning = Replanning.of(options)
         if replanning is not None:
             replanning.check(plan)
@@ -44,9 +47,29 @@ class PaintSetup:
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
         return cls(options, plan, robot, easel, tray, simulation, replanning)
 
-    def first(self, from_stroke: int | None) -> tuple[int, ...]:
-        """Return the ids of the strokes before that one, counted from 1."""
-        return () if from_stroke is None else tuple(stroke.id for stroke in self.plan.strokes[: from_stroke - 1])
+    def first(self, from_stroke: int | None, from_pen: int | None = None) -> tuple[int, ...]:
+        """Return the ids of the strokes before that one, or before that time a pen is put in, counted from 1.
+
+        Raises InputError where so many pens are never put in.
+        """
+        strokes = self.plan.strokes
+        if from_pen is not None:
+            starts = [i for i, stroke in enumerate(strokes) if i == 0 or stroke.paint != strokes[i - 1].paint]
+            if not 1 <= from_pen <= len(starts):
+                allowed = f"1 to {len(starts)}, the times that a pen is put in"
+                raise InputError.of_range(option("from_pen"), from_pen, allowed)
+            return tuple(stroke.id for stroke in strokes[: starts[from_pen - 1]])
+        return () if from_stroke is None else tuple(stroke.id for stroke in strokes[: from_stroke - 1])
+
+    @property
+    def stops(self) -> Stops:
+        """The stops that the options ask for. Raises InputError where one is before a stroke that there is not."""
+        asked, strokes = self.options, self.plan.strokes
+        numbers = asked.pause_at or ()
+        if wrong := [number for number in numbers if not 1 <= number <= len(strokes)]:
+            raise InputError.of_range(option("pause_at"), wrong[0], f"1 to the {len(strokes)} strokes")
+        pauses = {strokes[number - 1].id: number for number in numbers}
+        return Stops(pauses, asked.refill_metres, asked.refill_seconds, asked.refill_at)
 
     def paint_again(self, done: Collection[int]) -> None:
         """Paint the strokes that are done onto a simulated sheet, which then looks as an earlier run left it."""
