@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from maulstick.robot.journal import Journal
+from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
 from maulstick.storage.arrays import Floats
@@ -61,12 +62,14 @@ def execute(
     pause: Pause | None = None,
     load: PaintLoad = NOTHING,
     enough: Callable[[int], bool] = lambda painted: False,
+    pace: Pace | None = None,
 ) -> PaintLoad:
     """Carry out the actions of a `routine` for this machine; returns the paint that the machine holds at the end.
 
     ask: shows a prompt to the operator, and returns when it is done.  watch: called before each action, and at the end.
     pause: holds the machine before an action.  load: the paint that the machine holds at the beginning.
     enough: called after each stroke with the number painted since the call; where it returns True, painting ends there.
+    pace: speed of drawing, which may be changed on the way.
     A stroke is in the journal as begun before the tip is lowered for it, and as painted once it is lifted again.
     Raises whatever stopped it: MachineError, OutputError of the journal, KeyboardInterrupt; the pen is then lifted
     once the machine's context is left.
@@ -75,9 +78,13 @@ def execute(
     left = np.concatenate([np.cumsum(seconds[::-1])[::-1], [0.0]])
     metres, drawn = sum(a.motion.length for a in actions if isinstance(a, Draw)), 0.0
     index, painted = 0, 0
+    pace = pace or Pace(robot)
+    percent, longer = 100, 1.0
     _clear_all(actions, robot)
     for index, action in enumerate(actions):
-        watch(PaintProgress(action, drawn, metres, float(left[index]), _next_paint(actions, index)))
+        if pace.percent != percent:
+            percent, longer = pace.percent, pace.share_of_time(actions, seconds, index)
+        watch(PaintProgress(action, drawn, metres, longer * float(left[index]), _next_paint(actions, index)))
         if pause is not None:
             pause.wait()
         match action:
@@ -90,13 +97,13 @@ def execute(
                 _perform(motion, robot)
                 load = PaintLoad(action.paint) if action.what == "dip" else PaintLoad()
             case Draw(motion=motion):
-                _perform(motion, robot, partial(journal.begin, action.stroke))
+                _perform(pace.paced(motion), robot, partial(journal.begin, action.stroke))
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
                 load = load.after(action.paint, motion.length, float(seconds[index]))
                 if enough(painted):
                     break
-    watch(PaintProgress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
+    watch(PaintProgress(None, drawn, metres, longer * float(left[index + 1]) if actions else 0.0, None))
     return load
 
 

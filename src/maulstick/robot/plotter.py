@@ -1,4 +1,4 @@
-"""Machines that can be set up by hand: motors that let go, an origin of their own, a servo that lifts the pen."""
+"""What some plotters can do: let their motors go, keep an origin, set the servo of the pen, change speed at once."""
 
 from abc import abstractmethod
 from typing import Literal
@@ -48,3 +48,16 @@ class HasServo(Robot):
 
         Raises InputError where a position is outside the servo's range.
         """
+
+
+class OverridesSpeed(Robot):
+    """Machine that can change the speed of all motions at once, also of the one that it makes."""
+
+    @property
+    @abstractmethod
+    def highest_override(self) -> int:
+        """Highest per cent of the commanded speeds within its limits."""
+
+    @abstractmethod
+    def override(self, percent: int) -> None:
+        """Make all motions so many per cent as fast as commanded, soon, until it is left; from any thread."""

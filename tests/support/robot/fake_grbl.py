@@ -19,6 +19,7 @@ from typing import Self
 from tests.support.robot.grbl_motion import TICK, GrblMotion, Vector
 
 BUFFER = 128
+OVERRIDES = {b"\x90": None, b"\x91": 10, b"\x92": -10, b"\x93": 1, b"\x94": -1}
 SENDER_WAITS = 5e-3  # seconds of the wall without a byte
 
 SETTINGS: dict[int, float] = {
@@ -53,6 +54,8 @@ class FakeGrbl:
     servo: float = 0.0
     reached: list[tuple[float, float, float, float]] = field(default_factory=list)  # x, y, z, servo at ends of blocks
     most_unread: int = 0
+    override: int = 100  # per cent of the feed of motions that are planned from now on
+    overrides: list[bytes] = field(default_factory=list)
     holds: int = 0
 
     def __enter__(self) -> Self:
@@ -128,6 +131,10 @@ class FakeGrbl:
                     self._state = "Hold:1" if self._motion.speed > 0 else "Hold:0"
             elif letter == b"\x18":
                 self._reset()
+            elif letter in OVERRIDES:
+                self.overrides.append(letter)
+                change = OVERRIDES[letter]
+                self.override = 100 if change is None else min(max(self.override + change, 10), 200)
             elif len(self._unread) >= BUFFER:
                 self.most_unread = BUFFER + 1  # an overflow; the byte is lost
             else:
@@ -151,7 +158,7 @@ class FakeGrbl:
 
     def _report(self) -> None:
         place = ",".join(f"{value:.3f}" for value in self._motion.place)
-        report = f"<{self._state}|MPos:{place}|FS:0,{self.servo:.0f}|WCO:0.000,0.000,0.000>"
+        report = f"<{self._state}|MPos:{place}|FS:0,{self.servo:.0f}|Ov:{self.override},100,100>"
         if self.lost_reports > 0:
             self.lost_reports -= 1
             report = "\xc3" + report[1:]
@@ -167,7 +174,7 @@ class FakeGrbl:
         moving = self._state in ("Run", "Hold:1")
         self._forget()
         self._unread = b""
-        self.servo = 0.0
+        self.servo, self.override = 0.0, 100
         self._answers.clear()
         if moving:
             self._state = "Alarm"
@@ -257,7 +264,7 @@ class FakeGrbl:
             float(words[letter]) + offset if letter in words else here
             for letter, offset, here in zip("XYZ", self.origin, self._motion.goal, strict=True)
         )
-        self._motion.add((x, y, z), self._rate)
+        self._motion.add((x, y, z), self._rate * self.override / 100)
         if self._state == "Idle" and self._motion.busy:
             self._state = "Run"
 

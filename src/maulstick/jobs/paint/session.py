@@ -232,6 +232,7 @@ def _paint(
             setup.tray,
             speed,
             stops,
+            operator.pace,
         )
         try:
             with operator.on_duty():

@@ -13,7 +13,7 @@ from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.export.gcode import Gcode
 from maulstick.robot.limits import Limits
-from maulstick.robot.plotter import HasServo, KeepsOrigin, LetsGo
+from maulstick.robot.plotter import HasServo, KeepsOrigin, LetsGo, OverridesSpeed
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
@@ -26,7 +26,7 @@ _FACTORY = Limits(  # of Grbl as it ships, until the machine has told its own
 
 
 @final
-class Grbl(KeepsOrigin, LetsGo, HasServo):
+class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     """Machine with Grbl 1.1, in its work coordinates (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
     address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: servo of its pen; None where it lifts by height.
@@ -64,6 +64,15 @@ class Grbl(KeepsOrigin, LetsGo, HasServo):
     def servo_range(self) -> tuple[float, float]:
         """As in `HasServo`: $31 to $30, once it is entered."""
         return self._servo_range
+
+    @property
+    def highest_override(self) -> int:
+        """As in `OverridesSpeed`: Grbl keeps to its own highest speeds, but knows of no narrower ones."""
+        return 200 if self._narrower is None else 100
+
+    def override(self, percent: int) -> None:
+        """As in `OverridesSpeed`."""
+        self._stream.override = percent
 
     def set_pen(self, pen: Pen) -> None:
         """As in `HasServo`."""
