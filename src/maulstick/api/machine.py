@@ -61,7 +61,7 @@ def paint(
     progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
-    colours, pause_at, refill_after, refill_at, copies.
+    colours, pen, pause_at, refill_after, refill_at, copies.
 
     Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
     fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.

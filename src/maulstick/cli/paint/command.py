@@ -30,6 +30,14 @@ def paint(
     tray: Annotated[
         Path | None, _machine(metavar="FILE", help="Places of paint wells, water and cloth, for a dipped brush.")
     ] = None,
+    pen: Annotated[
+        str | None,
+        _machine(
+            metavar="PEN",
+            show_default="as planned",
+            help="Pen that draws, from the catalogue: see `maulstick brush pens`.",
+        ),
+    ] = None,
     speed: Annotated[
         float | None,
         _machine(metavar="MM/S", show_default="the hand's, or the machine's", help="Speed of drawing, at most."),
@@ -121,6 +129,7 @@ def paint(
         "view": view,
         "tag": None if tag is None else tag * 1e-3,
         "colours": colours,
+        "pen": pen,
         "pause_at": tuple(pause_at) if pause_at else None,
         "refill_after": refill_after,
         "refill_at": None if refill_at is None else _place(refill_at),

@@ -20,6 +20,7 @@ class PaintOptions(BaseModel):
     """Options as they were given; lengths in metres. One not given is not set; a None that is set means "none".
 
     replan: strokes between two photographs, 0 for none any more.  look: whether the operator may ask for one any time.
+    pen: name of the pen that draws, whatever the painting was planned for.
     pause_at: numbers of strokes, counted from 1, before which the machine waits.
     refill_after: ``20m`` or ``5min`` of drawing, after which a pen is refilled or cleaned.
     refill_at: x and y on the canvas where the pen is then.  copies: number of sheets.
@@ -38,6 +39,7 @@ class PaintOptions(BaseModel):
     view: Path | None = None
     tag: float | None = None
     colours: Path | None = None
+    pen: str | None = None
     pause_at: tuple[int, ...] | None = None
     refill_after: str | None = None
     refill_at: tuple[float, float] | None = None

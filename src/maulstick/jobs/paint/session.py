@@ -195,8 +195,9 @@ def _paint(
     done = {*first, *(() if before is None else before.painted)}
     setup.paint_again(done)
     operator = operator_for(setup, done)
-    if setup.simulation is not None and (note := setup.simulation.note) is not None:
-        operator.note(note)
+    for note in (setup.note, setup.simulation.note if setup.simulation is not None else None):
+        if note:
+            operator.note(note)
     with ExitStack() as stack:
         with operator.interruptible():
             eye = (

@@ -8,6 +8,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.ordering.sequence import sequenced
+from maulstick.painting.brush import load_pen_brush
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
 from maulstick.robot.machines import machine
@@ -15,12 +16,15 @@ from maulstick.robot.robot import Robot
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, read_tray
 
+_SAME_WIDTH = 0.05  # of a width: nobody sees less
+
 
 @dataclass(frozen=True)
 class PaintSetup:
     """All that a run needs, read and checked; nothing is connected.
 
     simulation: None where the machine is a real one.  replanning: None where the sheet is not looked at on the way.
+    note: sentence about a pen that is not what was planned for; "" where there is none.
     """
 
     options: PaintOptions
@@ -30,6 +34,7 @@ class PaintSetup:
     tray: Tray | None
     simulation: Simulation | None
     replanning: Replanning | None
+    note: str = ""
 
     @classmethod
     def of(cls, options: PaintOptions, plan: Painting, robot: Robot | None = None) -> "PaintSetup":
@@ -40,12 +45,13 @@ class PaintSetup:
             replanning.check(plan)
         easel = read_easel(options.easel) if options.easel is not None else None
         tray = read_tray(options.tray) if options.tray is not None else None
+        plan, note = (plan, "") if options.pen is None else _with_pen(plan, options.pen)
         plan = sequenced(plan, (0.0, 0.0))  # not from where the pen is: --from-stroke counts in an order that stays
         simulation = Simulation.of(options.machine, plan, easel, tray) if options.simulated else None
         if robot is None:
             robot = machine(options.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
-        return cls(options, plan, robot, easel, tray, simulation, replanning)
+        return cls(options, plan, robot, easel, tray, simulation, replanning, note)
 
     def first(self, from_stroke: int | None, from_pen: int | None = None) -> tuple[int, ...]:
         """Return the ids of the strokes before that one, or before that time a pen is put in, counted from 1.
@@ -75,3 +81,19 @@ class PaintSetup:
         """Paint the strokes that are done onto a simulated sheet, which then looks as an earlier run left it."""
         if self.simulation is not None:
             self.simulation.paint_again(self.easel, done)
+
+
+def _with_pen(plan: Painting, name: str) -> tuple[Painting, str]:
+    """Return the painting as a pen of that name draws it, and a sentence where it was planned for another width, or "".
+
+    Raises InputError where there is no such pen.
+    """
+    pen, _ = load_pen_brush(name)
+    paints = tuple(paint.model_copy(update={"brush": pen.name}) for paint in plan.paints)
+    others = [b for b in plan.brushes.values() if b.pressure_matters or abs(b.widest / pen.widest - 1) > _SAME_WIDTH]
+    note = ""
+    if others:
+        wider = others[0].widest / pen.widest
+        width = "varies" if others[0].pressure_matters else f"is {wider:.2g} times that of {name}"
+        note = f"it was planned for the brush {others[0].name}, whose width {width}; plan it for {name} to have it so"
+    return plan.model_copy(update={"brushes": {pen.name: pen}, "paints": paints}), note
