@@ -1,5 +1,6 @@
 """``maulstick machine``, with keys on a pseudo-terminal and machines on others."""
 
+import io
 import os
 import tty
 from collections.abc import Iterator
@@ -7,10 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.robot.easel import Pen, read_easel
+from maulstick.painting.painting import write_painting
+from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
+from maulstick.robot.logbook import logbook_path
 from tests.cli.conftest import Ran, Running, run
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.robot.recorder import Recorder
+from tests.support.robot.small_paintings import SIX
 
 LEFT, RIGHT, UP, DOWN, LOWER, HIGHER = "\x1b[D", "\x1b[C", "\x1b[A", "\x1b[B", "\x1b[6~", "\x1b[5~"
 SIZE = ("--size", "60x40mm")
@@ -169,3 +174,45 @@ def test_keys_need_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     with open(os.devnull) as nobody:
         monkeypatch.setattr("sys.stdin", nobody)
         assert run("machine", "grbl:/dev/null").mistake == "keys are needed to move the machine; run it in a terminal"
+
+
+def test_the_logbook_lists_what_each_pen_drew_on_a_machine_or_on_all(
+    grbl: FakeGrbl, here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_painting(SIX, here / "painting.json")
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n\n"))
+    easel = Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=0.002)
+    write_easel(easel, here / "flat.json")
+    spec = f"grbl:{grbl.port}"
+    ran = run("paint", "painting.json", "--robot", spec, "--easel", "flat.json", "--pen", "micron-08")
+    assert ran.code == 0, ran.stderr
+    for words in ((), (spec,)):
+        table = run("machine", *words, "--log").stdout
+        assert "micron-08 #cc1a1a" in table
+        assert "0.03" in table
+        assert "1 run" in table
+    assert run("machine", "axidraw", "--log").mistake.startswith(
+        "nothing was painted on axidraw so far; the logbook is"
+    )
+
+
+def test_nothing_is_logged_of_a_simulated_machine(here: Path) -> None:
+    write_painting(SIX, here / "painting.json")
+    assert run("paint", "painting.json").code == 0
+    assert run("machine", "--log").mistake.startswith("nothing was painted so far")
+
+
+def test_a_logbook_that_cannot_be_written_is_a_note_and_all_is_painted(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: Recorder())
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n\n"))
+    logbook_path().mkdir(parents=True)
+    write_painting(SIX, here / "painting.json")
+    ran = run("paint", "painting.json", "--robot", f"grbl:{here}")
+    assert ran.code == 0
+    assert "note: cannot write the logbook" in ran.stderr
+
+
+def test_a_machine_or_the_log_is_asked_for() -> None:
+    assert run("machine").mistake.endswith("or add --log to list what each pen has drawn")

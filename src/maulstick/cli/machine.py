@@ -15,6 +15,7 @@ from rich.console import Console
 
 from maulstick.cli.export import servo_of
 from maulstick.cli.keyboard import pressed_keys
+from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -30,7 +31,9 @@ _writing = partial(typer.Option, rich_help_panel="What is written")
 
 
 def machine(
-    spec: Annotated[str, typer.Argument(metavar="MACHINE", help=f"The machine: {machines.SPECS}.")],
+    spec: Annotated[
+        str | None, typer.Argument(metavar="MACHINE", show_default=False, help=f"The machine: {machines.SPECS}.")
+    ] = None,
     size: Annotated[
         str | None, _sheet(metavar="SIZE", help="Size of the sheet, for its outline: 200x160mm, A4-landscape.")
     ] = None,
@@ -46,6 +49,15 @@ def machine(
         Path | None,
         _sheet(metavar="FILE", help="Place of the sheet, from `maulstick calibrate touch`. Arms need it."),
     ] = None,
+    log: Annotated[
+        bool,
+        typer.Option(
+            "--log",
+            metavar="",
+            help="List what each pen has drawn, on this machine or on all, and leave.",
+            rich_help_panel="The logbook",
+        ),
+    ] = False,
     out: Annotated[
         Path, _writing(metavar="FILE", help="Easel that the key w writes, for `maulstick paint --easel`.")
     ] = Path("easel.json"),
@@ -57,6 +69,11 @@ def machine(
 
     Example: maulstick machine grbl:/dev/ttyUSB0 --size A4-landscape
     """
+    if log:
+        print_logbook(spec)
+        return
+    if spec is None:
+        raise InputError(f"name a machine: {machines.SPECS}; or add --log to list what each pen has drawn")
     if spec.startswith("sim"):
         raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.SPECS}")
     sides = None if size is None else parse_size(size)

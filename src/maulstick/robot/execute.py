@@ -23,7 +23,7 @@ class PaintProgress:
 
     action: the action that comes now, or None at the end.  drawn, metres: metres of stroke so far, and in all.
     left: seconds that the machine still needs, without the time for prompts.  next_paint: the paint after this one, if
-    any.
+    any.  took: seconds that the machine has needed for strokes so far, without pauses.
     """
 
     action: Action | None
@@ -31,6 +31,7 @@ class PaintProgress:
     metres: float
     left: float
     next_paint: int | None
+    took: float = 0.0
 
 
 @final
@@ -79,12 +80,12 @@ def execute(
     metres, drawn = sum(a.motion.length for a in actions if isinstance(a, Draw)), 0.0
     index, painted = 0, 0
     pace = pace or Pace(robot)
-    percent, longer = 100, 1.0
+    percent, longer, took = 100, 1.0, 0.0
     _clear_all(actions, robot)
     for index, action in enumerate(actions):
         if pace.percent != percent:
             percent, longer = pace.percent, pace.share_of_time(actions, seconds, index)
-        watch(PaintProgress(action, drawn, metres, longer * float(left[index]), _next_paint(actions, index)))
+        watch(PaintProgress(action, drawn, metres, longer * float(left[index]), _next_paint(actions, index), took))
         if pause is not None:
             pause.wait()
         match action:
@@ -97,13 +98,15 @@ def execute(
                 _perform(motion, robot)
                 load = PaintLoad(action.paint) if action.what == "dip" else PaintLoad()
             case Draw(motion=motion):
+                begun = time.monotonic()
                 _perform(pace.paced(motion), robot, partial(journal.begin, action.stroke))
+                took += time.monotonic() - begun
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
                 load = load.after(action.paint, motion.length, float(seconds[index]))
                 if enough(painted):
                     break
-    watch(PaintProgress(None, drawn, metres, longer * float(left[index + 1]) if actions else 0.0, None))
+    watch(PaintProgress(None, drawn, metres, longer * float(left[index + 1]) if actions else 0.0, None, took))
     return load
 
 

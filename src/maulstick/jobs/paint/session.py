@@ -17,7 +17,9 @@ from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, read_painting
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of, locked
+from maulstick.robot.logbook import Tally
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import NOTHING, PaintLoad, Prompt, routine
 from maulstick.robot.stops import UNKNOWN
@@ -223,12 +225,18 @@ def _paint(
         journal.write_options(setup.options.as_json())
         if sheet.number > 1 and not done:
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
+        tally = Tally(setup.plan)
+
+        def watch(progress: PaintProgress) -> None:
+            tally.note(progress)
+            operator.watch(progress)
+
         place = Workplace(
             robot,
             setup.easel,
             journal,
             partial(_ask, setup, operator),
-            operator.watch,
+            watch,
             operator.pause,
             setup.tray,
             speed,
@@ -242,8 +250,18 @@ def _paint(
                 setup.replanning.paint(setup.plan, place, eye, operator)
                 return NOTHING, home
         finally:
-            if setup.simulation is not None:
+            if setup.simulation is None:
+                _log(tally, setup, request.painting, operator)
+            else:
                 operator.leave(setup.simulation.write_photograph(request.painting))
+
+
+def _log(tally: Tally, setup: PaintSetup, painting: Path, operator: Operator) -> None:
+    """Write what was drawn into the logbook; where that fails, the operator is told, since all is painted."""
+    try:
+        tally.write(setup.options.machine, painting)
+    except OutputError as error:
+        operator.note(str(error))
 
 
 def _new_sheet(number: int, sheets: int, paint: int, home: Floats) -> Prompt:
