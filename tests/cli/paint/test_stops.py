@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from maulstick.cli.paint.operator import TerminalOperator
 from maulstick.painting.painting import write_painting
+from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.pace import Pace
 from tests.cli.conftest import run
 from tests.cli.paint.conftest import ALL, answers, painted
 from tests.support.robot.recorder import Recorder
@@ -153,6 +156,24 @@ def test_copies_have_a_sheet_and_a_journal_each(ten: Path, recorder: Recorder, m
     assert {path.name for path in (ten.parent / "ten.run1").iterdir()} == {
         "ten.log.jsonl", "ten.copy2.log.jsonl", "ten.copy3.log.jsonl",
     }  # fmt: skip
+
+
+def test_the_next_copy_is_drawn_at_the_pace_of_the_one_before(ten: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    paces: list[Pace] = []
+    shown: list[int] = []
+
+    def watch(operator: TerminalOperator, progress: PaintProgress) -> None:
+        if not paces:
+            operator.pace.change(-3)
+        paces.append(operator.pace)
+        shown.append(operator.pace.percent)
+
+    monkeypatch.setattr(TerminalOperator, "watch", watch)
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: Recorder())
+    monkeypatch.setattr("sys.stdin", Person(lambda asked: None))
+    assert run("paint", ten, *GRBL, "--copies", "2").code == 0
+    assert len(set(map(id, paces))) == 2
+    assert set(shown) == {70}
 
 
 def test_paint_is_not_asked_for_again_where_the_next_copy_begins_with_it(

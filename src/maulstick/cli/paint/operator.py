@@ -106,8 +106,12 @@ class TerminalOperator(Operator):
             drawn=f"{1e3 * drawn:.0f}",
             metres=f"{1e3 * metres:.0f}",
             left=_clock(progress.left),
+            pace="" if self.pace.percent == 100 else self._shown_pace(),
             paint=following,
         )
+
+    def _shown_pace(self) -> str:
+        return f"at {self.pace.percent} %"
 
     def ask(self, action: Prompt) -> None:
         """Print what is to be done, and wait for Enter; s stops."""
@@ -170,7 +174,7 @@ class TerminalOperator(Operator):
                 self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
             elif key in _PACES:
                 self.pace.change(_PACES[key])
-                self._bars.update(self._task, pace=f"at {self.pace.percent} %")
+                self._bars.update(self._task, pace=self._shown_pace())
 
 
 def in_words(estimate: Estimate) -> str:

@@ -20,6 +20,7 @@ from maulstick.painting.painting import Painting, read_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of, locked
 from maulstick.robot.logbook import Tally
+from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import NOTHING, PaintLoad, Prompt, routine
 from maulstick.robot.stops import UNKNOWN
@@ -52,12 +53,14 @@ class _Sheet:
 
     journal: that of an earlier run which began this sheet; None where none did.
     load: the paint that the machine holds.  home: place (3,) where the machine was at first, None before that.
+    pace: per cent of the planned speed.
     """
 
     number: int
     journal: Journal | None = None
     load: PaintLoad = NOTHING
     home: Floats | None = None
+    pace: int = 100
 
 
 def rehearse(request: PaintRequest) -> Estimate:
@@ -176,9 +179,8 @@ def _paint_sheets(
     operator_for: Callable[[PaintSetup, Collection[int]], Operator],
 ) -> None:
     """Paint a sheet and all that follow it; the machine is left between two, with its pen lifted."""
-    for number in range(sheet.number + 1, setup.options.sheets + 1):
-        load, home = _paint(request, setup, sheet, operator_for)
-        sheet = _Sheet(number, load=load, home=home)
+    while sheet.number < setup.options.sheets:
+        sheet = _paint(request, setup, sheet, operator_for)
     _paint(request, setup, sheet, operator_for)
 
 
@@ -187,11 +189,8 @@ def _paint(
     setup: PaintSetup,
     sheet: _Sheet,
     operator_for: Callable[[PaintSetup, Collection[int]], Operator],
-) -> tuple[PaintLoad, Floats]:
-    """Paint a sheet with a setup; returns the paint that the machine holds then, and where it was at first, (3,).
-
-    A new journal is begun once the machine is connected.
-    """
+) -> _Sheet:
+    """Paint a sheet with a setup; returns the next one. A new journal is begun once the machine is connected."""
     before, stops = sheet.journal, setup.stops
     first = setup.first(request.from_stroke, request.from_pen) if sheet.number == 1 else ()
     done = {*first, *(() if before is None else before.painted)}
@@ -214,7 +213,7 @@ def _paint(
         actions = stops.put_into(actions, setup.plan, setup.easel, robot.limits, sheet.load)
         operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
         if not actions:
-            return sheet.load, home
+            return _Sheet(sheet.number + 1, load=sheet.load, home=home)
         if operator.stopped:
             raise StoppedError
         journal = before or stack.enter_context(_new_journal(request.painting, sheet.number))
@@ -223,6 +222,7 @@ def _paint(
                 setup.replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
         journal.write_options(setup.options.as_json())
+        operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         if sheet.number > 1 and not done:
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
         tally = Tally(setup.plan)
@@ -246,9 +246,10 @@ def _paint(
         try:
             with operator.on_duty():
                 if setup.replanning is None or eye is None:
-                    return place.do(actions, sheet.load), home
+                    load = place.do(actions, sheet.load)
+                    return _Sheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
                 setup.replanning.paint(setup.plan, place, eye, operator)
-                return NOTHING, home
+                return _Sheet(sheet.number + 1, home=home)
         finally:
             if setup.simulation is None:
                 _log(tally, setup, request.painting, operator)
