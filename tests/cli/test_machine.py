@@ -61,12 +61,17 @@ def on(device: FakeGrbl | FakeEbb, terminal: int, keys: str, *words: str) -> Ran
 
 
 def test_keys_jog_a_machine_set_its_origin_and_take_it_home(grbl: FakeGrbl, terminal: int) -> None:
-    ran = on(grbl, terminal, "1" + 3 * RIGHT + 2 * UP + "o" + "2" + RIGHT + "hq", *SERVO)
+    ran = on(grbl, terminal, 3 * ("1" + RIGHT) + 2 * ("1" + UP) + "o" + "2" + RIGHT + "hq", *SERVO)
     assert (ran.code, ran.stdout) == (0, "")
     assert grbl.origin == pytest.approx((30, 20, 0))
     assert grbl.place == pytest.approx((30, 20, 0))
     assert grbl.servo == 700
     assert "the sheet's corner is here; the machine keeps it as its work origin" in ran.stderr
+
+
+def test_a_key_that_is_held_moves_once_for_all_repeats_that_came_meanwhile(grbl: FakeGrbl, terminal: int) -> None:
+    assert on(grbl, terminal, "1" + 20 * RIGHT + "1" + 20 * UP + "q").code == 0
+    assert grbl.place == pytest.approx((10, 10, 5))
 
 
 def test_a_key_that_would_leave_the_limits_says_so_and_the_next_one_works(grbl: FakeGrbl, terminal: int) -> None:
@@ -105,7 +110,7 @@ def test_a_file_that_is_there_is_replaced_where_w_is_pressed_twice(ebb: FakeEbb,
 
 
 def test_motors_are_switched_off_and_where_the_pen_is_pushed_is_home(ebb: FakeEbb, terminal: int) -> None:
-    ran = on(ebb, terminal, "1" + 2 * RIGHT + "p" + "m" + "x" + RIGHT + "q")
+    ran = on(ebb, terminal, "1" + RIGHT + "p" + "m" + "x" + RIGHT + "q")
     assert ran.code == 0
     assert ebb.commands.count("EM,0,0") == 1
     assert ebb.commands.count("EM,1,1") == 2
@@ -125,7 +130,7 @@ def test_ctrl_c_and_a_closed_keyboard_lift_the_pen(
     grbl: FakeGrbl, terminal: int, keys: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if keys == "p":
-        monkeypatch.setattr("maulstick.cli.machine.pressed_keys", lambda: iter("p"))
+        monkeypatch.setattr("maulstick.cli.machine.pressed_keys", lambda merged: iter("p"))
     ran = on(grbl, terminal, keys, *SERVO)
     assert ran.code == (130 if keys != "p" else 2)
     assert grbl.servo == 700
@@ -138,6 +143,16 @@ def test_a_terminal_that_is_closed_lifts_the_pen(grbl: FakeGrbl) -> None:
     terminal.wait_for("pen down at 500")
     os.kill(terminal.pid, 1)
     assert terminal.leave() == 130
+    assert grbl.servo == 700
+
+
+def test_a_terminal_that_is_gone_lifts_the_pen(grbl: FakeGrbl) -> None:
+    terminal = Running("machine", f"grbl:{grbl.port}", *SERVO, keys=True)
+    terminal.wait_for("lists all keys")
+    os.write(terminal._terminal, b"p")
+    terminal.wait_for("pen down at 500")
+    os.close(terminal._terminal)
+    assert terminal._process.wait() != 0
     assert grbl.servo == 700
 
 

@@ -14,7 +14,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.export import servo_of
-from maulstick.cli.keyboard import pressed_keys
+from maulstick.cli.keyboard import pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
@@ -25,6 +25,8 @@ from maulstick.robot.bench import Bench
 from maulstick.robot.easel import Easel, read_easel, write_easel
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
+
+_ARROWS: Final = ("left", "right", "up", "down", "pageup", "pagedown")  # keys that are held
 
 _sheet = partial(typer.Option, rich_help_panel="The sheet and the pen")
 _writing = partial(typer.Option, rich_help_panel="What is written")
@@ -85,10 +87,10 @@ def machine(
     if not sys.stdin.isatty():
         raise InputError("keys are needed to move the machine; run it in a terminal")
     console = Console(stderr=True, markup=False, highlight=False)
-    with machine_lock(spec), _hang_up_as_ctrl_c():
+    with machine_lock(spec), unechoed(), _hang_up_as_ctrl_c():
         robot = machines.machine(spec, given)
         bench = Bench(robot, None if place is None else given, sides)
-        session, keys = _Session(console, out, bench), pressed_keys()
+        session, keys = _Session(console, out, bench), pressed_keys(merged=_ARROWS)
         while not session.over:
             with robot:
                 session.attend(keys)

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.folder import check_absent
-from maulstick.cli.keyboard import pressed_keys
+from maulstick.cli.keyboard import pressed_keys, unechoed
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -59,7 +59,7 @@ def touch(
         "lower left": (0.0, height),
     }
     keys = pressed_keys()
-    with machine_lock(robot), machine(robot, None) as arm:
+    with machine_lock(robot), unechoed(), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []
