@@ -97,7 +97,7 @@ def test_a_grbl_keeps_the_corner_and_its_workspace_stays_where_it_is() -> None:
             bench.jog(0, 0.1)
             bench.jog(1, 0.05)
             before = np.array(device.place)
-            assert bench.set_origin("corner") == "the machine keeps it as its work origin"
+            assert bench.set_origin("corner").startswith("the machine's work origin is here: the sheet's lower left")
             assert device.origin == pytest.approx((100, 50, 0))
             np.testing.assert_allclose(robot.place[:2], 0)
             np.testing.assert_allclose(robot.limits.lower[:2], (-0.1, -0.05), atol=1e-12)
@@ -190,7 +190,7 @@ def test_a_machine_without_an_origin_of_its_own_gets_an_easel_there() -> None:
         bench = Bench(robot, None, SIZE)
         bench.jog(0, 0.02)
         bench.jog(1, -0.03)
-        assert "easel" in bench.set_origin("corner")
+        assert bench.set_origin("corner").startswith("the sheet's upper left corner is here, once the easel is written")
         assert bench.easel.corner == pytest.approx((0.02, -0.03, 0))
         assert bench.changed
         bench.jog(0, 0.05)

@@ -9,7 +9,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.painting.painting import write_painting
 from maulstick.robot.execute import PaintProgress, execute
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.logbook import PenUse, Run, Tally, logbook_path, read_logbook, totals
+from maulstick.robot.logbook import LoggedRun, PenUse, Tally, logbook_path, read_logbook, totals
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import routine
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
@@ -83,7 +83,7 @@ def test_several_looks_at_the_sheet_are_one_run(data: Path) -> None:
 @given(st.lists(st.lists(uses, max_size=3), min_size=1, max_size=5))
 def test_totals_add_up(runs: list[list[PenUse]]) -> None:
     lines = [
-        Run(at=datetime(2026, 1, i + 1, tzinfo=UTC), machine="m", painting="p", pens=tuple(pens))
+        LoggedRun(at=datetime(2026, 1, i + 1, tzinfo=UTC), machine="m", painting="p", pens=tuple(pens))
         for i, pens in enumerate(runs)
     ]
     found = totals(lines)

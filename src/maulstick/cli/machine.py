@@ -188,11 +188,11 @@ def _servo(steps: int) -> Callable[[_Session, Bench], None]:
 
 
 def _corner(session: _Session, bench: Bench) -> None:
-    session.say(f"the sheet's corner is here; {bench.set_origin('corner')}")
+    session.say(bench.set_origin("corner"))
 
 
 def _paper(session: _Session, bench: Bench) -> None:
-    session.say(f"the paper is at this height; {bench.set_origin('paper')}")
+    session.say(bench.set_origin("paper"))
 
 
 def _let_go(session: _Session, bench: Bench) -> None:
@@ -226,7 +226,7 @@ KEYS: Final[dict[str, tuple[str, Callable[[_Session, Bench], None]]]] = {
     "h": ("go home to the corner", lambda session, bench: bench.go_home()),
     "b": ("go around the sheet's border with the pen up", lambda session, bench: bench.outline()),
     "t": ("draw a test square of 20 mm from here", lambda session, bench: bench.square()),
-    "o": ("the origin, the sheet's corner, is here", _corner),
+    "o": ("the sheet's corner is here: a Grbl's lower left one, others' upper left one", _corner),
     "z": ("the paper is at this height", _paper),
     "m": ("motors off", _let_go),
     "w": ("write the easel with the corner and the pen's numbers", _Session.write),

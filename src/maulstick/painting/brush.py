@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
-from maulstick.painting.pens import PENS, PenModel, load_pen
+from maulstick.painting.pens import PENS, PenModel, PrintableName, load_pen
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
@@ -15,13 +15,7 @@ from maulstick.storage.library import Library
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
-def _printable(name: str) -> str:
-    if not name.isprintable():
-        raise ValueError("a name must be made of printable characters")
-    return name
-
-
-Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+Name = PrintableName
 """Name of one printable character or more."""
 
 BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))

@@ -13,13 +13,14 @@ PENS: Final = Library("pen", "pens", Path(__file__).with_name("built_in_pens"))
 """Library of the pens that come with Maulstick and of the user's own."""
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise ValueError("it must be made of printable characters")
-    return text
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("a name must be made of printable characters")
+    return name
 
 
-_Text = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+PrintableName = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+"""Name of one printable character or more."""
 
 
 class PenModel(BaseModel):
@@ -31,9 +32,9 @@ class PenModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     schema_version: Literal[1] = 1
-    maker: _Text
-    model: _Text
-    kind: _Text
+    maker: PrintableName
+    model: PrintableName
+    kind: PrintableName
     width: Annotated[float, Field(gt=0, le=0.1, allow_inf_nan=False)]
     colour: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")] = "#000000"
 

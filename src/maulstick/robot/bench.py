@@ -103,7 +103,7 @@ class Bench:
         return moved
 
     def set_origin(self, what: Literal["corner", "paper"]) -> str:
-        """Make this place the sheet's corner, or its height the paper's; returns a sentence that says where it is kept.
+        """Make this place the sheet's corner, or its height the paper's; returns a sentence about what that means.
 
         A machine that keeps no origin of its own gets another easel, which has to be written.
         """
@@ -115,12 +115,16 @@ class Bench:
             self.robot.set_origin(what)
             if what == "paper":
                 self._go(self.robot.place)
-            return "the machine keeps it as its work origin"
+            where = (
+                "at the paper's height" if what == "paper" else "here: the lower left corner of a sheet without easel"
+            )
+            return f"the machine's work origin is {where}; it keeps that"
         place, corner = self.robot.place, np.array(self.easel.corner)
         moved = np.array([*place[:2], corner[2]] if what == "corner" else [*corner[:2], place[2]])
         self.easel = self.easel.model_copy(update={"corner": tuple(moved.tolist())})
         self._home, self.changed = moved, True
-        return "it is kept in the easel's file, once that is written"
+        where = "height is this one" if what == "paper" else "upper left corner is here"
+        return f"the sheet's {where}, once the easel is written and given to painting"
 
     def let_go(self) -> None:
         """Switch the motors off; the machine has to be entered again."""

@@ -36,7 +36,7 @@ class PenUse(BaseModel):
     strokes: Annotated[int, Field(ge=0)] = 0
 
 
-class Run(BaseModel):
+class LoggedRun(BaseModel):
     """Line of the logbook. at: when the run ended.  machine: its spec.  painting: path of the file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -82,7 +82,7 @@ class Tally:
         if not self._uses:
             return
         now = datetime.now(UTC).replace(microsecond=0)
-        run = Run(at=now, machine=machine, painting=str(painting.absolute()), pens=tuple(self._uses.values()))
+        run = LoggedRun(at=now, machine=machine, painting=str(painting.absolute()), pens=tuple(self._uses.values()))
         path = logbook_path()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -100,7 +100,7 @@ def logbook_path() -> Path:
     return user_data_path("maulstick", appauthor=False) / "machines" / "logbook.jsonl"
 
 
-def read_logbook() -> list[Run]:
+def read_logbook() -> list[LoggedRun]:
     """Return all runs of the logbook, oldest first, [] where there is none. Raises InputError where a line is not one.
 
     A last line that a power cut left incomplete is left out.
@@ -112,7 +112,7 @@ def read_logbook() -> list[Run]:
     runs = []
     for number, line in enumerate(lines, start=1):
         try:
-            runs.append(Run.model_validate(json.loads(line)))
+            runs.append(LoggedRun.model_validate(json.loads(line)))
         except ValidationError as error:
             fault = validation_fault(error)
             raise InputError(f"line {number} of {path} is not one of a logbook: {fault}; remove it") from error
@@ -121,7 +121,7 @@ def read_logbook() -> list[Run]:
     return runs
 
 
-def totals(runs: Iterable[Run]) -> Mapping[str, PenTotal]:
+def totals(runs: Iterable[LoggedRun]) -> Mapping[str, PenTotal]:
     """Return the use of each pen in all these runs, by its name, most metres first."""
     found: dict[str, PenTotal] = {}
     for run in runs:
