@@ -66,9 +66,7 @@ def test_keys_jog_a_machine_set_its_origin_and_take_it_home(grbl: FakeGrbl, term
     assert grbl.origin == pytest.approx((30, 20, 0))
     assert grbl.place == pytest.approx((30, 20, 0))
     assert grbl.servo == 700
-    assert (
-        "the machine's work origin is here: the lower left corner of a sheet without easel; it keeps that" in ran.stderr
-    )
+    assert "the machine's work origin is here: the sheet's lower left corner; it keeps that" in ran.stderr
 
 
 def test_a_key_that_is_held_moves_once_for_all_repeats_that_came_meanwhile(grbl: FakeGrbl, terminal: int) -> None:

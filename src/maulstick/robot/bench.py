@@ -115,9 +115,7 @@ class Bench:
             self.robot.set_origin(what)
             if what == "paper":
                 self._go(self.robot.place)
-            where = (
-                "at the paper's height" if what == "paper" else "here: the lower left corner of a sheet without easel"
-            )
+            where = "at this height: the paper's" if what == "paper" else "here: the sheet's lower left corner"
             return f"the machine's work origin is {where}; it keeps that"
         place, corner = self.robot.place, np.array(self.easel.corner)
         moved = np.array([*place[:2], corner[2]] if what == "corner" else [*corner[:2], place[2]])
