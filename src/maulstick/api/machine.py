@@ -48,6 +48,7 @@ def paint(
     restart: bool = False,
     unfinished: bool | None = None,
     from_stroke: int | None = None,
+    from_pen: int | None = None,
     progress: Callable[[PaintProgress], object] | None = None,
     ask: Callable[[str], object] | None = None,
     **options: Any,
@@ -57,7 +58,8 @@ def paint(
     painting: the path of a painting.json, beside which a journal is kept, or for the simulated easel a `Painting`.
     robot: the spec of a machine, as in ``sim`` or ``grbl:/dev/ttyUSB0``, or a `Robot` of your own.
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
-    restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.
+    restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.  from_pen: the first time that
+    a pen is put in, counted from 1.
     progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
@@ -79,7 +81,7 @@ def paint(
         else:
             file = Path(painting)
         own = robot if isinstance(robot, Robot) else None
-        request = PaintRequest(file, asked, from_stroke, resume, restart, own)
+        request = PaintRequest(file, asked, from_stroke, resume, restart, own, from_pen)
         photographs: list[Pillow.Image] = []
 
         def operator_for(setup: PaintSetup, painted: Collection[int]) -> Operator:
