@@ -224,6 +224,8 @@ def test_a_robot_of_ones_own_paints(painting: ms.Painting, tmp_path: Path) -> No
         ms.paint(tmp_path / "cat.json", robot=robot)
     again = ms.paint(tmp_path / "cat.json", robot=robot, restart=True, ask=lambda message: None)
     assert again.painted == result.painted
+    with pytest.raises(InputError, match="from_pen is 99; it must be 1 to"):
+        ms.paint(tmp_path / "cat.json", robot=robot, restart=True, from_pen=99)
 
 
 def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting) -> None:

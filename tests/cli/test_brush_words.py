@@ -6,7 +6,9 @@ import pytest
 from PIL import Image
 
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
-from tests.cli.conftest import run
+from maulstick.painting.painting import read_painting
+from maulstick.painting.pens import PENS
+from tests.cli.conftest import paint, run
 from tests.cli.test_brush_fit import rows
 
 
@@ -74,3 +76,27 @@ def test_a_picture_of_a_brush_is_replaced_when_told_to(here: Path) -> None:
     Path("twig.png").write_bytes(b"before")
     assert run("brush", "show", "twig", "--px", "240", "--overwrite").code == 0
     assert Path("twig.png").read_bytes() != b"before"
+
+
+def test_the_catalogue_of_pens_is_listed_with_the_own_ones(here: Path) -> None:
+    PENS.own().mkdir(parents=True)
+    mine = '{"maker": "Nobody", "model": "0.7", "kind": "gel pen", "width": 0.0007, "colour": "#1a33b2"}'
+    (PENS.own() / "mine.json").write_text(mine)
+    (PENS.own() / "torn.json").write_text(mine[:9])
+    ran = run("brush", "pens")
+    listed = rows(ran.stdout)
+    assert ran.code == 0
+    assert listed["micron-01"] == "0.25 mm #000000 fineliner Sakura Pigma Micron 01"
+    assert listed["mine"] == "0.7 mm #1a33b2 gel pen your own: Nobody 0.7"
+    assert "torn.json is not a pen" in listed["torn"]
+
+
+def test_a_plan_is_made_for_a_pen_in_its_colour(here: Path) -> None:
+    ran = paint(here / "out", "--pen", "micron-05")
+    assert ran.code == 0, ran.stderr
+    plan = read_painting(here / "out" / "painting.json")
+    assert list(plan.brushes) == ["micron-05"]
+    assert [each.hex for each in plan.paints] == ["#000000"]
+    assert run("plan", "--demo", "--pen", "round").mistake.endswith("so it is no pen; name it as a brush")
+    both = run("plan", "--demo", "--pen", "micron-05", "--brush", "round")
+    assert both.mistake == "--pen and --brush both say what to draw with; leave out one"

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gcodeparser import parse_gcode_lines
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, write_painting
@@ -175,3 +176,82 @@ def test_a_tray_has_no_place_in_hpgl() -> None:
     Path("tray.json").write_text(json.dumps(TRAY_JSON))
     ran = run("export", "painting.json", "--format", "hpgl", "--tray", "tray.json")
     assert ran.mistake == "HPGL knows pens and no wells; leave out the tray, or export gcode"
+
+
+def test_an_svg_says_that_the_pressure_is_lost(here: Path) -> None:
+    write_painting(VARIED, here / "painting.json")
+    ran = run("export", "painting.json", "--format", "svg")
+    assert ran.code == 0
+    assert ran.stderr == (
+        "note: stroke 0 varies the pressure, which an SVG cannot say: the pen's height is one for each stroke\n"
+    )
+
+
+def test_hpgl_of_more_paints_than_pens_is_a_file_per_load(here: Path) -> None:
+    strokes = [line(i, (0.01, 0.004 * (i + 1)), (0.03, 0.004 * (i + 1)), paint=i) for i in range(5)]
+    write_painting(painting_of(strokes, [nominal("fineliner")]), here / "painting.json")
+    ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "2", "--speed", "30")
+    assert ran.code == 0, ran.stderr
+    files = [f"painting.plot-{number}.hpgl" for number in (1, 2, 3)]
+    assert ran.stdout.splitlines() == files
+    said = ran.stderr.splitlines()
+    assert [row.partition(": ")[0] for row in said] == files
+    assert all(row.startswith("IN;VS3;\n") for row in (Path(file).read_text() for file in files))
+    assert said[2].count("pen ") == 1
+    ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "2")
+    assert (ran.code, "painting.plot-1.hpgl is already there" in ran.stderr) == (1, True)
+    assert "VS" not in exported("--format", "hpgl"), "the plotter's own speed"
+
+
+def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Path) -> None:
+    strokes = [line(0, (0.1, 0.1), (1.1, 0.6))]
+    write_painting(painting_of(strokes, [nominal("fineliner")], (1.2, 0.8)), here / "painting.json")
+    ran = run("export", "painting.json", "--format", "hpgl")
+    assert ran.code == 2
+    assert "HPGL counts up to 819 mm; draw it smaller with --shrink, or plan for a smaller sheet" in ran.mistake
+    numbers = [abs(int(number)) for number in re.findall(r"-?\d+", exported("--format", "hpgl", "--shrink"))]
+    assert max(numbers) == 32_767
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("--carousel", "0", "--format", "hpgl"), "--carousel is 0; it must be 1 to 99"),
+        (("--carousel", "4"), "--carousel and --shrink are for HPGL; leave them out"),
+        (("--shrink", "--format", "svg"), "--carousel and --shrink are for HPGL; leave them out"),
+        (("--speed", "5", "--format", "hpgl"), "--speed is 5 mm/s; it must be at least 10 mm/s for HPGL"),
+    ],
+)
+def test_options_of_hpgl_that_do_not_fit_are_refused(words: tuple[str, ...], text: str) -> None:
+    assert run("export", "painting.json", *words).mistake == text
+
+
+@pytest.mark.parametrize("dialect", ["grbl", "marlin"])
+@pytest.mark.parametrize("servo", [(), ("--servo", "30,90")])
+def test_another_programs_reader_finds_the_same_drawing_in_gcode(dialect: str, servo: tuple[str, ...]) -> None:
+    """gcodeparser reads it, which knows no dialect: what lowers and lifts is looked up here."""
+    rows = list(parse_gcode_lines(exported("--dialect", dialect, *servo)))
+    down, at, strokes = False, (0.0, 0.0), list[list[tuple[float, float]]]()
+    for row in rows:
+        word, params = row.command_str, row.params
+        if word == "G1" and "X" in params:
+            at = (1e-3 * params["X"], 1e-3 * params["Y"])
+            if not servo:
+                lower = params["Z"] < 0
+                if lower and not down:
+                    strokes.append([])
+                down = lower
+            if down:
+                strokes[-1].append(at)
+        elif word == "G1":
+            down = params["Z"] < 0
+        elif (dialect, word) in (("grbl", "M3"), ("marlin", "M280")):
+            down = params["S"] == 90
+            if down:
+                strokes.append([at])
+    assert {_row(stroke[0], stroke[-1]) for stroke in strokes} == rows_of(ROUND)
+    words = {row.command_str for row in rows}
+    pens = ({"M3", "G4"} if dialect == "grbl" else {"M280", "M400", "G4"}) if servo else set()
+    assert words == {"G21", "G90", "G1", "M0", *pens} | ({"G94", "G54"} if dialect == "grbl" else set())
+    waits = {row.params["P"] for row in rows if row.command_str == "G4"}
+    assert waits == ({0.2 if dialect == "grbl" else 200} if servo else set()), "seconds, and milliseconds"

@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 import vpype
 
+from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
 from maulstick.painting.refined import refined
-from maulstick.painting.svg import axidraw_svg, painting_svg
+from maulstick.painting.svg import axidraw_svg, flattened_note, painting_svg
 from maulstick.strokes.refine import refine
 from tests.support.nominal import nominal
+from tests.support.robot.small_paintings import line as straight
+from tests.support.robot.small_paintings import painting_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -164,3 +167,13 @@ def test_a_layer_has_a_code_for_what_all_its_strokes_agree_on() -> None:
 
 def test_but_for_its_labels_the_drawing_is_the_same_for_an_axidraw() -> None:
     assert axidraw_svg(PAINTING).replace('label="!', 'label="') == painting_svg(PAINTING)
+
+
+def test_pressure_that_a_stroke_varies_is_said_to_be_lost() -> None:
+    varied, steady = straight(1, pressure=(0, 1)), straight(2, pressure=(0.5, 0.5))
+    assert flattened_note(painting_of([steady])) == ""
+    assert flattened_note(painting_of([varied], [load_brush("fineliner")])) == "", "whose mark it does not change"
+    said = flattened_note(painting_of([varied, steady, straight(7, pressure=(1, 0))]))
+    assert said == (
+        "stroke 1 and 1 more vary the pressure, which an SVG cannot say: the pen's height is one for each stroke"
+    )

@@ -82,7 +82,8 @@ def test_gcode_of_a_machine_whose_origin_is_outside_its_limits_never_goes_there(
 def test_hpgl_draws_every_path_with_a_pen_a_paint() -> None:
     easel = EASEL.model_copy(update={"corner": (0.0, 0.04, 0.0)})
     actions = routine(SIX, easel, LIFTS)
-    text = as_hpgl(actions, LIFTS)
+    (load,) = as_hpgl(actions, LIFTS)
+    text = load.text
     assert re.findall(r"SP(\d)", text) == ["1", "2", "0"]
     draws = [action for action in actions if isinstance(action, Draw)]
     rows = re.findall(r"PU(-?\d+,-?\d+);PD([-\d,]+);", text)

@@ -14,7 +14,8 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest, paint, rehearse
+from maulstick.jobs.paint.request import PaintRequest
+from maulstick.jobs.paint.session import paint, rehearse
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.adapters.reaches import UFACTORY_REACHES, UR_REACHES

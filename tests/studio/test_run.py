@@ -15,7 +15,8 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest, rehearse
+from maulstick.jobs.paint.request import PaintRequest
+from maulstick.jobs.paint.session import rehearse
 from maulstick.painting.painting import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from maulstick.robot.journal import Journal, journal_of

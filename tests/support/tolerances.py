@@ -156,3 +156,6 @@ SURVEY_BALANCE = 0.045  # four standard deviations of a fair coin
 # Ink of the studio's sheets: thousandths of a millimetre, taken to metres.
 INK_FILE_METRES = 1e-12
 PEN_METRES = 0.02e-3  # of a place that a test points at on the page, where a browser counts in parts of a pixel
+
+# Metres: less than a pixel of 20 micrometres on which a pen's line is measured.
+PEN_WIDTH = 1.5e-5

@@ -18,7 +18,7 @@ from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.status import status_of
 from maulstick.painting.painting import Painting, write_painting
@@ -48,6 +48,7 @@ def paint(
     restart: bool = False,
     unfinished: bool | None = None,
     from_stroke: int | None = None,
+    from_pen: int | None = None,
     progress: Callable[[PaintProgress], object] | None = None,
     ask: Callable[[str], object] | None = None,
     **options: Any,
@@ -58,11 +59,13 @@ def paint(
     `Painting`.
     robot: the spec of a machine, as in ``sim`` or ``grbl:/dev/ttyUSB0``, or a `Robot` of your own.
     resume: go on where the journal ends; unfinished: whether the stroke that was under the brush then is painted.
-    restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.
+    restart: start again on a new sheet.  from_stroke: the first stroke, counted from 1.  from_pen: the first time that
+    a pen is put in, counted from 1.
     progress: called a few times per second.  ask: called with what a person has to do, and returns once it is done;
     by default a question on the terminal.
     options: fields of `PaintOptions`, lengths in metres: easel, tray, speed, replan, camera, picture, view, tag,
-    colours; and drawing, the `DrawingOptions` by which an SVG is read, as in ``drawing={"hatch": 0.001}``.
+    colours, pen, pause_at, refill_after, refill_at, copies; and drawing, the `DrawingOptions` by which an SVG is read,
+    as in ``drawing={"hatch": 0.001}``.
 
     Raises InputError before anything moves, where the painting does not fit the machine, MachineError where the machine
     fails, StoppedError and KeyboardInterrupt where it was stopped; its pen is then lifted.
@@ -80,7 +83,7 @@ def paint(
         else:
             file = Path(painting)
         own = robot if isinstance(robot, Robot) else None
-        request = PaintRequest(file, asked, from_stroke, resume, restart, own)
+        request = PaintRequest(file, asked, from_stroke, resume, restart, own, from_pen)
         photographs: list[Pillow.Image] = []
 
         def operator_for(setup: PaintSetup, painted: Collection[int]) -> Operator:

@@ -12,6 +12,7 @@ from maulstick.cli.compare import compare
 from maulstick.cli.doctor import doctor
 from maulstick.cli.exit_codes import STOPPED, UNUSABLE
 from maulstick.cli.export import export
+from maulstick.cli.machine import machine
 from maulstick.cli.mix import mix
 from maulstick.cli.paint import paint
 from maulstick.cli.plan import plan
@@ -31,6 +32,7 @@ app = typer.Typer(
 app.command()(plan)
 app.command()(sweep)
 app.command()(paint)
+app.command()(machine)
 app.command()(render)
 app.command()(show)
 app.command()(compare)

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from rich.console import Console
 
 from maulstick.cli.drawing import (
     Hatch,
@@ -24,10 +25,11 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
-from maulstick.painting.svg import axidraw_svg
+from maulstick.painting.svg import axidraw_svg, flattened_note
 from maulstick.robot.easel import Easel, Pen, read_easel
 from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
 from maulstick.robot.export.gcode import Dialect
+from maulstick.robot.export.hpgl import CAROUSEL, CarouselLoad
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import routine
 from maulstick.robot.tray import Tray, read_tray
@@ -36,6 +38,7 @@ from maulstick.storage.files import atomic_write
 _THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
 _FORMATS = ("gcode", "hpgl", "svg", "json")
 _DIALECTS: tuple[Dialect, ...] = ("grbl", "marlin")
+_MOST_PENS = 99  # of a carousel: more than any plotter had
 _SPEED = 0.05  # metres per second: slow enough for most pens and plotters
 
 _writing = partial(typer.Option, rich_help_panel="What is written")
@@ -54,6 +57,13 @@ def export(
     dialect: Annotated[
         str | None, _writing(metavar="grbl|marlin", show_default="grbl", help="Dialect of the G-code.")
     ] = None,
+    carousel: Annotated[
+        int | None,
+        _writing(metavar="N", show_default=f"{CAROUSEL}", help="Pens that an HPGL plotter holds: a file per load."),
+    ] = None,
+    shrink: Annotated[
+        bool, _writing("--shrink", metavar="", help="Draw all smaller where HPGL does not reach so far (819 mm).")
+    ] = False,
     servo: Annotated[
         str | None,
         _machine(
@@ -100,6 +110,10 @@ def export(
         raise InputError.of_choice("dialect", dialect, _DIALECTS)
     if format != "gcode" and (servo, dialect) != (None, None):
         raise InputError("--servo and --dialect are for G-code; leave them out")
+    if format != "hpgl" and (carousel is not None or shrink):
+        raise InputError("--carousel and --shrink are for HPGL; leave them out")
+    if carousel is not None and not 1 <= carousel <= _MOST_PENS:
+        raise InputError.of_range("--carousel", carousel, f"1 to {_MOST_PENS}")
     if format == "svg" and (easel, tray, speed) != (None, None, None):
         raise InputError("SVG is of the sheet alone; leave out --easel, --tray and --speed")
     fastest = _SPEED if speed is None else speed * 1e-3
@@ -111,26 +125,51 @@ def export(
     if not plan.strokes:
         raise InputError(f"{painting} has no strokes; plan it again with more")
     if format == "svg":
-        atomic_write(path, axidraw_svg(plan).encode())
+        if note := flattened_note(plan):
+            _say(f"note: {note}")
+        _write({path: axidraw_svg(plan)})
+        return
+    place = read_easel(easel) if easel is not None else _at_the_origin(plan)
+    if servo is not None:
+        place = place.model_copy(update={"pen": servo_of(servo)})
+    wells = read_tray(tray) if tray is not None else None
+    limits = place.limits or _around(plan, place, wells, fastest)
+    if place.pen is not None or format == "hpgl":
+        limits = limits.model_copy(update={"varies_pressure": False})
+    actions = routine(plan, place, limits, wells, speed=fastest)
+    if format == "hpgl":
+        loads = as_hpgl(actions, limits, carousel or CAROUSEL, None if speed is None else fastest, shrink)
+        _write(_files_of(loads, plan, path, overwrite))
     else:
-        place = read_easel(easel) if easel is not None else _at_the_origin(plan)
-        if servo is not None:
-            place = place.model_copy(update={"pen": _servo(servo)})
-        wells = read_tray(tray) if tray is not None else None
-        limits = place.limits or _around(plan, place, wells, fastest)
-        if place.pen is not None or format == "hpgl":
-            limits = limits.model_copy(update={"varies_pressure": False})
-        actions = routine(plan, place, limits, wells, speed=fastest)
-        text = {
-            "gcode": lambda: as_gcode(actions, limits, spoken, place.pen),
-            "hpgl": lambda: as_hpgl(actions, limits),
-            "json": lambda: as_json(actions),
-        }[format]()
+        _write({path: as_gcode(actions, limits, spoken, place.pen) if format == "gcode" else as_json(actions)})
+
+
+def _files_of(loads: list[CarouselLoad], plan: Painting, path: Path, overwrite: bool) -> dict[Path, str]:
+    """Return a file for each load of pens, and say which pens are in it where there are several."""
+    if len(loads) == 1:
+        return {path: loads[0].text}
+    files = {}
+    for number, load in enumerate(loads, start=1):
+        file = path.with_name(f"{path.stem}-{number}{path.suffix}")
+        check_absent(file, "--out", overwrite)
+        files[file] = load.text
+        paints = [plan.paints[paint] for paint in load.paints]
+        _say(f"{file}: " + ", ".join(f"pen {n} is {p.brush} {p.label}" for n, p in enumerate(paints, start=1)))
+    return files
+
+
+def _write(files: dict[Path, str]) -> None:
+    for path, text in files.items():
         atomic_write(path, text.encode())
-    print(path, flush=True)
+        print(path, flush=True)
 
 
-def _servo(text: str) -> Pen:
+def _say(sentence: str) -> None:
+    Console(stderr=True, markup=False, highlight=False).print(sentence, soft_wrap=True)
+
+
+def servo_of(text: str) -> Pen:
+    """Return the servo whose two numbers, for up and down, are in the text. Raises InputError where they are not."""
     try:
         up, down = (float(number) for number in text.split(","))
         if not np.isfinite([up, down]).all():

@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.painting.pens import PENS, PenModel, PrintableName, load_pen
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.library import Library
@@ -14,13 +15,7 @@ from maulstick.storage.library import Library
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
-def _printable(name: str) -> str:
-    if not name.isprintable():
-        raise ValueError("a name must be made of printable characters")
-    return name
-
-
-Name = Annotated[str, Field(min_length=1), AfterValidator(_printable)]
+Name = PrintableName
 """Name of one printable character or more."""
 
 BRUSHES = Library("brush", "brushes", Path(__file__).with_name("built_in_brushes"))
@@ -31,6 +26,7 @@ CURVE_PRESSURES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 
 _SHORTEST = 1e-12  # metres: keeps lengths and lags of 0 out of the denominators
 _TOUCHING = 1e-6  # metres: the least known depth, because a depth of 0 means that it is unknown
+_MARK_OF_PENS = "fineliner"  # the brush whose mark, across a line, all pens of the catalogue have
 _LARGEST_FILE = 2**20  # bytes: far more than a brush takes; a larger file is something else
 
 
@@ -183,12 +179,15 @@ def built_in_brushes() -> list[str]:
 def load_brush(name: str) -> Brush:
     """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
+    A name of the catalogue of pens is that pen's brush, unless a brush has it.
     Raises InputError where there is no such brush, or the file is not one.
 
         >>> load_brush("fineliner").pressure_matters
         False
     """
     paths = BRUSHES.paths()
+    if name not in paths and name in PENS.paths():
+        return pen_brush(name, load_pen(name))
     if name not in paths and Path(name).suffix != ".json":
         raise InputError.of_choice("brush", name, [*paths, "FILE.json"])
     path = paths.get(name, Path(name))
@@ -196,6 +195,31 @@ def load_brush(name: str) -> Brush:
         return Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
     except ValidationError as error:
         raise InputError(f"{path} is not a brush: {validation_fault(error)}") from error
+
+
+def pen_brush(name: str, pen: PenModel) -> Brush:
+    """Return the brush of a pen: a fineliner's mark, which is half as dark as its middle where the pen's line ends."""
+    mark = load_brush(_MARK_OF_PENS)
+    half_dark = 1 - (1 - mark.plateau) * 0.5 ** (1 / mark.falloff)  # of the half-width
+    source = f"{pen.label}, {pen.kind}, {1e3 * pen.width:g} mm as its maker states it"
+    return mark.model_copy(update={"name": name, "source": source, "beta": pen.width / 2 / half_dark})
+
+
+def load_pen_brush(name: str) -> tuple[Brush, str | None]:
+    """Return the brush of a pen by its name, and its colour, ``#rrggbb`` or None where that is not known.
+
+    A pen is in the catalogue, or a brush whose width is constant, as one that was fitted to photographs of a pen.
+    Raises InputError where there is no such pen.
+    """
+    if name in PENS.paths():
+        pen = load_pen(name)
+        return pen_brush(name, pen), pen.colour
+    if name not in BRUSHES.paths():
+        raise InputError.of_choice("pen", name, [*PENS.paths(), "a brush of constant width"])
+    brush = load_brush(name)
+    if brush.pressure_matters:
+        raise InputError(f"the width of the brush {name} varies with pressure, so it is no pen; name it as a brush")
+    return brush, None
 
 
 def write_brush(brush: Brush, path: Path) -> None:

@@ -15,6 +15,8 @@ from maulstick.storage.arrays import Floats
 AXIDRAW_SPEED: Final = 0.2
 """Metres per second that +S100 in a layer's name stands for."""
 
+
+_STEADY = 0.02  # range of pressure within a stroke that nobody sees
 _DOT = 0.01  # mm: the length of a path that stands for one point, so that no program drops it
 _AXIDRAW_TOUCH = 40  # per cent of the servo's way: the usual height at which a pen just touches
 
@@ -38,6 +40,21 @@ def axidraw_svg(painting: Painting) -> str:
     (https://wiki.evilmadscientist.com/AxiDraw_Layer_Control).
     """
     return _svg(painting, _coded_label)
+
+
+def flattened_note(painting: Painting) -> str:
+    """Return a sentence that says which strokes lose the pressure that they vary in an SVG for plotters, or ""."""
+    varying = [
+        stroke.id
+        for stroke in painting.strokes
+        if painting.brushes[painting.paints[stroke.paint].brush].pressure_matters
+        and np.ptp([pressure for _, _, pressure in stroke.trajectory]) > _STEADY
+    ]
+    if not varying:
+        return ""
+    which = f"stroke {varying[0]}" + (f" and {len(varying) - 1} more" if len(varying) > 1 else "")
+    verb = "vary" if len(varying) > 1 else "varies"
+    return f"{which} {verb} the pressure, which an SVG cannot say: the pen's height is one for each stroke"
 
 
 def _coded_label(number: int, paint: Paint, brush: Brush, run: Sequence[Stroke]) -> str:

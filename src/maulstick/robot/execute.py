@@ -9,8 +9,10 @@ from typing import final
 import numpy as np
 
 from maulstick.robot.journal import Journal
+from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
+from maulstick.storage.arrays import Floats
 
 _GLANCE = 0.05  # seconds between two looks at a pause: shorter than a person notices
 
@@ -21,7 +23,7 @@ class PaintProgress:
 
     action: the action that comes now, or None at the end.  drawn, metres: metres of stroke so far, and in all.
     left: seconds that the machine still needs, without the time for prompts.  next_paint: the paint after this one, if
-    any.
+    any.  took: seconds that the machine has needed for strokes so far, without pauses.
     """
 
     action: Action | None
@@ -29,6 +31,7 @@ class PaintProgress:
     metres: float
     left: float
     next_paint: int | None
+    took: float = 0.0
 
 
 @final
@@ -68,12 +71,14 @@ def execute(
     pause: Pause | None = None,
     load: PaintLoad = NOTHING,
     enough: Callable[[int], bool] = lambda painted: False,
+    pace: Pace | None = None,
 ) -> PaintLoad:
     """Carry out the actions of a `routine` for this machine; returns the paint that the machine holds at the end.
 
     ask: shows a prompt to the operator, and returns when it is done.  watch: called before each action, and at the end.
     pause: holds the machine before an action.  load: the paint that the machine holds at the beginning.
     enough: called after each stroke with the number painted since the call; where it returns True, painting ends there.
+    pace: speed of drawing, which may be changed on the way.
     A stroke is in the journal as begun before the tip is lowered for it, and as painted once it is lifted again.
     Raises whatever stopped it: MachineError, OutputError of the journal, KeyboardInterrupt; the pen is then lifted
     once the machine's context is left.
@@ -83,26 +88,34 @@ def execute(
     following = _next_paints(actions)
     metres, drawn = sum(a.motion.length for a in actions if isinstance(a, Draw)), 0.0
     index, painted = 0, 0
+    pace = pace or Pace(robot)
+    percent, longer, took = 100, 1.0, 0.0
     _clear_all(actions, robot)
     for index, action in enumerate(actions):
-        watch(PaintProgress(action, drawn, metres, float(left[index]), following[index]))
+        if pace.percent != percent:
+            percent, longer = pace.percent, pace.share_of_time(actions, seconds, index)
+        watch(PaintProgress(action, drawn, metres, longer * float(left[index]), following[index], took))
         if pause is not None:
             pause.wait(robot)
         match action:
             case Prompt():
+                if action.aside is not None:
+                    _step_aside(robot, np.array(action.aside))
                 ask(action)
-                load = PaintLoad(action.paint)
+                load = PaintLoad(action.paint) if action.renews else load
             case TrayVisit(motion=motion):
                 _perform(motion, robot)
                 load = PaintLoad(action.paint) if action.what == "dip" else PaintLoad()
             case Draw(motion=motion):
-                _perform(motion, robot, partial(journal.begin, action.stroke))
+                begun = time.monotonic()
+                _perform(pace.paced(motion), robot, partial(journal.begin, action.stroke))
+                took += time.monotonic() - begun
                 journal.end(action.stroke)
                 drawn, painted = drawn + motion.length, painted + 1
-                load = PaintLoad(action.paint, load.painted + motion.length)
+                load = load.after(action.paint, motion.length, float(seconds[index]))
                 if enough(painted):
                     break
-    watch(PaintProgress(None, drawn, metres, float(left[index + 1]) if actions else 0.0, None))
+    watch(PaintProgress(None, drawn, metres, longer * float(left[index + 1]) if actions else 0.0, None, took))
     return load
 
 
@@ -119,6 +132,14 @@ def _perform(motion: Motion, robot: Robot, begin: Callable[[], None] = lambda: N
     begin()
     robot.stroke(motion.path, motion.speed)
     robot.lift(motion.after)
+
+
+def _step_aside(robot: Robot, place: Floats) -> None:
+    """Lift the tip at least to the height of a place (3,), metres, and move it above that."""
+    height = max(float(robot.place[2]), float(place[2]))
+    if height > robot.place[2]:
+        robot.lift(height)
+    robot.move(np.array([*place[:2], height]))
 
 
 def _next_paints(actions: Sequence[Action]) -> list[int | None]:

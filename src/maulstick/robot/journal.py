@@ -81,9 +81,9 @@ Line = Annotated[Revision | OptionsLine | Begin | End | Again, Field(discriminat
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
-def journal_of(painting: Path) -> Path:
-    """Return the path of the journal of a painting."""
-    return painting.with_name(f"{painting.stem}.log.jsonl")
+def journal_of(painting: Path, copy: int = 1) -> Path:
+    """Return the path of the journal of a painting, or of a further copy of it, counted from 1."""
+    return painting.with_name(f"{painting.stem}.log.jsonl" if copy == 1 else f"{painting.stem}.copy{copy}.log.jsonl")
 
 
 @contextmanager

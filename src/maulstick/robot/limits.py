@@ -115,6 +115,11 @@ class Limits(BaseModel):
             reach=self.reach or other.reach,
         )
 
+    def shifted(self, by: Floats) -> "Limits":
+        """Return the same limits with the workspace shifted by (3,), metres, in a frame whose origin has moved."""
+        lower, upper = (np.asarray(np.add(end, by) + 0.0).tolist() for end in (self.lower, self.upper))
+        return self.model_copy(update={"lower": tuple(lower), "upper": tuple(upper)})
+
     @property
     def _gains(self) -> Point:
         """Highest accelerations of x, y and z, metres per second squared."""

@@ -1,7 +1,7 @@
 """The routine of a painting: strokes, visits to the tray and prompts, in the machine's frame."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -11,7 +11,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
-from maulstick.robot.limits import SLACK, Limits
+from maulstick.robot.limits import SLACK, Limits, Point
 from maulstick.robot.room import Way, check_room
 from maulstick.robot.timing import Profile
 from maulstick.robot.tray import Tray, Well
@@ -74,10 +74,12 @@ class TrayVisit:
 
 @dataclass(frozen=True)
 class Prompt:
-    """Action that the operator has to carry out before the next one."""
+    """Action of the operator, with the tip above a place `aside`; where it `renews`, the tool is full afterwards."""
 
     message: str
     paint: int
+    renews: bool = True
+    aside: Point | None = None
 
 
 Action = Draw | TrayVisit | Prompt
@@ -85,10 +87,15 @@ Action = Draw | TrayVisit | Prompt
 
 @dataclass(frozen=True)
 class PaintLoad:
-    """Paint in the machine's tool, None where it has none yet, and the metres painted since it was taken up."""
+    """Paint in the machine's tool, None where it has none yet; metres and seconds painted since it was taken up."""
 
     paint: int | None = None
     painted: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
+
+    def after(self, paint: int, metres: float, seconds: float = 0.0) -> "PaintLoad":
+        """Return the load after a stroke of so many metres and seconds."""
+        return PaintLoad(paint, self.painted + metres, self.seconds + seconds)
 
 
 NOTHING: Final = PaintLoad()
@@ -118,6 +125,7 @@ def routine(
     if speed is not None and not speed > 0:  # NaN is neither
         raise InputError.of_range("the speed", f"{1e3 * speed:g} mm/s", "above 0")
     painted = set(done)
+    used = bool(painted) or load.painted > 0
     left = tuple(stroke for stroke in painting.strokes if stroke.id not in painted)
     wanted = refined(painting.model_copy(update={"strokes": left})).strokes
     for paint in {stroke.paint for stroke in wanted}:
@@ -127,14 +135,14 @@ def routine(
         brush = painting.brushes[painting.paints[stroke.paint].brush]
         draw = Draw(stroke.id, stroke.paint, _motion(stroke, brush, easel, limits, speed))
         if load.paint != stroke.paint or _runs_dry(load, draw.motion, tray):
-            taking_up = _taking_up(stroke.paint, load, painting, tray, bool(painted), easel, limits)
+            taking_up = _taking_up(stroke.paint, load, painting, tray, used, easel, limits)
             if tray is not None:  # the way there and back is high
                 actions[-1:] = [_lifted(last, easel, tray) for last in actions[-1:]]
                 above = _height(easel, draw.motion.path[0], tray.clearance)
                 draw = replace(draw, motion=replace(draw.motion, above=above))
             actions += taking_up
             load = PaintLoad(stroke.paint)
-        load = replace(load, painted=load.painted + draw.motion.length)
+        load = load.after(stroke.paint, draw.motion.length)
         actions.append(draw)
     check_room(ways_of(actions), easel, limits)
     return actions

@@ -10,8 +10,10 @@ from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal
+from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
+from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
@@ -24,8 +26,8 @@ def _ignore(progress: PaintProgress) -> None:
 class Workplace:
     """Machine, sheet and operator, with which a painting can be painted.
 
-    ask, watch, pause: as in `execute`.  tray: None for tools that are not dipped.
-    speed: highest speed, metres per second, as in `routine`.
+    ask, watch, pause, pace: as in `execute`.  tray: None for tools that are not dipped.
+    speed: highest speed, metres per second, as in `routine`.  stops: pauses and refills.
     """
 
     robot: Robot
@@ -36,18 +38,14 @@ class Workplace:
     pause: Pause = field(default_factory=Pause)
     tray: Tray | None = None
     speed: float | None = None
+    stops: Stops = field(default_factory=Stops)
+    pace: Pace | None = None
 
     def left_of(self, painting: Painting, load: PaintLoad = NOTHING) -> list[Action]:
         """Return the actions of a painting that are still to be done; raises InputError as `routine` does."""
-        return routine(
-            painting,
-            self.easel,
-            self.robot.limits,
-            self.tray,
-            speed=self.speed,
-            done=self.journal.painted,
-            load=load,
-        )
+        limits, painted = self.robot.limits, self.journal.painted
+        actions = routine(painting, self.easel, limits, self.tray, speed=self.speed, done=painted, load=load)
+        return self.stops.put_into(actions, painting, self.easel, limits, load)
 
     def in_order(self, painting: Painting) -> Painting:
         """Return the painting with the strokes that are left in a quick order from where the tip is."""
@@ -61,7 +59,7 @@ class Workplace:
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
     ) -> PaintLoad:
         """Carry out the actions until `enough`; returns the load at the end, and raises as `execute` does."""
-        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough)
+        return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
 
     def moved_to(self, easel: Easel) -> "Workplace":
         """Return the workplace with its sheet on another easel; the tray stays where it stands."""

@@ -62,6 +62,8 @@ def test_a_drawing_that_is_killed_in_the_middle_goes_on_and_every_path_is_drawn_
     if said_of_running(drawing)[1]:
         again.wait_for("was under the brush when the run ended")
         again.press("n\n")
+    again.wait_for("see that the pen stands")
+    again.press("\n")
     assert again.leave() == 0, again.said
     assert said_of(drawing) == (set(range(10)), None)
     assert sorted(set(begun(drawing))) == list(range(10))

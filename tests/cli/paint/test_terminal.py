@@ -133,6 +133,19 @@ def test_space_holds_it_between_strokes_lets_it_go_on_and_holds_it_again_until_i
     assert len(begun(painting)) == 2
 
 
+def test_plus_and_minus_change_the_pace_which_is_shown(painting: Path, begin: Begun) -> None:
+    terminal = begin(painting, "--robot", "sim:real", "--speed", "30")
+    wait_for_stroke(painting, terminal)
+    terminal.press("-")
+    terminal.wait_for("at 90 %")
+    terminal.press("++")
+    terminal.wait_for("at 110 %")
+    terminal.press(10 * "+")
+    terminal.wait_for("at 200 %")
+    assert terminal.leave() == 0
+    assert said_of(painting) == ({1, 2, 3}, None)
+
+
 def said_of_running(painting: Path) -> tuple[int, bool]:
     """How many strokes are painted, and whether one is under the brush, while the journal is another's."""
     events = [json.loads(line)["event"] for line in journal_of(painting).read_text().splitlines()]

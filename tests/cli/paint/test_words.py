@@ -26,8 +26,11 @@ from tests.support.robot.small_paintings import line, painting_of
             ["--unfinished", "maybe", "--resume"],
             "there is no answer to --unfinished 'maybe'; there are: again, painted",
         ),
-        (["--resume", "--restart"], "--resume knows where to go on; leave out --restart and --from-stroke"),
-        (["--resume", "--from-stroke", "2"], "--resume knows where to go on; leave out --restart and --from-stroke"),
+        (["--resume", "--restart"], "--resume knows where to go on; leave out --restart, --from-stroke and --from-pen"),
+        (
+            ["--resume", "--from-stroke", "2"],
+            "--resume knows where to go on; leave out --restart, --from-stroke and --from-pen",
+        ),
         (
             ["--unfinished", "again"],
             "--unfinished is about the stroke that an earlier run began; it goes with --resume",

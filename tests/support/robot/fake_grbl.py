@@ -20,6 +20,7 @@ from typing import Self
 from tests.support.robot.grbl_motion import TICK, GrblMotion, Vector
 
 BUFFER = 128
+OVERRIDES = {b"\x90": None, b"\x91": 10, b"\x92": -10, b"\x93": 1, b"\x94": -1}
 SENDER_WAITS = 5e-3  # seconds of the wall without a byte
 BYTE = 10 / 115200  # seconds on the wire
 ANSWER = 1e-3  # seconds from the end of what a line waited for until its ok is read
@@ -60,6 +61,8 @@ class FakeGrbl:
     servo: float = 0.0
     reached: list[tuple[float, float, float, float]] = field(default_factory=list)  # x, y, z, servo at ends of blocks
     most_unread: int = 0
+    override: int = 100  # per cent of the feed of motions that are planned from now on
+    overrides: list[bytes] = field(default_factory=list)
     holds: int = 0
 
     def __enter__(self) -> Self:
@@ -154,6 +157,10 @@ class FakeGrbl:
                     self._state = "Hold:1" if self._motion.speed > 0 else "Hold:0"
             elif letter == b"\x18":
                 self._reset()
+            elif letter in OVERRIDES:
+                self.overrides.append(letter)
+                change = OVERRIDES[letter]
+                self.override = 100 if change is None else min(max(self.override + change, 10), 200)
             elif len(self._unread) >= BUFFER:
                 self.most_unread = BUFFER + 1  # an overflow; the byte is lost
             else:
@@ -179,7 +186,8 @@ class FakeGrbl:
         of_machine = int(self.settings[10]) & 1
         tip = zip(self._motion.place, (0.0, 0.0, 0.0) if of_machine else self._offset, strict=True)
         place = ",".join(f"{value - offset:.3f}" for value, offset in tip)
-        report = f"<{self._state}|{'M' if of_machine else 'W'}Pos:{place}|FS:0,{self.servo:.0f}|WCO:0.000,0.000,0.000>"
+        kind = "M" if of_machine else "W"
+        report = f"<{self._state}|{kind}Pos:{place}|FS:0,{self.servo:.0f}|Ov:{self.override},100,100>"
         if self.lost_reports > 0:
             self.lost_reports -= 1
             report = "\xc3" + report[1:]
@@ -196,7 +204,7 @@ class FakeGrbl:
         moving = self._state in ("Run", "Hold:1")
         self._forget()
         self._unread = b""
-        self.servo = 0.0
+        self.servo, self.override = 0.0, 100
         self._answers.clear()
         if moving:
             self._state = "Alarm"
@@ -230,7 +238,7 @@ class FakeGrbl:
             self._tell("error:9")
             return True
         words = dict(re.findall(r"([A-Z])(-?[\d.]+)", line))
-        motion = "X" in words or "Y" in words or "Z" in words
+        motion = ("X" in words or "Y" in words or "Z" in words) and words.get("G") != "10"
         if motion and self._motion.full:
             return False
         waits = "M" in words or words.get("G") == "4"
@@ -243,6 +251,8 @@ class FakeGrbl:
             return True
         if waits:
             self.seconds += ANSWER
+        if words.get("G") == "10":
+            self._set_origin(words)
         if "S" in words:
             self.servo = float(words["S"])
         if words.get("G") == "4":
@@ -292,9 +302,16 @@ class FakeGrbl:
             float(words[letter]) + offset if letter in words else here
             for letter, offset, here in zip("XYZ", self._offset, self._motion.goal, strict=True)
         )
-        self._motion.add((x, y, z), self._rate)
+        self._motion.add((x, y, z), self._rate * self.override / 100)
         if self._state == "Idle" and self._motion.busy:
             self._state = "Run"
+
+    def _set_origin(self, words: dict[str, str]) -> None:
+        x, y, z = (
+            here - float(words[letter]) if letter in words else before
+            for letter, here, before in zip("XYZ", self._motion.place, self.origin, strict=True)
+        )
+        self.origin = (x, y, z)
 
     def _run(self, ticks: int) -> None:
         for _ in range(ticks):

@@ -21,7 +21,8 @@ from maulstick.errors import InputError, MachineError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest, paint
+from maulstick.jobs.paint.request import PaintRequest
+from maulstick.jobs.paint.session import paint
 from maulstick.painting.painting import write_painting
 from maulstick.robot.easel import write_easel
 from maulstick.robot.execute import PaintProgress

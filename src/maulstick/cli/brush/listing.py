@@ -1,4 +1,4 @@
-"""``maulstick brush list``: lists all brushes."""
+"""``maulstick brush list`` and ``pens``: list all brushes, and the catalogue of pens."""
 
 from rich.console import Console
 from rich.table import Table
@@ -7,6 +7,7 @@ from rich.text import Text
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.painting.brush import BRUSHES, load_brush
+from maulstick.painting.pens import PENS, load_pen
 
 
 def list_brushes() -> None:
@@ -27,4 +28,23 @@ def list_brushes() -> None:
         width = f"{thinnest} to {widest} mm" if brush.pressure_matters else f"{widest} mm"
         whose = "comes with Maulstick" if BRUSHES.is_built_in(path) else "your own"
         table.add_row(name, width, Text(f"{whose}: {brush.source}"))
+    Console().print(table)
+
+
+def list_pens() -> None:
+    """List the pens of the catalogue, and your own, with the widths that their makers state.
+
+    Example: maulstick brush pens
+    """
+    table = Table()
+    for column in ("name", "width", "colour", "kind", "from"):
+        table.add_column(column, justify="right" if column == "width" else "left", overflow="fold")
+    for name, path in PENS.paths().items():
+        try:
+            pen = load_pen(name)
+        except InputError as error:
+            table.add_row(name, "", "", "", Text(f"cannot be used: {COMMAND_LINE.say(error)}"))
+            continue
+        whose = "" if PENS.is_built_in(path) else "your own: "
+        table.add_row(name, f"{1e3 * pen.width:g} mm", pen.colour, Text(pen.kind), Text(f"{whose}{pen.label}"))
     Console().print(table)

@@ -179,7 +179,9 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             eye.write(kept)
         operator = TerminalOperator(console, sheet, robot, len(journal.painted), "the same command goes on")
         ask = operator.ask if simulation is None else simulation.ask
-        workplace = Workplace(robot, easel, journal, ask, operator.watch, operator.pause, speed=options.speed)
+        workplace = Workplace(
+            robot, easel, journal, ask, operator.watch, operator.pause, speed=options.speed, pace=operator.pace
+        )
         with operator.on_duty():
             taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)

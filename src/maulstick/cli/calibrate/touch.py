@@ -1,6 +1,5 @@
 """``maulstick calibrate touch``: measures where the sheet lies before a machine."""
 
-import select
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.keyboard import pressed_keys, unechoed
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from maulstick.storage.arrays import Floats
 
 _LIFT = 0.02  # metres above the sheet from corner to corner, clear of clips and tape
-_ENTER = ("c-m", "c-j")  # names of Enter, which terminals send as either
 
 
 def touch(
@@ -59,8 +58,8 @@ def touch(
         "lower right": (width, height),
         "lower left": (0.0, height),
     }
-    keys = _keyboard()
-    with machine_lock(robot), machine(robot, None) as arm:
+    keys = pressed_keys()
+    with machine_lock(robot), unechoed(), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []
@@ -119,20 +118,3 @@ def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "F
             arm.move(place)
             console.print("x {:.1f}  y {:.1f}  z {:.1f} mm".format(*(1e3 * place).round(1) + 0.0), end="\r")
     raise InputError("nobody is at the keyboard; run it in a terminal")
-
-
-def _keyboard() -> Iterator[str]:
-    """Yield the names of the keys that are pressed; Ctrl-C interrupts, also while the machine moves."""
-    from prompt_toolkit.input import create_input
-    from prompt_toolkit.keys import Keys
-
-    terminal = create_input(sys.stdin)
-    while not terminal.closed:
-        with terminal.raw_mode():  # in which Ctrl-C is a key like any other: so only while keys are waited for
-            select.select([terminal.fileno()], [], [])
-            keys = [*terminal.read_keys(), *terminal.flush_keys()]
-        for pressed in keys:
-            if pressed.key == Keys.ControlC:
-                raise KeyboardInterrupt
-            name = pressed.key.value if isinstance(pressed.key, Keys) else pressed.key
-            yield "enter" if name in _ENTER else name

@@ -23,12 +23,13 @@ from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 
+_PACES = {"+": 1, "-": -1}  # steps of the pace by key
 _LOOK = 0.05  # seconds between two looks at the keyboard: no delay that a person notices
 
 
 @final
 class TerminalOperator(Operator):
-    """Operator who sees a progress bar and presses keys: Ctrl-C or s stops, space pauses.
+    """Operator who sees a progress bar and presses keys: Ctrl-C or s stops, space pauses, + and - change the pace.
 
     painted: number of strokes that are painted already.  what_next: sentence that is shown if painting ends early.
     """
@@ -45,10 +46,11 @@ class TerminalOperator(Operator):
             BarColumn(),
             TextColumn("{task.fields[drawn]} of {task.fields[metres]} mm"),
             TextColumn("{task.fields[left]} left"),
+            TextColumn("{task.fields[pace]}"),
             TextColumn("{task.fields[paint]}"),
         )
         self._bars = Bars(*columns, console=console)
-        self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", paint="")
+        self._task = self._bars.add_task("ready", total=1.0, drawn="0", metres="…", left="…", pace="", paint="")
 
     def expect(self, estimate: Estimate) -> None:
         """As in `Operator`."""
@@ -104,8 +106,12 @@ class TerminalOperator(Operator):
             drawn=f"{1e3 * drawn:.0f}",
             metres=f"{1e3 * metres:.0f}",
             left=_clock(progress.left),
+            pace="" if self.pace.percent == 100 else self._shown_pace(),
             paint=following,
         )
+
+    def _shown_pace(self) -> str:
+        return f"at {self.pace.percent} %"
 
     def ask(self, action: Prompt) -> None:
         """Print what is to be done, and wait for Enter; s stops."""
@@ -166,6 +172,9 @@ class TerminalOperator(Operator):
             elif key == " ":
                 self.pause.toggle()
                 self.say("paused after this stroke; space goes on" if self.pause.held else "going on")
+            elif key in _PACES:
+                self.pace.change(_PACES[key])
+                self._bars.update(self._task, pace=self._shown_pace())
 
 
 def in_words(estimate: Estimate) -> str:
@@ -174,7 +183,8 @@ def in_words(estimate: Estimate) -> str:
         return "all strokes are painted"
     what = f"{_counted(estimate.strokes, 'stroke')}, {1e3 * estimate.metres:.0f} mm"
     painted = f"; {estimate.painted} are painted" if estimate.painted else ""
-    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}"
+    more = f"; then {_counted(estimate.more_sheets, 'more sheet')}" if estimate.more_sheets else ""
+    return f"{what}, {_counted(estimate.paints, 'paint')}, about {ceil(estimate.seconds / 60)} min{painted}{more}"
 
 
 def _counted(number: int, what: str) -> str:

@@ -7,7 +7,7 @@ from rich.console import Console
 
 from maulstick.cli.paint.operator import TerminalOperator, confirm, in_words
 from maulstick.jobs.paint import session
-from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 
 

@@ -11,6 +11,7 @@ from maulstick.cli.loading import no_garbage
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, demo_picture, state_files
+from maulstick.painting.brush import load_pen_brush
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
 _objectives = partial(typer.Option, rich_help_panel="What it should be like")
@@ -50,6 +51,10 @@ def plan(
     brush: Annotated[
         str, _painting(metavar="BRUSH", help="The brush: round, marker, fineliner, one of your own, or a JSON file.")
     ] = PlanOptions.brush,
+    pen: Annotated[
+        str | None,
+        _painting(metavar="PEN", help="Pen of the catalogue, for its width and colour: see `maulstick brush pens`."),
+    ] = None,
     pressure: Annotated[
         float | None,
         _painting(metavar="P", show_default="varied", help="Hold the brush at one pressure, 0 to 1, for a plotter."),
@@ -150,6 +155,11 @@ def plan(
 
         go_on(resume)
         return
+    if pen is not None:
+        if str(context.get_parameter_source("brush")).endswith("COMMANDLINE"):
+            raise InputError("--pen and --brush both say what to draw with; leave out one")
+        brush, colour = pen, load_pen_brush(pen)[1]
+        ink = colour if (ink, paints, paints_from) == (None, None, None) else ink
     options = PlanOptions(
         strokes=_strokes(strokes),
         exact=exact,

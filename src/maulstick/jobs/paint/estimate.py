@@ -15,7 +15,8 @@ class Estimate:
     """Estimate of a run.
 
     strokes, metres, seconds: what is left, without the time that an operator needs.  painted: strokes that are painted
-    already.  paints: of the whole painting.  notes: sentences about what of a drawing's file is not drawn as it says.
+    already.  paints: of the whole painting.  more_sheets: how many copies follow this sheet.
+    notes: sentences about what is not drawn as its file says.
     """
 
     strokes: int
@@ -24,6 +25,7 @@ class Estimate:
     painted: int
     paints: int
     notes: tuple[str, ...] = ()
+    more_sheets: int = 0
 
     @classmethod
     def of(cls, actions: Sequence[Action], painting: Painting, limits: Limits, place: Floats) -> Self:

@@ -8,6 +8,7 @@ from typing import final
 
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.robot.execute import PaintProgress, Pause
+from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
 from maulstick.robot.routine import Prompt
 
@@ -15,12 +16,13 @@ from maulstick.robot.routine import Prompt
 class Operator(ABC):
     """Interface to the operator: messages and questions to them, and their ways to stop and pause the machine.
 
-    pause: pauses the machine between two strokes.  stopped: whether the operator stopped it.
+    pause: pauses the machine between two strokes.  pace: how fast it draws.  stopped: whether the operator stopped it.
     resting: whether the machine rests while something else is done, which `interrupt` then interrupts.
     """
 
     def __init__(self, robot: Robot) -> None:
         self.pause = Pause(self.tell_of_button)
+        self.pace = Pace(robot)
         self.stopped = False
         self.robot = robot
         self.resting = False

@@ -1,14 +1,19 @@
 """Options of ``maulstick paint`` about the machine, kept in the journal, so that resuming needs none of them."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, Remedy, machine, option, validation_fault
 
 _TAG = 0.02  # side of a tag's black square in metres, as `maulstick calibrate tags` prints them
+_REFILL = r"(\d+(?:\.\d+)?) ?(m|min)"  # after metres or minutes
+_MOST_COPIES = 1000  # more is a slip of the hand
 _SLOWEST, _FASTEST = 1e-4, 10.0  # metres per second: beyond, the unit is probably wrong
 
 
@@ -18,6 +23,10 @@ class PaintOptions(BaseModel):
     replan: strokes between two photographs, 0 for none any more.  look: whether the operator may ask for one any time.
     drawing: how an SVG is read; None where that was not said, or it is none.
     strokes_sha256: of the strokes that an SVG was read as: nobody gives it, and resuming compares it.
+    pen: name of the pen that draws, whatever the painting was planned for.
+    pause_at: numbers of strokes, counted from 1, before which the machine waits.
+    refill_after: ``20m`` or ``5min`` of drawing, after which a pen is refilled or cleaned.
+    refill_at: x and y on the canvas where the pen is then.  copies: number of sheets.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -35,6 +44,11 @@ class PaintOptions(BaseModel):
     colours: Path | None = None
     drawing: DrawingOptions | None = None
     strokes_sha256: str | None = None
+    pen: str | None = None
+    pause_at: tuple[int, ...] | None = None
+    refill_after: str | None = None
+    refill_at: tuple[float, float] | None = None
+    copies: int | None = None
 
     def check(self) -> None:
         """Raise InputError for an option that is out of its range."""
@@ -44,6 +58,27 @@ class PaintOptions(BaseModel):
             raise InputError.of_range(option("replan"), self.replan, "at least 1 stroke, or 0 for never again")
         if self.drawing is not None:
             self.drawing.check()
+        if self.refill_after is not None and min(self.refill_metres, self.refill_seconds) in (0.0, float("inf")):
+            allowed = "metres or minutes of drawing above 0, as in 20m or 5min"
+            raise InputError.of_range(option("refill_after"), repr(self.refill_after), allowed)
+        if self.refill_at is not None and not np.isfinite(self.refill_at).all():
+            raise InputError.of_range(option("refill_at"), self.refill_at, "two lengths on the canvas")
+        if self.copies is not None and not 1 <= self.copies <= _MOST_COPIES:
+            raise InputError.of_range(option("copies"), self.copies, f"1 to {_MOST_COPIES}")
+
+    def check_together(self) -> None:
+        """Raise InputError for options that do not go together, once those of an earlier run are among them."""
+        planned_again = bool(self.replan or self.look)
+        if self.refill_at is not None and self.refill_after is None:
+            raise InputError(f"{option('refill_at')} is where a pen is refilled; add {option('refill_after')}")
+        if self.refill_after is not None and self.tray is not None:
+            raise InputError(f"a tray refills its brush by itself; leave out {option('refill_after')}")
+        if self.pause_at and planned_again:
+            raise InputError(f"strokes get other numbers when they are planned again; leave out {option('pause_at')}")
+        if self.sheets > 1 and planned_again:
+            raise InputError(f"what a camera sees belongs to one sheet; leave out {option('copies')}")
+        if self.sheets > 1 and self.simulated:
+            raise InputError(f"the simulated easel has one sheet; leave out {option('copies')}")
 
     def after(self, recorded: Mapping[str, JsonValue]) -> "PaintOptions":
         """Return these options, and where one is not given, the recorded one. Raises InputError for another machine."""
@@ -66,14 +101,30 @@ class PaintOptions(BaseModel):
     def as_json(self) -> dict[str, JsonValue]:
         """Return the options as the journal keeps them; paths are absolute."""
         given = {**self.model_dump(exclude_none=True), "robot": self.machine}
+        given = {name: _as_json(value) for name, value in given.items()}
         if self.drawing is not None:
             given["drawing"] = self.drawing.model_dump(mode="json", exclude_defaults=True)
-        return {name: str(value.absolute()) if isinstance(value, Path) else value for name, value in given.items()}
+        return given
 
     @property
     def machine(self) -> str:
         """Spec of the machine; the simulated easel, unless another was named."""
         return self.robot or "sim"
+
+    @property
+    def sheets(self) -> int:
+        """Number of sheets to paint."""
+        return 1 if self.copies is None else self.copies
+
+    @property
+    def refill_metres(self) -> float:
+        """Metres of drawing until a pen is refilled, infinity where none are given."""
+        return self._refill("m", 1.0)
+
+    @property
+    def refill_seconds(self) -> float:
+        """Seconds of drawing until a pen is refilled, infinity where none are given."""
+        return self._refill("min", 60.0)
 
     @property
     def simulated(self) -> bool:
@@ -84,6 +135,16 @@ class PaintOptions(BaseModel):
     def tag_side(self) -> float:
         """Side of the tags' black squares, metres."""
         return _TAG if self.tag is None else self.tag
+
+    def _refill(self, unit: str, worth: float) -> float:
+        found = re.fullmatch(_REFILL, self.refill_after or "")
+        return float("inf") if found is None or found[2] != unit else worth * float(found[1])
+
+
+def _as_json(value: Any) -> JsonValue:
+    if isinstance(value, Path):
+        return str(value.absolute())
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _kind(robot: str) -> str:

@@ -70,7 +70,7 @@ class Simulation:
         )
 
     def ask(self, action: Prompt) -> None:
-        """Change the paint as prompted, which no operator has to do here."""
+        """Change or refill the pen as prompted, which no operator has to do here."""
         self.robot.hold(self.painting.paints[action.paint].colour)
 
     def camera(self, tags: TagFrame) -> SimulatedCamera:

@@ -11,7 +11,7 @@ from maulstick.robot.adapters.ebb_board import HALT, STEPS_PER_SECOND, EbbBoard,
 from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.limits import Limits
-from maulstick.robot.robot import Robot
+from maulstick.robot.plotter import HasServo, LetsGo
 from maulstick.robot.stopping import Stopping
 from maulstick.robot.timing import Profile
 from maulstick.storage.arrays import Floats
@@ -35,7 +35,7 @@ _V3 = Limits(
 
 
 @final
-class AxiDraw(Robot):
+class AxiDraw(LetsGo, HasServo):
     """AxiDraw V3; its frame begins at the home corner where it is switched on, x along its rail, -y along its arm.
 
     port: serial port of its board; left out, the one AxiDraw that is plugged in.
@@ -53,11 +53,7 @@ class AxiDraw(Robot):
         pen = pen or _USUAL_PEN
         own = _V3.model_copy(update={"lifting": pen.seconds})
         super().__init__(own if limits is None else own.narrowed(limits))
-        for name, pulse in (("up", pen.up), ("down", pen.down)):
-            if not _SERVO[0] <= pulse <= _SERVO[1]:
-                raise InputError.of_range(
-                    f"the pen's {name}", f"{pulse:g}", "{} to {} (twelfths of a microsecond)".format(*_SERVO)
-                )
+        _check_pen(pen)
         self._port, self._pen = port, pen
         self._patience = patience + pen.seconds
         self._line: SerialLine | None = None
@@ -71,6 +67,28 @@ class AxiDraw(Robot):
     def counts_steps(self) -> bool:
         """As `Robot.counts_steps`."""
         return True
+
+    @property
+    def pen(self) -> Pen:
+        """As in `HasServo`."""
+        return self._pen
+
+    @property
+    def servo_range(self) -> tuple[float, float]:
+        """As in `HasServo`."""
+        return _SERVO
+
+    def set_pen(self, pen: Pen) -> None:
+        """As in `HasServo`."""
+        _check_pen(pen)
+        self._pen = pen
+        self._do(self._set_servo)
+
+    def let_go(self) -> None:
+        """As in `LetsGo`."""
+        self.lift(self.place[2])
+        self._do(self._switch_off)
+        self._out_of_use = True
 
     def _connect(self) -> None:
         self._line = open_board_line(self._port)
@@ -125,6 +143,16 @@ class AxiDraw(Robot):
             self._board.release()
             raise MachineError(_UNPOWERED, remedy)
 
+    def _set_servo(self) -> Floats:
+        self._board.set_pen(self._pen.up, self._pen.down)
+        self._board.pen(down=not self.lifted, seconds=self._pen.seconds)
+        self._board.wait()
+        return self.place
+
+    def _switch_off(self) -> Floats:
+        self._board.release()
+        return self.place
+
     def _halt(self) -> None:
         if (line := self._line) is not None:
             with suppress(MachineError):  # the call that waits for the machine raises it
@@ -162,6 +190,15 @@ class AxiDraw(Robot):
         lower = np.ceil(np.array(self.limits.lower[:2]) * _STEPS_PER_METRE - 1e-6)
         upper = np.floor(np.array(self.limits.upper[:2]) * _STEPS_PER_METRE + 1e-6)
         return np.asarray(np.clip(np.rint(places[..., :2] * _STEPS_PER_METRE), lower, upper) + 0.0)
+
+
+def _check_pen(pen: Pen) -> None:
+    """Raise InputError where a servo does not understand one of the pen's pulses."""
+    for name, pulse in (("up", pen.up), ("down", pen.down)):
+        if not _SERVO[0] <= pulse <= _SERVO[1]:
+            raise InputError.of_range(
+                f"the pen's {name}", f"{pulse:g}", "{} to {} (twelfths of a microsecond)".format(*_SERVO)
+            )
 
 
 def _instants(times: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Plotters and small machines that run Grbl 1.1, over a serial port."""
 
 from contextlib import suppress
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from pydantic import ValidationError
@@ -13,19 +13,20 @@ from maulstick.robot.adapters.serial_line import SerialLine
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.export.gcode import Gcode
 from maulstick.robot.limits import Limits
-from maulstick.robot.robot import Robot
+from maulstick.robot.plotter import HasServo, KeepsOrigin, LetsGo, OverridesSpeed
 from maulstick.robot.stopping import Stopping
 from maulstick.storage.arrays import Floats
 
 _BAUD = 115200  # the rate of Grbl 1.1 as it ships
 _CLEAR = 5e-3  # metres above the paper: height to which the tip is lifted when the machine is entered
+_ANY_SPEED = np.array([1e-3])  # metres per second: of a motion that only lowers the pen
 _FACTORY = Limits(  # of Grbl as it ships, until the machine has told its own
     lower=(0, 0, -0.2), upper=(0.2, 0.2, 0.2), speed=0.5 / 60, climb=0.5 / 60, acceleration=0.01, varies_pressure=True
 )
 
 
 @final
-class Grbl(Robot):
+class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     """Machine with Grbl 1.1, in its work coordinates (G54): lower left corner of the sheet at (0, 0), paper at 0.
 
     address: the port, as /dev/ttyUSB0 or /dev/ttyUSB0@115200.  pen: servo of its pen; None where it lifts by height.
@@ -47,6 +48,8 @@ class Grbl(Robot):
         self._narrower = limits
         self._patience = patience + (0.0 if pen is None else pen.seconds)
         self._line: SerialLine | None = None
+        self._origin: Floats = np.zeros(3)
+        self._servo_range = (0.0, 0.0)
 
     def easel(self, width: float, height: float) -> Easel:
         """Return a flat easel whose lower left corner is the work's origin, as `Robot.easel`."""
@@ -56,6 +59,45 @@ class Grbl(Robot):
     def counts_steps(self) -> bool:
         """As `Robot.counts_steps`."""
         return True
+
+    @property
+    def pen(self) -> Pen | None:
+        """As in `HasServo`."""
+        return self._pen
+
+    @property
+    def servo_range(self) -> tuple[float, float]:
+        """As in `HasServo`: $31 to $30, once it is entered."""
+        return self._servo_range
+
+    @property
+    def highest_override(self) -> int:
+        """As in `OverridesSpeed`: Grbl keeps to its own highest speeds, but knows of no narrower ones."""
+        return 200 if self._narrower is None else 100
+
+    def override(self, percent: int) -> None:
+        """As in `OverridesSpeed`."""
+        self._stream.override = percent
+
+    def set_pen(self, pen: Pen) -> None:
+        """As in `HasServo`."""
+        self._check_pen(pen)
+        self._pen, self._gcode = pen, Gcode("grbl", self.limits, pen)
+        self._do(self._set_servo)
+
+    def let_go(self) -> None:
+        """Raise InputError, since Grbl 1.1 cannot switch its motors off and keep its place."""
+        raise InputError(
+            "a Grbl 1.1 lets its motors go only at rest, by its setting $1 (25 after 25 ms, 255 never), or to sleep, "
+            "with $SLP, which locks it; to move it by hand, set $1=25, or switch it off"
+        )
+
+    def set_origin(self, what: Literal["corner", "paper"]) -> None:
+        """As in `KeepsOrigin`: writes it into G54, which Grbl keeps.
+
+        Without homing, the next connection takes the whole travel to lie beyond the new corner, as it always does.
+        """
+        self._do(lambda: self._set_origin(np.array((1, 1, 0) if what == "corner" else (0, 0, 1))))
 
     def _open(self) -> Floats:
         self._gcode = Gcode("grbl", self.limits, self._pen)
@@ -84,6 +126,19 @@ class Grbl(Robot):
     def _lift(self, place: Floats) -> Floats:
         self._stream.run(self._gcode.lift(place))
         return self._gcode.rounded(place)
+
+    def _set_servo(self) -> Floats:
+        place = self.place
+        self._stream.run(self._gcode.lift(place) if self.lifted else self._gcode.draw(place, place[None], _ANY_SPEED))
+        return place
+
+    def _set_origin(self, moved: Floats) -> Floats:
+        self._stream.run(["G10 L20 P1 Z0" if moved[2] else "G10 L20 P1 X0 Y0"])
+        place = self.place
+        self._origin = self._origin + moved * place
+        self.limits = self.limits.shifted(-moved * place)
+        self._gcode = Gcode("grbl", self.limits, self._pen)
+        return np.asarray(place - moved * place)
 
     def _halt(self) -> None:
         if (line := self._line) is not None:
@@ -130,11 +185,17 @@ class Grbl(Robot):
         """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
+        self._servo_range = settings[31], settings[30]
         if self._pen is None:
             return
         if settings[32]:
             raise MachineError(f"the Grbl on {self._port} is in laser mode, which moves the servo; send $32=0")
-        for name, target in (("up", self._pen.up), ("down", self._pen.down)):
-            if not settings[31] <= target <= settings[30]:
-                allowed = f"{settings[31]:g} to {settings[30]:g} ($31 to $30 of this Grbl)"
+        self._check_pen(self._pen)
+
+    def _check_pen(self, pen: Pen) -> None:
+        """Raise InputError where the servo cannot be where the pen's numbers say."""
+        lowest, highest = self._servo_range
+        for name, target in (("up", pen.up), ("down", pen.down)):
+            if not lowest <= target <= highest:
+                allowed = f"{lowest:g} to {highest:g} ($31 to $30 of this Grbl)"
                 raise InputError.of_range(f"the pen's {name}", f"{target:g}", allowed)

@@ -78,17 +78,22 @@ class Status:
     """Status report: the state (Idle, Run, Hold:0 ...) and the place of the tip, (3,) metres.
 
     of_machine: whether the place is counted from the machine's own origin, not from the work's.
+    override: per cent of the commanded speed; None where this report does not say it, as most do not.
     """
 
     state: str
     tip: Floats
     of_machine: bool
+    override: int | None = None
 
     @classmethod
     def parse(cls, line: str) -> Self | None:
         """Parse a line; returns None where it is no report, or noise has changed it."""
         found = re.fullmatch(rf"<([A-Z][a-z]+(?::\d)?)\|([MW])Pos:{_TRIPLE}(?:\|[A-Za-z]+:[\w.,-]*)*>", line)
-        return None if found is None else cls(found[1], _triple(found[3]), found[2] == "M")
+        if found is None:
+            return None
+        overrides = re.search(r"\|Ov:(\d+),", line)
+        return cls(found[1], _triple(found[3]), found[2] == "M", None if overrides is None else int(overrides[1]))
 
 
 def settings_of(lines: Iterable[str]) -> dict[int, float]:

@@ -21,6 +21,8 @@ HOLD: Final = b"!"
 """Command that brakes at once, whatever else is on the line."""
 
 _RESET, _REPORT = b"\x18", b"?"  # real-time commands: soft reset, and a status report
+_USUAL, _FASTER, _SLOWER = b"\x90", b"\x91", b"\x92"  # overrides of the feed: 100 %, 10 % more, 10 % less
+_STEP = 10  # per cent of those
 _BETWEEN_REPORTS = 0.2  # seconds; Grbl's interface asks for at most 5 per second
 _BETWEEN_RESETS = 1.0  # seconds; a board that restarts when its port is opened misses the first reset
 _DEAF = 1.0  # seconds without a report: after the alarm of a limit, Grbl hears nothing but a reset
@@ -38,6 +40,7 @@ _UNABLE = {
 class GrblStream:
     """Line to a Grbl: sends commands and reads its answers.
 
+    override: per cent of the commanded speed that is wanted, in steps of 10; another thread may change it.
     Raises MachineError where it is silent, fails or is not understood; `run` raises StoppedError once `stopping` is
     set.
     """
@@ -50,6 +53,8 @@ class GrblStream:
         self._told: list[str] = []
         self._progress = Patience(patience)
         self._next_report = 0.0
+        self.override = self._overridden = 100
+        self._just_changed = False
 
     def reset(self) -> None:
         """Reset Grbl, which empties its buffers; its position is kept if it stands still."""
@@ -118,9 +123,21 @@ class GrblStream:
         if self._stopping.is_set():
             raise StoppedError
         if (now := time.monotonic()) > self._next_report:
-            self._line.write(_REPORT)
+            self._line.write(_REPORT + self._override_nearer())
             self._next_report = now + _BETWEEN_REPORTS
         self._hear()
+
+    def _override_nearer(self) -> bytes:
+        """Return the command that takes the override nearer to the wanted one, at every other report, or nothing.
+
+        Grbl counts two commands that come at once as one, so each is seen in a report before the next is sent.
+        """
+        missing = self.override - self._overridden
+        self._just_changed = missing != 0 and not self._just_changed
+        if not self._just_changed:
+            return b""
+        self._overridden = 100 if self.override == 100 else self._overridden + (_STEP if missing > 0 else -_STEP)
+        return _USUAL if self.override == 100 else _FASTER if missing > 0 else _SLOWER
 
     def _send(self, content: str) -> None:
         if not self._waiting:
@@ -139,6 +156,8 @@ class GrblStream:
         elif text.startswith("<") or text.endswith(">"):  # a report that noise has changed comes again
             if (status := Status.parse(text)) is not None:
                 self._check(status)
+                if status.override is not None and not self._just_changed:
+                    self._overridden = status.override
                 if status.state != "Idle":  # an idle Grbl that owes an answer has lost it
                     self._progress.renew()
         elif text.startswith(("[", "$", ">")):

@@ -9,7 +9,7 @@ import numpy as np
 from maulstick.errors import InputError
 from maulstick.robot.easel import Pen
 from maulstick.robot.export.gcode import Dialect, Gcode
-from maulstick.robot.export.hpgl import hpgl
+from maulstick.robot.export.hpgl import CAROUSEL, CarouselLoad, hpgl
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import Action, Draw, Prompt, TrayVisit
 
@@ -37,11 +37,21 @@ def as_gcode(actions: Sequence[Action], limits: Limits, dialect: Dialect, pen: P
     return "\n".join([*lines, ""])
 
 
-def as_hpgl(actions: Sequence[Action], limits: Limits) -> str:
-    """Return the strokes as HPGL, one pen per paint. Raises InputError where they need a tray, or leave the limits."""
+def as_hpgl(
+    actions: Sequence[Action],
+    limits: Limits,
+    carousel: int = CAROUSEL,
+    speed: float | None = None,
+    shrink: bool = False,
+) -> list[CarouselLoad]:
+    """Return the strokes as HPGL, one pen per paint; further arguments are those of `hpgl`.
+
+    Raises InputError where they need a tray, and as `hpgl`.
+    """
     if any(isinstance(action, TrayVisit) for action in actions):
         raise InputError("HPGL knows pens and no wells; leave out the tray, or export gcode")
-    return hpgl([(action.paint, action.motion.path) for action in actions if isinstance(action, Draw)], limits)
+    strokes = [(action.paint, action.motion.path) for action in actions if isinstance(action, Draw)]
+    return hpgl(strokes, limits, carousel, speed, shrink)
 
 
 def as_json(actions: Sequence[Action]) -> str:

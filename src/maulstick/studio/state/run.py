@@ -11,7 +11,7 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.jobs.paint.session import PaintRequest
+from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.status import PaintStatus, status_of
 from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels

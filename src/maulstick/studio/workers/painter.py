@@ -16,7 +16,7 @@ from maulstick.studio.workers.messages import Command, Done, Ended
 from maulstick.studio.workers.process import Line
 
 if TYPE_CHECKING:
-    from maulstick.jobs.paint.session import PaintRequest
+    from maulstick.jobs.paint.request import PaintRequest
     from maulstick.jobs.paint.setup import PaintSetup
     from maulstick.studio.workers.page_operator import PageOperator
 

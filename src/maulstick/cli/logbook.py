@@ -1,0 +1,24 @@
+"""The logbook of machines as a table."""
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from maulstick.errors import InputError
+from maulstick.robot.logbook import logbook_path, read_logbook, totals
+
+
+def print_logbook(machine: str | None) -> None:
+    """Print what each pen has drawn, on a machine or on all where it is None. Raises InputError where nothing was."""
+    runs = [run for run in read_logbook() if machine in (None, run.machine)]
+    if not runs:
+        where = "" if machine is None else f" on {machine}"
+        raise InputError(f"nothing was painted{where} so far; the logbook is {logbook_path()}")
+    table = Table(title=f"{len(runs)} runs" if len(runs) > 1 else "1 run", caption=str(logbook_path()))
+    for column in ("pen", "metres", "minutes", "strokes", "runs", "last"):
+        table.add_column(column, justify="left" if column in ("pen", "last") else "right", overflow="fold")
+    for name, total in totals(runs).items():
+        use = total.use
+        numbers = f"{use.metres:.2f}", f"{use.seconds / 60:.1f}", f"{use.strokes}", f"{total.runs}"
+        table.add_row(Text(name), *numbers, f"{total.last.astimezone():%Y-%m-%d}")
+    Console().print(table)

@@ -1,0 +1,54 @@
+"""Journals of a painting's sheets: the latest, a new one, and room for it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from glob import escape
+from itertools import count
+from pathlib import Path
+
+from maulstick.errors import InputError, OutputError, Remedy
+from maulstick.robot.journal import Journal, journal_of, locked
+
+
+def latest_sheet(painting: Path) -> int:
+    """Return the number of the latest sheet that was begun, from 1. Raises InputError where none was."""
+    path = journal_of(painting)
+    if not path.exists():
+        raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
+    return next(number for number in count(1) if not _was_begun(journal_of(painting, number + 1)))
+
+
+def check_not_begun(painting: Path, restart: bool) -> None:
+    """Raise InputError where a painting was begun and is not to be restarted, or is being painted."""
+    path = journal_of(painting)
+    if _was_begun(path) and not restart:
+        raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
+    with locked(path):  # raises before the machine is connected
+        return
+
+
+@contextmanager
+def new_journal(painting: Path, sheet: int) -> Iterator[Journal]:
+    """Open an empty journal of a sheet; those of an earlier run are moved away."""
+    path = journal_of(painting, sheet)
+    if _was_begun(path):
+        _make_room(path, painting.stem)
+    with Journal.open(path) as journal:
+        yield journal
+
+
+def _was_begun(path: Path) -> bool:
+    return path.exists() and path.stat().st_size > 0
+
+
+def _make_room(path: Path, stem: str) -> None:
+    """Move the journal and the files beside it into a folder of their own, to make room for a new journal."""
+    kept = next(folder for i in count(1) if not (folder := path.with_name(f"{stem}.run{i}")).exists())
+    with locked(path):
+        try:
+            kept.mkdir()
+            beside = (*(escape(stem) + end for end in (".r[0-9]*.*", ".copy[0-9]*.log.jsonl", ".eye.npz")), path.name)
+            for old in [found for name in beside for found in path.parent.glob(name)]:
+                old.rename(kept / old.name)
+        except OSError as error:
+            raise OutputError(f"cannot move {path} to {kept}: {error.strerror}; do, and run again") from error

@@ -1,0 +1,26 @@
+"""Request to paint: what, how, and where to begin."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class PaintRequest:
+    """A painting.json or an SVG, and how to paint it.
+
+    from_stroke: the first one, counted from 1; those before count as painted.  resume: go on where the journal ends.
+    restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
+    robot: a machine of one's own, instead of the one that the options name.
+    from_pen: the first time that a pen is put in, counted from 1; as from_stroke.
+    """
+
+    painting: Path
+    options: PaintOptions
+    from_stroke: int | None = None
+    resume: bool = False
+    restart: bool = False
+    robot: Robot | None = None
+    from_pen: int | None = None

@@ -1,0 +1,63 @@
+"""What some plotters can do: let their motors go, keep an origin, set the servo of the pen, change speed at once."""
+
+from abc import abstractmethod
+from typing import Literal
+
+from maulstick.robot.easel import Pen
+from maulstick.robot.robot import Robot
+
+
+class LetsGo(Robot):
+    """Machine whose motors can be switched off, so that its pen is moved by hand."""
+
+    @abstractmethod
+    def let_go(self) -> None:
+        """Lift the pen and switch the motors off; the place is lost, so the machine has to be entered again.
+
+        Where it is then counts as its home. Raises InputError where the machine has no way to do so.
+        """
+
+
+class KeepsOrigin(Robot):
+    """Machine that keeps the place of its own frame's origin, even where it is switched off."""
+
+    @abstractmethod
+    def set_origin(self, what: Literal["corner", "paper"]) -> None:
+        """Make the place of the tip the origin: x and y of the sheet's corner, or z of the paper.
+
+        The workspace stays where it is: its limits are counted from the new origin from now on.
+        """
+
+
+class HasServo(Robot):
+    """Machine that may lift its pen with a servo."""
+
+    @property
+    @abstractmethod
+    def pen(self) -> Pen | None:
+        """Positions of the servo; None where the pen is lifted by its height."""
+
+    @property
+    @abstractmethod
+    def servo_range(self) -> tuple[float, float]:
+        """Least and highest position of the servo."""
+
+    @abstractmethod
+    def set_pen(self, pen: Pen) -> None:
+        """Change the positions of the servo, and move it to the one for lifted or lowered, whichever the pen is.
+
+        Raises InputError where a position is outside the servo's range.
+        """
+
+
+class OverridesSpeed(Robot):
+    """Machine that can change the speed of all motions at once, also of the one that it makes."""
+
+    @property
+    @abstractmethod
+    def highest_override(self) -> int:
+        """Highest per cent of the commanded speeds within its limits."""
+
+    @abstractmethod
+    def override(self, percent: int) -> None:
+        """Make all motions so many per cent as fast as commanded, soon, until it is left; from any thread."""
