@@ -83,6 +83,23 @@ def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[...,
     assert painted(painting) == set(range(STROKES))
 
 
+def test_stop_says_what_it_stopped_and_has_a_second_way_where_no_connection_can_be_had(
+    page: Callable[..., Page], painting: Path
+) -> None:
+    tab = page("/paint?plan=lines")
+    heard = tab.locator(".heard")
+    tab.get_by_role("button", name="STOP").click()
+    expect(heard).to_have_text("Nothing moves: there was nothing to stop.")
+    expect(heard).to_have_text("")
+    tab.get_by_role("button", name="Start painting").click()
+    wait_for_stroke(tab, 1)
+    tab.evaluate("() => { window.fetch = () => Promise.reject(new Error('no more connections')); }")
+    tab.get_by_role("button", name="STOP").click()
+    expect(heard).to_have_text("The machine stops and lifts its pen.")
+    assert outcome(tab) == "You stopped it. The pen is lifted."
+    assert len(painted(painting)) < STROKES
+
+
 def test_escape_stops_it_from_any_panel_and_a_killed_studio_goes_on_when_it_is_back(
     page: Callable[..., Page], studio: RunningStudio, painting: Path
 ) -> None:

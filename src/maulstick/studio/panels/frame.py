@@ -1,5 +1,6 @@
 """Frame of the page: links to the panels, what is going on, and the button that stops the machine."""
 
+import json
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -23,11 +24,22 @@ _PANELS = {
 """Panels by path: name, icon, and module, whose `build` is called with the studio and the query of the link."""
 
 # Esc closes an open dialog or menu first; where none is open it stops the machine. The button always stops it.
+# A request of its own works while the websocket is busy, and the websocket where no new connection can be had.
 _STOP = """<script>
+  let doubt, word;
   function stopMachine() {
-    const silent = document.querySelector(".silent");
-    const say = (heard) => { silent.hidden = heard; };
-    fetch("/stop", { method: "POST" }).then((answer) => say(answer.ok), () => say(false));
+    clearTimeout(doubt);
+    doubt = setTimeout(() => { document.querySelector(".silent").hidden = false; }, 3000);
+    const bySocket = () => emitEvent("stop");
+    fetch("/stop", { method: "POST" })
+      .then((answer) => (answer.ok ? answer.text().then(stopHeard) : bySocket()), bySocket);
+  }
+  function stopHeard(said) {
+    clearTimeout(doubt);
+    clearTimeout(word);
+    document.querySelector(".silent").hidden = true;
+    document.querySelector(".heard").textContent = said;
+    word = setTimeout(() => { document.querySelector(".heard").textContent = ""; }, 6000);
   }
   addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !document.querySelector(".q-dialog, .q-menu")) stopMachine();
@@ -46,7 +58,7 @@ def page(studio: Studio) -> None:
         ui.label("Maulstick").classes("name")
         links = _links()
         _doing(studio)
-        _stop()
+        _stop(studio)
     with ui.element().classes("panel"):
         ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
 
@@ -86,13 +98,16 @@ def _doing(studio: Studio) -> None:
     shown_by(line, studio.run.changed, say)
 
 
-def _stop() -> None:
-    """Show the button; it uses a request of its own, so that it works while the websocket is busy."""
+def _stop(studio: Studio) -> None:
+    """Show the button, and what was stopped once it is pressed."""
     stop = html.button("STOP").classes("stop").props('type="button" title="Stop the machine and lift the pen (Esc)"')
     stop.on("click", js_handler="() => stopMachine()")
     html.p("Maulstick does not answer. If the machine moves, use its own emergency switch.").classes("silent").props(
         'role="alert" hidden'
     )
+    html.p().classes("heard").props('role="status"')
+    client = ui.context.client
+    ui.on("stop", lambda: client.run_javascript(f"stopHeard({json.dumps(studio.run.stop())})"))
     ui.add_body_html(_STOP)
 
 

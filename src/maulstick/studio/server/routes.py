@@ -3,7 +3,7 @@
 import re
 
 from fastapi import APIRouter, Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
@@ -68,9 +68,8 @@ def style_sheet(file: str, request: Request) -> Response:
 
 @routes.post("/stop")
 async def stop(request: Request) -> Response:
-    """Stop the machine at once."""
-    request.app.state.studio.run.stop()
-    return Response(status_code=204)
+    """Stop the machine at once, and say what was stopped."""
+    return PlainTextResponse(request.app.state.studio.run.stop())
 
 
 def _file(request: Request, kind: str, name: str, file: str | None, save_as: str | None = None) -> Response:

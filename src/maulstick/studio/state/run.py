@@ -135,18 +135,19 @@ class Run:
         """
         await self._start(PaintRequest(self._painting(plan), options, resume=True), is_painted)
 
-    def stop(self) -> None:
-        """Stop the machine at once and lift its pen, whatever it does."""
+    def stop(self) -> str:
+        """Stop the machine at once and lift its pen, whatever it does; return what was stopped, for people."""
         if self._process is None:
-            return
+            return "Nothing moves: there was nothing to stop."
         if self.state.phase == "checking":  # nothing moves
             self._process.kill()
             self._end("The check was stopped.", fault=False)
-            return
+            return "The check was stopped; nothing had moved."
         self._process.tell(Command.STOP)
         if self.state.phase != "stopping":
             asyncio.get_running_loop().call_later(_LONGEST_STOP, self._note_silence, self._process)
         self._change(phase="stopping")
+        return "The machine stops and lifts its pen."
 
     def give_up(self) -> None:
         """Kill the process of a run that was stopped and does not answer."""
