@@ -14,6 +14,7 @@ from maulstick.studio.state.folder import KINDS
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.intruder import Intruder
 
+HASH = 32 * "a"
 SECRET = "nobody outside the folder may read this"
 BEGINNING = b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.png"\r\n\r\n'
 ODD = [
@@ -140,6 +141,7 @@ def test_what_a_page_loads_keeps_frames_and_guesses_out(intruder: Intruder) -> N
         "/picture/%2e%2e/{}/preview.png",
         "/picture/con/nul/aux",
         "/sheet/..%2f..%2f{}",
+        f"/sheet/{HASH}.png",
         "/live/..%2f..%2f{}/1",
         "/survey/..%2f..%2f{}/x",
     ],
@@ -151,7 +153,10 @@ def test_no_path_leads_out_of_what_is_shown(
     outside.write_text(SECRET)
     plan = running.folder / "plans" / "link"
     (plan / "order").mkdir(parents=True, exist_ok=True)
-    for link in (plan / "preview.png", plan / "order" / "00.jpg", plan / "request.json", plan.with_name("folder")):
+    sheet = running.folder / ".cache" / "sheets" / f"{HASH}.png"
+    sheet.parent.mkdir(parents=True, exist_ok=True)
+    own = (plan / "preview.png", plan / "order" / "00.jpg", plan / "request.json", plan.with_name("folder"))
+    for link in (*own, sheet):
         link.unlink(missing_ok=True)
         link.symlink_to(tmp_path if link.name == "folder" else outside)
     answer = intruder.ask(path.format(str(outside).lstrip("/")))

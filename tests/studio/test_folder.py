@@ -187,3 +187,11 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match=r"cannot work in .*; name another folder"), Folder.opened(tmp_path / "file"):
         pass
+
+
+def test_a_new_folder_is_for_its_owner_alone_and_one_that_was_there_stays_as_it_is(tmp_path: Path) -> None:
+    with Folder.opened(tmp_path / "new" / "studio") as folder:
+        assert folder.root.stat().st_mode & 0o777 == 0o700
+    (tmp_path / "shared").mkdir(mode=0o750)
+    with Folder.opened(tmp_path / "shared") as folder:
+        assert folder.root.stat().st_mode & 0o777 == 0o750

@@ -1,6 +1,7 @@
 """Routes that the page uses besides its websocket: pictures and files by name, and stopping the machine."""
 
 import re
+from pathlib import Path
 
 from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
@@ -60,8 +61,9 @@ async def seen(seen: int, request: Request) -> Response:
 @routes.get("/sheet/{file}")
 def style_sheet(file: str, request: Request) -> Response:
     """Send the sheet of a style; its name is a hash of what is on it, so that it never changes."""
-    path = request.app.state.studio.styles.sheets / file
-    if not re.fullmatch(r"[0-9a-f]{32}\.png", file) or not path.is_file():
+    studio: Studio = request.app.state.studio
+    path = studio.styles.sheets / file
+    if not re.fullmatch(r"[0-9a-f]{32}\.png", file) or not _is_within(path, studio.folder.root):
         return Response(status_code=404)
     return FileResponse(path, headers={"Cache-Control": "private, max-age=31536000, immutable"})
 
@@ -78,6 +80,11 @@ def _file(request: Request, kind: str, name: str, file: str | None, save_as: str
         path = studio.folder.of(kind, name) / (file or "")
     except InputError:
         return Response(status_code=404)
-    if file is None or not path.is_file() or not path.resolve().is_relative_to((studio.folder.root / kind).resolve()):
-        return Response(status_code=404)  # a symbolic link may lead anywhere
+    if file is None or not _is_within(path, studio.folder.root / kind):
+        return Response(status_code=404)
     return FileResponse(path, filename=save_as, headers=_FRESH)
+
+
+def _is_within(path: Path, folder: Path) -> bool:
+    """Return whether there is a file at the path, and it lies in the folder: a symbolic link may lead anywhere."""
+    return path.is_file() and path.resolve().is_relative_to(folder.resolve())

@@ -33,11 +33,12 @@ class Folder:
     @classmethod
     @contextmanager
     def opened(cls, root: Path) -> Iterator["Folder"]:
-        """Open the folder for one studio at a time; make it where there is none.
+        """Open the folder for one studio at a time; make it where there is none, for nobody else to read.
 
         Raises InputError where another studio uses it, OutputError where it cannot be written.
         """
         folder = cls(root.absolute())
+        _make_private(folder.root)
         taken = f"another studio works in {root}; use that one, or name another folder"
         with held(folder.root / ".studio.lock", taken, f"cannot work in {root}", "name another folder"):
             try:
@@ -127,6 +128,15 @@ class Folder:
     def _clear_incoming(self) -> None:
         for path in self.root.glob(f"{_INCOMING}*"):
             path.unlink(missing_ok=True)
+
+
+def _make_private(root: Path) -> None:
+    try:
+        root.mkdir(mode=0o700, parents=True)
+    except FileExistsError:
+        return  # its owner has chosen who reads it
+    except OSError as error:
+        raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
 
 
 def plain_name(wanted: str) -> str:
