@@ -26,6 +26,7 @@ from maulstick.painting.picture import (
 from maulstick.painting.raster import Canvas
 
 EIGHT_BIT = 1 / 255  # one step of the usual picture
+HALVES_DOWN, HALVES_ACROSS = (slice(2, 22), slice(26, 46)), (slice(2, 30), slice(34, 62))  # but for their edges
 JPEG = 0.04  # what its compression may change on smooth pictures
 EVERYTHING = (
     "L.png",
@@ -181,6 +182,22 @@ def test_a_colour_profile_is_applied_where_it_is_one(tmp_path: Path) -> None:
     ):
         image.save(tmp_path / f"{name}.png", icc_profile=profile)
         assert read_picture(tmp_path / f"{name}.png") == pytest.approx(expected / 255, abs=2 * EIGHT_BIT), name
+
+
+def test_a_photograph_of_a_telephone_is_read() -> None:
+    picture = read_picture(Path(__file__).parent / "pictures" / "telephone.heic")
+    assert picture.shape == (48, 64, 3)
+    quarters = [picture[rows, columns].mean(axis=(0, 1)) for rows in HALVES_DOWN for columns in HALVES_ACROSS]
+    asked = np.array([(220, 30, 30), (30, 200, 30), (30, 30, 220), (250, 250, 250)]) / 255
+    assert np.abs(np.array(quarters) - asked).max() < JPEG
+
+
+def test_a_damaged_photograph_of_a_telephone_is_told(tmp_path: Path) -> None:
+    whole = (Path(__file__).parent / "pictures" / "telephone.heic").read_bytes()
+    for length in (12, 200, len(whole) - 100):
+        (tmp_path / "cut.heic").write_bytes(whole[:length])
+        with pytest.raises(InputError, match="cut.heic"):
+            read_picture(tmp_path / "cut.heic")
 
 
 def test_one_pixel_is_a_picture(tmp_path: Path) -> None:

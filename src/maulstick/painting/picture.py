@@ -12,6 +12,7 @@ from PIL import Image, ImageCms, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 
 from maulstick.errors import InputError
+from maulstick.painting.formats import FORMATS, formats_of
 from maulstick.painting.raster import Canvas
 from maulstick.storage.arrays import Pixels
 from maulstick.storage.files import file_to_read
@@ -31,7 +32,6 @@ LONGEST_KEPT_PX = 4096
 _LARGEST = 100_000_000  # pixels: bounds the memory that a picture takes
 _QUALITY = 88  # of a JPEG, on Pillow's scale up to 95
 _STRETCH = 0.02  # how much the shapes of photograph and sheet may differ
-_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "GIF", "BMP", "PPM", "TGA", "JPEG2000")  # Pillow's names
 _BITS, _PHOTOMETRIC, _ORIENTATION, _PLANES = 258, 262, 274, 284  # tags of EXIF and TIFF
 _UPRIGHT = {  # what undoes each orientation of EXIF
     2: Image.Transpose.FLIP_LEFT_RIGHT,
@@ -58,7 +58,7 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
     try:
         with warnings.catch_warnings():  # Pillow warns of odd metadata and of sizes that are allowed here
             warnings.simplefilter("ignore")
-            with Image.open(path, formats=_FORMATS) as image:
+            with Image.open(path, formats=formats_of(path)) as image:
                 if image.width * image.height > _LARGEST:
                     raise InputError(too_large)
                 return _decode(image, longest_px or max(image.size))
@@ -67,7 +67,7 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
     except Image.DecompressionBombError as error:
         raise InputError(too_large) from error
     except UnidentifiedImageError as error:
-        formats = ", ".join(_FORMATS)
+        formats = ", ".join(FORMATS)
         raise InputError(f"{path} is not a picture that can be read; save it as one of {formats}") from error
     except Exception as error:  # decoders raise anything on a damaged file
         reason = " ".join(str(error).split()) or type(error).__name__
