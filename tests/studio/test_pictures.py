@@ -1,17 +1,24 @@
 """Uploaded pictures: one that is broken or unpacks to too much is refused in one sentence, and leaves nothing."""
 
+import asyncio
+import errno
 import io
+import os
 import struct
 import zlib
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import pytest
 from PIL import Image
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.request import demo_picture
+from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import keep_picture, picture_of
+from maulstick.studio.widgets.uploading import incoming
 
 
 def png(width: int, height: int, *chunks: tuple[bytes, bytes], pixels: bytes | None = None) -> bytes:
@@ -102,3 +109,25 @@ def test_of_two_pictures_that_come_at_once_under_one_name_the_first_stays_whole(
         keep_picture(tmp_path / "brought", tmp_path / "kept")
     assert picture_of(tmp_path / "kept").read_bytes() == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["brought", "kept"]
+
+
+def test_a_full_disk_is_told_in_a_sentence_while_a_picture_comes_and_while_it_is_kept(tmp_path: Path) -> None:
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    sentence = "cannot write into .*: No space left on device; make room for it there"
+
+    async def save(path: Path) -> None:
+        path.touch()
+        raise full
+
+    async def bring(folder: Folder) -> None:
+        file = SimpleNamespace(save=save, name="cat.jpg")
+        async with incoming(folder, SimpleNamespace(file=file)):  # type: ignore[arg-type]
+            pass
+
+    with Folder.opened(tmp_path / "studio") as folder:
+        with pytest.raises(OutputError, match=sentence):
+            asyncio.run(bring(folder))
+        assert not list(folder.root.glob(".incoming-*"))
+        with patch.object(Image.Image, "save", side_effect=full), pytest.raises(OutputError, match=sentence):
+            keep_picture(demo_picture(), folder.of("pictures", "cat"))
+        assert folder.names("pictures") == []

@@ -139,6 +139,17 @@ def _make_private(root: Path) -> None:
         raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
 
 
+@contextmanager
+def writing_into(folder: Path) -> Iterator[None]:
+    """Turn every OSError, such as that of a full disk, into an OutputError that names the folder."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(f"cannot write into {folder}: {error.strerror or error}; make room for it there") from error
+
+
 def plain_name(wanted: str) -> str:
     """Turn a text, which may be a file's name, into a valid name; empty where no letter of it is allowed."""
     return re.sub(r"[^a-z0-9]+", "-", Path(wanted).stem.lower()).strip("-")[:_LONGEST].strip("-")

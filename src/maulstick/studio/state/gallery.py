@@ -12,7 +12,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
 from maulstick.storage.files import atomic_write
-from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.folder import Folder, writing_into
 from maulstick.studio.workers.desk import Desk
 
 _SMALL_PX = 480  # longest side of a thumbnail
@@ -52,10 +52,11 @@ class Gallery:
 def keep_picture(brought: Path, folder: Path) -> None:
     """Store the pixels of a picture, and nothing else of its file, in a new folder, written whole or not at all.
 
-    Raises InputError for what is no picture, or too large a one, and where the folder exists by now.
+    Raises InputError for what is no picture, or too large a one, and where the folder exists by now; OutputError where
+    there is no room for it.
     """
     picture = read_picture(brought, longest_px=LONGEST_KEPT_PX)
-    with TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
+    with writing_into(folder.parent), TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
         made = Path(temporary) / folder.name
         made.mkdir()
         atomic_write(made / "picture.png", encode_png(picture))

@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import events, ui
 
 from maulstick.errors import InputError
-from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.folder import Folder, writing_into
 from maulstick.studio.workers.uploads import LARGEST, known_as
 
 _LARGEST_SMALL = 2**20  # bytes: of a file of a few numbers, read into memory whole
@@ -33,10 +33,14 @@ def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArgu
 
 @asynccontextmanager
 async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIterator[Path]:
-    """Write an uploaded file to a temporary path, which is removed afterwards."""
+    """Write an uploaded file to a temporary path, which is removed afterwards.
+
+    Raises OutputError where there is no room for it.
+    """
     path = folder.incoming()
     try:
-        await file.file.save(path)
+        with writing_into(folder.root):
+            await file.file.save(path)
         with known_as(path, str(file.file.name)):
             yield path
     finally:

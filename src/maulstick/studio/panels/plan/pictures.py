@@ -9,7 +9,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
-_ENDINGS = ".jpg,.jpeg,.png,.webp,.tif,.tiff,.gif,.bmp"
+_ENDINGS = ".jpg,.jpeg,.png,.heic,.heif,.webp,.tif,.tiff,.gif,.bmp"
 
 
 class PictureChoice:

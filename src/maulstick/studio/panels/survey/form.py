@@ -12,7 +12,7 @@ from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 from maulstick.survey.questions import SAME_HAND, WHOSE_DRAWING
 
-_ENDINGS = ".png,.jpg,.jpeg,.webp,.tif,.tiff,.bmp"
+_ENDINGS = ".png,.jpg,.jpeg,.heic,.heif,.webp,.tif,.tiff,.bmp"
 _MATCHES = {
     SAME_HAND: (
         "Which drawing has the same strokes?",
