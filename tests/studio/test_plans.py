@@ -13,9 +13,10 @@ from skimage.data import data_dir
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
-from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.painting.painting import read_painting
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.gallery import keep_picture, picture_of
 from maulstick.studio.state.plans import Phase, Plan, Plans
 from maulstick.studio.workers.planner import TARGET, order_frame
 
@@ -110,6 +111,36 @@ def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_open
     first, again = asyncio.run(go_on())
     assert first > 0
     assert again.phase is Phase.STOPPED
+
+
+def test_a_plan_goes_on_in_a_studio_that_was_moved(tmp_path: Path) -> None:
+    here, there = tmp_path / "studio", tmp_path / "elsewhere" / "Ateliê"
+
+    async def stop(folder: Folder) -> None:
+        plans = Plans(folder)
+        plan = plans.add(replace(request_with(steps=LONG), picture=picture_of(folder.of("pictures", "cat"))))
+        await until(lambda: plan.seen > 0)
+        plans.close()
+
+    async def go_on(folder: Folder) -> Plan:
+        plans = Plans(folder)
+        (plan,) = plans.plans.values()
+        assert plan.request.picture == picture_of(folder.of("pictures", "cat"))
+        plans.go_on(plan)
+        await until(lambda: plan.seen > 0)
+        plans.stop(plan)
+        await until(lambda: not plan.is_busy)
+        return plan
+
+    with Folder.opened(here) as folder:
+        keep_picture(demo_picture(), folder.of("pictures", "cat"))
+        asyncio.run(stop(folder))
+    there.parent.mkdir()
+    here.rename(there)
+    with Folder.opened(there) as folder:
+        plan = asyncio.run(go_on(folder))
+    assert plan.why == ""
+    assert plan.is_painting
 
 
 def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder) -> None:

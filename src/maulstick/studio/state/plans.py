@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from nicegui import Event
 
@@ -26,6 +26,7 @@ _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server a
 _NICENESS = 10  # below the server and a run, whose machine must not wait
 _PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
 _REQUEST, _STORY = "request.json", "story.json"  # files in a plan's folder
+_ROOT = "studio:/"  # stands for the studio's folder in its files, so that it may be moved, or copied
 _MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
 
 
@@ -89,7 +90,8 @@ class Plan:
 
     def write_request(self) -> None:
         """Write its request into its folder."""
-        atomic_write(self.folder / _REQUEST, json.dumps(self.request.as_json(), indent=1).encode())
+        plain = _carried(self.request.as_json(), _root_of(self.folder), _ROOT)
+        atomic_write(self.folder / _REQUEST, json.dumps(plain, indent=1).encode())
 
     def write_story(self) -> None:
         """Write its metrics, curve and notes into its folder, for a studio that is opened later."""
@@ -244,11 +246,30 @@ class Plans:
         plan.begin()
 
 
+def _root_of(folder: Path) -> str:
+    """Return how paths in the studio of a plan's folder begin."""
+    return f"{folder.parent.parent}{os.sep}"
+
+
+def _carried(plain: Any, before: str, now: str) -> Any:
+    """Return JSON whose texts, names of fields included, begin with `now` where they began with `before`."""
+    match plain:
+        case str():
+            return now + plain.removeprefix(before) if plain.startswith(before) else plain
+        case list():
+            return [_carried(each, before, now) for each in plain]
+        case dict():
+            return {_carried(name, before, now): _carried(each, before, now) for name, each in plain.items()}
+        case _:
+            return plain
+
+
 def _read_plan(name: str, folder: Path) -> Plan | None:
     """Return the plan that an earlier studio left in the folder, or None where there is none of this version."""
     path = folder / _REQUEST
     try:
-        plan = Plan(name, folder, PlanRequest.from_json(json.loads(path.read_bytes()), path))
+        plain = _carried(json.loads(path.read_bytes()), _ROOT, _root_of(folder))
+        plan = Plan(name, folder, PlanRequest.from_json(plain, path))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick
         return None
     with suppress(OSError, ValueError, KeyError):  # without it there is less to see
