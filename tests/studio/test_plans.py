@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -97,19 +97,20 @@ def test_a_plan_that_is_stopped_keeps_what_there_is_and_goes_on_in_a_studio_open
     assert stopped.curve[-1][0] > 0
     assert stopped.is_painting
 
-    async def go_on() -> tuple[float, Plan]:
+    async def go_on() -> tuple[list[tuple[float, Mapping[str, float]]], Plan]:
         plans = Plans(folder)
         (plan,) = plans.plans.values()
         assert (plan.phase, plan.metrics) == (Phase.STOPPED, stopped.metrics)
         plans.go_on(plan)
         await until(lambda: plan.seen > 0)
-        first = plan.curve[0][0]
+        curve = plan.curve
         plans.close()
         await until(lambda: not plan.is_busy)
-        return first, plan
+        return curve, plan
 
-    first, again = asyncio.run(go_on())
-    assert first > 0
+    curve, again = asyncio.run(go_on())
+    assert [done for done, _ in curve] == sorted({done for done, _ in curve})
+    assert curve[0] == stopped.curve[0], "the first part of the curve stays"
     assert again.phase is Phase.STOPPED
 
 

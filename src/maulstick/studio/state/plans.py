@@ -100,8 +100,8 @@ class Plan:
         atomic_write(self.folder / _STORY, json.dumps(story).encode())
 
     def begin(self) -> None:
-        """Note that its process begins to plan."""
-        self.phase, self.curve, self._began, self.left, self.why = Phase.PLANNING, [], None, None, ""
+        """Note that its process begins to plan, or to go on."""
+        self.phase, self._began, self.left, self.why = Phase.PLANNING, None, None, ""
         self.notes = ()
 
     def take(self, step: Step) -> None:
@@ -110,6 +110,8 @@ class Plan:
         began, done = self._began = self._began or (now, step.done)
         if step.done > done:
             self.left = (now - began) * (1 - step.done) / (step.done - done)
+        while self.curve and self.curve[-1][0] >= step.done:  # of steps that are taken again
+            self.curve.pop()
         self.curve.append((step.done, step.parts))
         if len(self.curve) > _MOST_POINTS:
             self.curve = self.curve[::2]
