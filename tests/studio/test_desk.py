@@ -94,6 +94,19 @@ def test_a_process_that_is_lost_while_it_waits_costs_one_answer_at_most() -> Non
     at_a_desk(do)
 
 
+def test_a_process_without_work_is_let_go_and_comes_back_with_the_next() -> None:
+    async def do() -> None:
+        desk = Desk(idle=0.2)
+        first = await desk.do(work.who)
+        async with asyncio.timeout(PATIENCE):
+            while desk._process is not None:
+                await asyncio.sleep(0.02)
+        assert await desk.do(work.who) != first
+        desk.close()
+
+    asyncio.run(do())
+
+
 def test_large_work_is_told_while_the_studio_goes_on() -> None:
     async def do(desk: Desk) -> None:
         beats = 0

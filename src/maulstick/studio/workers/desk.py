@@ -14,6 +14,7 @@ P = ParamSpec("P")
 Result = TypeVar("Result")
 
 _LONGEST = 60.0  # seconds that a task may take before it is given up
+_IDLE = 300.0  # seconds without a task after which the process, which holds some 700 MB, is let go
 _NICENESS = 5  # so that the server itself comes first; planning has 10
 _MEMORY = 6 * 2**30  # bytes, thrice what the largest picture needs: a file that swells beyond is stopped here
 _USUAL = (  # modules that the first tasks need, and that take seconds to load
@@ -42,10 +43,14 @@ class _Refused:
 
 @final
 class Desk:
-    """Queue of short tasks: one at a time, each with a time limit, in a process that is kept for the next one."""
+    """Queue of short tasks: one at a time, each with a time limit, in a process that is kept for the next one.
 
-    def __init__(self) -> None:
-        self._free = asyncio.Lock()
+    idle: seconds without a task after which the process is let go; the next task waits while another one starts.
+    """
+
+    def __init__(self, idle: float = _IDLE) -> None:
+        self._free, self._idle = asyncio.Lock(), idle
+        self._letting_go: asyncio.TimerHandle | None = None
         self._process: Process | None = None
         self._answer: asyncio.Future[Any] | None = None
 
@@ -55,6 +60,7 @@ class Desk:
         Raises MaulstickError where the function does, and where it takes too long.
         """
         async with self._free:
+            self._keep()
             process = self._process or self._begin()
             self._answer = answer = asyncio.get_running_loop().create_future()
             process.tell(_Task(function, arguments, named))
@@ -68,6 +74,7 @@ class Desk:
             except asyncio.CancelledError:  # the next task must not get the answer of this one
                 self.close()
                 raise
+            self._letting_go = asyncio.get_running_loop().call_later(self._idle, self.close)
             return result
 
     async def warm_up(self) -> None:
@@ -76,9 +83,16 @@ class Desk:
 
     def close(self) -> None:
         """End the process; the next task starts another."""
+        self._keep()
         if self._process is not None:
             self._process.kill()
             self._process = None
+
+    def _keep(self) -> None:
+        """Forget that the process was to be let go."""
+        if self._letting_go is not None:
+            self._letting_go.cancel()
+            self._letting_go = None
 
     def _begin(self) -> Process:
         process: Process | None = None
