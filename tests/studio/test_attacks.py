@@ -2,6 +2,7 @@
 
 import re
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -10,10 +11,12 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from maulstick.studio.server.gate import LARGEST
+from maulstick.studio.server.patience import LONGEST, MOST
 from maulstick.studio.state.folder import KINDS
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.intruder import Intruder
 
+PATIENCE = 60.0  # seconds until a socket that is to be closed must be
 HASH = 32 * "a"
 SECRET = "nobody outside the folder may read this"
 BEGINNING = b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.png"\r\n\r\n'
@@ -278,6 +281,39 @@ def test_two_hundred_sockets_that_never_read_do_not_keep_the_studio_from_answeri
                 )
             assert intruder.ask("/").status == 200
             assert intruder.ask("/stop", method="POST").status == 200
+
+
+@pytest.mark.parametrize("sent", ["", "POST /stop HT", "GET / HTTP/1.1\r\nHost: a\r\nX-Slow: "])
+def test_a_request_whose_head_never_ends_is_given_up_and_stop_is_heard_meanwhile(intruder: Intruder, sent: str) -> None:
+    with ExitStack() as open_sockets:
+        lines = [open_sockets.enter_context(socket.create_connection(("127.0.0.1", intruder.port))) for _ in range(150)]
+        for line in lines:
+            line.sendall(sent.encode())
+        assert intruder.ask("/stop", method="POST").status == 200
+        for line in lines:
+            line.settimeout(PATIENCE)
+            assert line.recv(1) == b"", "closed, and nothing was said"
+
+
+def test_nobody_has_all_connections(intruder: Intruder) -> None:
+    with ExitStack() as open_sockets:
+        lines = [
+            open_sockets.enter_context(socket.create_connection(("127.0.0.1", intruder.port))) for _ in range(MOST + 50)
+        ]
+        closed = 0
+        for line in lines[MOST:]:
+            line.settimeout(PATIENCE)
+            with suppress(ConnectionResetError):
+                assert line.recv(1) == b""
+            closed += 1
+        assert closed == 50
+
+
+def test_a_page_stays_open_however_long_nothing_happens(intruder: Intruder) -> None:
+    with intruder.tab("/") as tab:
+        time.sleep(LONGEST + 2)
+        tab.tell(4, "x", 1)
+        assert tab.answers
 
 
 def test_without_the_token_nothing_is_had_but_the_survey(stranger: Intruder) -> None:

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import resource
 import secrets
 import socket
 import webbrowser
@@ -19,6 +20,7 @@ from nicegui import ui
 from maulstick.errors import InputError, MaulstickError, option
 from maulstick.studio.panels.frame import page
 from maulstick.studio.server.gate import Gate
+from maulstick.studio.server.patience import TimelyProtocol
 from maulstick.studio.server.routes import routes
 from maulstick.studio.server.survey_pages import survey_pages
 from maulstick.studio.state.folder import Folder
@@ -50,8 +52,15 @@ def serve(root: Path, host: str, port: int, browse: bool) -> None:
         link = _link(host, at.getsockname()[1], token)
         app = Gate(_app(folder, link, browse), token)
         server = _PatientServer(
-            uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=_GRACE, server_header=False)
+            uvicorn.Config(
+                app,
+                http=TimelyProtocol,
+                log_level="error",
+                timeout_graceful_shutdown=_GRACE,
+                server_header=False,
+            )
         )
+        _raise_limit_of_files()
         server.run(sockets=[at])
 
 
@@ -101,6 +110,13 @@ def _is_for_the_terminal(record: logging.LogRecord) -> bool:
     """Whether the terminal shows the record: a person's mistake is shown on their page alone, slowness nowhere."""
     is_mistake = record.exc_info and isinstance(record.exc_info[1], MaulstickError)
     return record.levelno >= logging.ERROR and not is_mistake
+
+
+def _raise_limit_of_files() -> None:
+    """Let the process have as many open files as it may, so that there are some left for whoever presses STOP."""
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with suppress(ValueError, OSError):  # a system that says it knows no limit may have one
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _is_loopback(host: str) -> bool:
