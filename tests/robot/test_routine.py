@@ -8,9 +8,10 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.painting.refined import refined
+from maulstick.robot.duration import drawn_metres, seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, drawn_metres, routine, seconds_of
+from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, routine
 from maulstick.robot.tray import Well
 from tests.support.nominal import nominal
 from tests.support.robot.recorder import EASEL, LIMITS

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from maulstick.errors import InputError
 from maulstick.painting.painting import write_painting
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, routine, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, routine
 from maulstick.robot.stops import UNKNOWN, Stops
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import SIX, line, painting_of

@@ -7,9 +7,10 @@ from typing import Final, final
 import numpy as np
 
 from maulstick.painting.painting import Painting
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt
 
 UNKNOWN: Final = PaintLoad(None, float("inf"), float("inf"))
 """Load of a pen that has drawn in an earlier run, nobody knows how much: it has to be refilled first."""
