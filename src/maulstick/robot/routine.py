@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
+from math import dist
 from typing import Final, Literal
 
 import numpy as np
@@ -163,8 +164,9 @@ def ways_of(actions: Sequence[Action]) -> list[Way]:
 
 def _straight_over(start: Floats, end: Floats) -> Floats:
     """Return places (k, 3) from one place (3,) straight to another, at most 20 mm apart."""
-    count = int(np.linalg.norm(end - start) / _APART) + 2
-    return np.linspace(start, end, count)
+    if (count := int(dist(start, end) / _APART)) == 0:
+        return np.stack([start, end])
+    return np.linspace(start, end, count + 2)
 
 
 def _runs_dry(load: PaintLoad, motion: Motion, tray: Tray | None) -> bool:
