@@ -13,6 +13,7 @@ from typing import Any, final
 from PIL import Image as Pillow
 from pydantic import ValidationError
 
+from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate

@@ -77,9 +77,7 @@ def machine(
     if spec is None:
         raise InputError(f"name a machine: {machines.REAL_SPECS}; or add --log to list what each pen has drawn")
     if spec.startswith("sim"):
-        raise InputError(
-            f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}"
-        )
+        raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}")
     sides = None if size is None else parse_size(size)
     place = None if easel is None else read_easel(easel)
     pen = None if servo is None else servo_of(servo)
