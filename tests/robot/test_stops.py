@@ -96,5 +96,5 @@ def test_the_lifted_pen_waits_aside_while_it_is_refilled(tmp_path: Path) -> None
 
 
 def test_a_place_aside_that_is_outside_the_limits_is_refused_before_anything_moves() -> None:
-    with pytest.raises(InputError, match="the machine's x is -500 mm"):
+    with pytest.raises(InputError, match=r"refill.at is where the machine does not go: the machine's x is -500 mm"):
         stopped(Stops(metres=0.07, aside=(-0.5, 0.02)))

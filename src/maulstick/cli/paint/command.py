@@ -168,5 +168,5 @@ def _place(text: str) -> tuple[float, float]:
     try:
         x, y = (1e-3 * float(number) for number in text.split(","))
     except ValueError:
-        raise InputError(f"--refill-at is {text!r}; it must be two numbers in mm, as in -20,50") from None
+        raise InputError(f"--refill-at is {text!r}; it must be two numbers in mm, as in 20,50") from None
     return x, y

@@ -80,7 +80,8 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, PaintSheet, J
         if options.strokes_sha256 is not None and is_svg(file) and strokes_sum(plan.painting) != options.strokes_sha256:
             changed = "by another Maulstick, or a hand that has changed"
             raise InputError(f"{file} has other strokes than when it was begun, {changed}", Remedy.RESTART)
-        yield PaintSetup.of(options, plan, request.robot), sheet, journal
+        said = replace(plan, notes=())  # when it was begun
+        yield PaintSetup.of(options, said, request.robot), sheet, journal
 
 
 def _to_go_on(sheet: PaintSheet, journal: Journal, setup: PaintSetup) -> PaintSheet:
