@@ -207,3 +207,9 @@ def test_a_pen_of_another_width_than_the_lines_is_a_note(drawing: Path) -> None:
     assert ran.code == 0
     assert "note: the lines of the drawing are " in ran.stderr
     assert "planned" not in ran.stderr
+
+
+def test_a_drawing_is_not_planned_again_on_the_way(drawing: Path) -> None:
+    ran = run("paint", drawing, "--replan", "3", "--dry-run")
+    assert ran.code == 2
+    assert ran.mistake.endswith("a drawing is not planned, so it is not planned again either; leave out --replan")

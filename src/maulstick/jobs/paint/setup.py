@@ -41,6 +41,10 @@ class PaintSetup:
     def of(cls, options: PaintOptions, paintable: Paintable, robot: Robot | None = None) -> "PaintSetup":
         """Return the setup that the options name. Raises InputError where something of it cannot be used."""
         options.check_together()
+        if paintable.painting.literal and (options.replan or options.look):
+            raise InputError(
+                f"a drawing is not planned, so it is not planned again either; leave out {option('replan')}"
+            )
         plan, replanning = paintable.painting, Replanning.of(options)
         if replanning is not None:
             replanning.check(plan)
