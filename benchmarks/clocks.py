@@ -7,9 +7,10 @@ from pathlib import Path
 from maulstick.painting.painting import Painting
 from maulstick.robot.adapters.franka import Franka
 from maulstick.robot.adapters.grbl import Grbl
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel, Pen
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import Action, Draw, routine, seconds_of
+from maulstick.robot.routine import Action, Draw, routine
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from tests.support.robot.fake_grbl import FakeGrbl

@@ -8,7 +8,8 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from maulstick.robot.adapters.franka import Franka
-from maulstick.robot.routine import Draw, Motion, seconds_of
+from maulstick.robot.duration import seconds_of
+from maulstick.robot.routine import Draw, Motion
 from maulstick.storage.arrays import Floats
 from tests.support.robot.franka_simulator import SECONDS_PER_STEP, FrankaSimulator, moving_seconds
 

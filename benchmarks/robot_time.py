@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from maulstick.robot.adapters.grbl import Grbl
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Pen
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import Draw, Motion, seconds_of
+from maulstick.robot.routine import Draw, Motion
 from maulstick.storage.arrays import Floats
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed

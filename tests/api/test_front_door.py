@@ -275,6 +275,8 @@ def test_an_svg_is_read_shown_and_painted(drawing: Path, tmp_path: Path) -> None
     assert ms.paint(file, robot="sim", resume=True).painted == 2
     with pytest.raises(InputError, match=r"hatch is 0\.001 mm; it must be from 0\.05 to 100 mm between lines"):
         ms.paint(file, robot="sim", drawing={"hatch": 1e-6})
+    with pytest.raises(InputError, match=r"margin is about how an SVG is read; give it as drawing={\"margin\": 0\.01}"):
+        ms.paint(file, robot="sim", margin=0.01)
     with pytest.raises(InputError, match="sice"):
         ms.read_painting(file, sice=3)
     painting.save(tmp_path / "painting.json")

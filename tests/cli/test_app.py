@@ -67,6 +67,7 @@ COMMANDS = dict(commands(typer.main.get_command(app)))
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_ends_its_help_with_an_example_that_it_can_read(name: str) -> None:
     command = COMMANDS[name]
+    assert not re.search(r"^\s*[-+*] ", command.help, re.MULTILINE), "it would be shown as a list"
     example = " ".join(command.help.split("\n\n")[-1].split()).removeprefix("Example: ")
     assert example.startswith(name)
     command.make_context(name, shlex.split(example.removeprefix(name)))

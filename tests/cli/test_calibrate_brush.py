@@ -153,7 +153,7 @@ def test_a_stroke_that_was_under_the_brush_is_asked_about(monkeypatch: pytest.Mo
         patch.setattr("sys.stdin", nobody)
         ran = calibrate()
         assert ran.code == 2
-        assert "stroke 0 was under the brush. Is it on the paper?" in ran.stderr
+        assert "stroke 1 was under the brush. Is it on the paper?" in ran.stderr
     with monkeypatch.context() as patch:
         patch.setattr(
             import_module("maulstick.cli.calibrate.brush"), "confirm", lambda console, question, otherwise: True

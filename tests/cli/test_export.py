@@ -208,7 +208,10 @@ def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Pa
     write_painting(painting_of(strokes, [nominal("fineliner")], (1.2, 0.8)), here / "painting.json")
     ran = run("export", "painting.json", "--format", "hpgl")
     assert ran.code == 2
-    assert "HPGL counts up to 819 mm; draw it smaller with --shrink, or plan for a smaller sheet" in ran.mistake
+    assert (
+        "HPGL counts up to 819 mm; draw it smaller with --shrink, plan for a smaller sheet, or scale an SVG with --size"
+        in ran.mistake
+    )
     numbers = [abs(int(number)) for number in re.findall(r"-?\d+", exported("--format", "hpgl", "--shrink"))]
     assert max(numbers) == 32_767
 

@@ -125,6 +125,27 @@ def test_a_grbl_says_that_its_motors_stay_on(grbl: FakeGrbl, terminal: int) -> N
     assert "by its setting $1" in ran.stderr
 
 
+def test_an_easel_that_cannot_be_written_loses_no_number_that_was_set(ebb: FakeEbb, terminal: int) -> None:
+    ran = on(ebb, terminal, "+" + "w" + "1" + RIGHT + "q", *SIZE, "--out", "nowhere/easel.json")
+    assert ran.code == 0
+    assert "cannot write nowhere/easel.json: its folder does not exist" in ran.stderr
+    assert "the pen's new numbers or place are not written; w would have" in ran.stderr
+    assert ebb.steps != (0, 0), "the next key works"
+
+
+def test_ctrl_c_says_that_new_numbers_are_not_written(ebb: FakeEbb, terminal: int) -> None:
+    ran = on(ebb, terminal, "+\x03", *SIZE)
+    assert ran.code == 130
+    assert "not written; w would have" in ran.stderr
+
+
+def test_a_machine_that_was_never_entered_was_not_stopped(grbl: FakeGrbl, terminal: int) -> None:
+    grbl.settings[13] = 1
+    ran = on(grbl, terminal, "q")
+    assert (ran.code, ran.stderr.count("\n")) == (3, 1)
+    assert "stopped" not in ran.stderr
+
+
 @pytest.mark.parametrize("keys", ["p\x03", "p"])
 def test_ctrl_c_and_a_closed_keyboard_lift_the_pen(
     grbl: FakeGrbl, terminal: int, keys: str, monkeypatch: pytest.MonkeyPatch
@@ -134,6 +155,7 @@ def test_ctrl_c_and_a_closed_keyboard_lift_the_pen(
     ran = on(grbl, terminal, keys, *SERVO)
     assert ran.code == (130 if keys != "p" else 2)
     assert grbl.servo == 700
+    assert ("stopped, with the pen lifted" in ran.stderr) is (ran.code == 130)
 
 
 def test_a_terminal_that_is_closed_lifts_the_pen(grbl: FakeGrbl) -> None:

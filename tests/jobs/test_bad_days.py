@@ -245,7 +245,7 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
     write_painting(large, Path("large.json"))
     sentence = (
         r"stroke 1: the machine's x is 900 mm; it must be -100 to 200 mm: 700 mm less far (and 1 more like it); "
-        "lay the sheet elsewhere, or plan for a smaller one"
+        "lay the sheet elsewhere, plan for a smaller one, or scale an SVG with size"
     )
     with Recorder() as robot:
         with pytest.raises(InputError) as caught:
@@ -258,7 +258,10 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
     write_easel(EASEL.model_copy(update={"limits": reach}), Path("easel.json"))
     ran = run("paint", "large.json", "--easel", "easel.json")
     assert ran.code == 2
-    assert "less far (and 1 more like it); lay the sheet elsewhere, or plan for a smaller one" in ran.mistake
+    assert (
+        "less far (and 1 more like it); lay the sheet elsewhere, plan for a smaller one, or scale an SVG with --size"
+        in ran.mistake
+    )
     assert not journal_of(Path("large.json")).exists()
 
 

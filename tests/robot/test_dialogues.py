@@ -3,7 +3,8 @@
 import pytest
 
 from maulstick.robot.adapters.grbl import Grbl
-from maulstick.robot.routine import Draw, seconds_of
+from maulstick.robot.duration import seconds_of
+from maulstick.robot.routine import Draw
 from tests.support.robot.dialogue import DIALOGUES, START, Dialogue, dialogue
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.tolerances import CLOCK, FIRMWARE_CLOCK

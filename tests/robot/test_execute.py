@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 
 from maulstick.errors import MachineError, OutputError
 from maulstick.painting.painting import write_painting
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.routine import Draw, PaintLoad, routine, seconds_of
+from maulstick.robot.routine import Draw, PaintLoad, routine
 from tests.support.robot.mortal_painter import Cut, PowerCutError, World, paint, put_painting
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import SIX

@@ -175,7 +175,8 @@ GO_ON = r"then go on with paint\(\.\.\., resume=True\)$"
 FAULTS = {
     "error:20": r"refused the line 'G1X.*' with error 20: it does not support a command of G-code$",
     "error:99": r"with error 99: it does not say what that means",
-    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with \$H before",
+    "ALARM:1": r"raised alarm 1: a limit switch was hit and its position is lost; home it with \$H before .* "
+    r"without homing \(\$22=0\) switch it off and on with its pen at home",
     "ALARM:2": r"raised alarm 2: a motion would leave its travel; unlock it with \$X and check where its work origin",
     "ALARM:77": r"raised alarm 77: it does not say why; .* home it with \$H or unlock it with \$X",
     "noise": r"there is noise on the line to /dev/\S+ \('.*'\); check cable and ground; " + GO_ON,

@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 
 from maulstick.painting.painting import write_painting
 from maulstick.robot.adapters.grbl import Grbl
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import PaintProgress, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.limits import Limits
 from maulstick.robot.pace import Pace
-from maulstick.robot.routine import Draw, routine, seconds_of
+from maulstick.robot.routine import Draw, routine
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import line, painting_of

@@ -8,9 +8,10 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.painting.refined import refined
+from maulstick.robot.duration import drawn_metres, seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, drawn_metres, routine, seconds_of
+from maulstick.robot.routine import Action, Draw, PaintLoad, Prompt, TrayVisit, routine
 from maulstick.robot.tray import Well
 from tests.support.nominal import nominal
 from tests.support.robot.recorder import EASEL, LIMITS
@@ -54,7 +55,7 @@ def test_a_stroke_outside_the_workspace_is_refused_with_by_how_much_and_how_many
     strokes = [line(1), line(2, (0.19, 0.01), (0.21, 0.01)), line(3, (0.01, 0.25), (0.02, 0.25))]
     assert refused(painting_of(strokes, size=(0.3, 0.3))) == (
         "stroke 2: the machine's x is 210 mm; it must be -100 to 200 mm: 10 mm less far (and 1 more like it); "
-        "lay the sheet elsewhere, or plan for a smaller one"
+        "lay the sheet elsewhere, plan for a smaller one, or scale an SVG with size"
     )
 
 

@@ -12,11 +12,12 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal
 from maulstick.robot.robot import StoppedError
-from maulstick.robot.routine import Draw, Prompt, routine, seconds_of
+from maulstick.robot.routine import Draw, Prompt, routine
 from maulstick.robot.simulated.easel import ARM, WEIGHTLESS, SimulatedEasel
 from maulstick.robot.simulated.sheets import Colour, InkedSheet
 from maulstick.storage.arrays import Floats, Image

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from maulstick.errors import InputError
 from maulstick.painting.painting import write_painting
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, routine, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, routine
 from maulstick.robot.stops import UNKNOWN, Stops
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import SIX, line, painting_of
@@ -95,5 +96,5 @@ def test_the_lifted_pen_waits_aside_while_it_is_refilled(tmp_path: Path) -> None
 
 
 def test_a_place_aside_that_is_outside_the_limits_is_refused_before_anything_moves() -> None:
-    with pytest.raises(InputError, match="the machine's x is -500 mm"):
+    with pytest.raises(InputError, match=r"refill.at is where the machine does not go: the machine's x is -500 mm"):
         stopped(Stops(metres=0.07, aside=(-0.5, 0.02)))

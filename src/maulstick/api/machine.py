@@ -13,6 +13,7 @@ from typing import Any, final
 from PIL import Image as Pillow
 from pydantic import ValidationError
 
+from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.paint import session
 from maulstick.jobs.paint.estimate import Estimate
@@ -89,10 +90,10 @@ def paint(
         def operator_for(setup: PaintSetup, painted: Collection[int]) -> Operator:
             return _Callbacks(setup.robot, progress, ask or _ask_on_the_terminal, photographs)
 
-        def is_painted(stroke: int) -> bool:
+        def is_painted(number: int) -> bool:
             if unfinished is None:
                 told = f"say whether it is on the paper with {option('unfinished')}"
-                raise InputError(f"stroke {stroke} was under the brush when the run ended; {told}")
+                raise InputError(f"stroke {number} was under the brush when the run ended; {told}")
             return unfinished
 
         session.paint(request, is_painted, operator_for)
@@ -103,6 +104,9 @@ def paint(
 
 def _options(robot: str | Robot, options: dict[str, Any]) -> PaintOptions:
     spec = f"own:{type(robot).__name__}" if isinstance(robot, Robot) else robot
+    if of_svg := sorted({*options} & {*DrawingOptions.model_fields}):
+        told = f'give it as drawing={{"{of_svg[0]}": {options[of_svg[0]]!r}}}'
+        raise InputError(f"{of_svg[0]} is about how an SVG is read; {told}")
     try:
         asked = PaintOptions.model_validate({"robot": spec, **options})
     except ValidationError as error:

@@ -19,9 +19,7 @@ _TURNS = ("0", "90", "180", "270")
 
 Size = Annotated[
     str | None,
-    _drawing(
-        metavar="WxHmm", show_default="the page's", help="Scale the page to a sheet: 210x297mm, A4, A5-landscape."
-    ),
+    _drawing(metavar="SIZE", show_default="the page's", help="Scale the page to a sheet: 200x160mm, A4-landscape."),
 ]
 Margin = Annotated[
     float | None,

@@ -16,8 +16,8 @@ from rich.console import Console
 from maulstick.cli.export import servo_of
 from maulstick.cli.keyboard import pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
-from maulstick.cli.wording import COMMAND_LINE
-from maulstick.errors import InputError
+from maulstick.cli.wording import COMMAND_LINE, stopped
+from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
@@ -34,7 +34,7 @@ _writing = partial(typer.Option, rich_help_panel="What is written")
 
 def machine(
     spec: Annotated[
-        str | None, typer.Argument(metavar="MACHINE", show_default=False, help=f"The machine: {machines.SPECS}.")
+        str | None, typer.Argument(metavar="MACHINE", show_default=False, help=f"The machine: {machines.REAL_SPECS}.")
     ] = None,
     size: Annotated[
         str | None, _sheet(metavar="SIZE", help="Size of the sheet, for its outline: 200x160mm, A4-landscape.")
@@ -75,9 +75,9 @@ def machine(
         print_logbook(spec)
         return
     if spec is None:
-        raise InputError(f"name a machine: {machines.SPECS}; or add --log to list what each pen has drawn")
+        raise InputError(f"name a machine: {machines.REAL_SPECS}; or add --log to list what each pen has drawn")
     if spec.startswith("sim"):
-        raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.SPECS}")
+        raise InputError(f"{spec} has its sheet in place and no pen to set; name a real machine: {machines.REAL_SPECS}")
     sides = None if size is None else parse_size(size)
     place = None if easel is None else read_easel(easel)
     pen = None if servo is None else servo_of(servo)
@@ -91,15 +91,23 @@ def machine(
         robot = machines.machine(spec, given)
         bench = Bench(robot, None if place is None else given, sides)
         session, keys = _Session(console, out, bench), pressed_keys(merged=_ARROWS)
-        while not session.over:
-            with robot:
-                session.attend(keys)
-            if session.let_go:
-                console.print("the motors are off: push the pen to its home corner by hand, and press a key")
-                next(keys, "")
-                session.let_go = False
-    if bench.changed:
-        console.print("the pen's new numbers or place are not written; w would have", soft_wrap=True)
+        entered = False
+        try:
+            while not session.over:
+                with robot:
+                    entered = True
+                    session.attend(keys)
+                if session.let_go:
+                    session.say("the motors are off: push the pen to its home corner by hand, and press a key")
+                    next(keys, "")
+                    session.let_go = False
+        except (MachineError, KeyboardInterrupt):
+            if entered:
+                session.say(stopped(robot))
+            raise
+        finally:
+            if bench.changed:
+                session.say("the pen's new numbers or place are not written; w would have")
 
 
 @dataclass
@@ -126,7 +134,7 @@ class _Session:
                 continue
             try:
                 KEYS[key][1](self, self.bench)
-            except InputError as error:
+            except (InputError, OutputError) as error:
                 self.say(COMMAND_LINE.say(error))
             else:
                 if not (self.over or self.let_go):

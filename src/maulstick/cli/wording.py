@@ -1,8 +1,11 @@
 """Words of the command line for errors: its options and remedies."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from maulstick.errors import Remedy, Wording
+
+if TYPE_CHECKING:
+    from maulstick.robot.robot import Robot
 
 COMMAND_LINE: Final = Wording(
     option=lambda name: f"--{name.replace('_', '-')}",
@@ -27,3 +30,8 @@ COMMAND_LINE: Final = Wording(
         Remedy.CLIP_WEIGHTS_OR_NETWORK: "give a file of them with --clip-weights, or try again with a network",
     },
 )
+
+
+def stopped(robot: "Robot") -> str:
+    """Return a sentence about a machine that has stopped: whether its pen is off the paper."""
+    return f"stopped, {'with the pen lifted' if robot.lifted else 'and the pen may still be down: lift it by hand'}"

@@ -8,10 +8,11 @@ from typing import final
 
 import numpy as np
 
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.journal import Journal
 from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, Motion, PaintLoad, Prompt, TrayVisit
 from maulstick.storage.arrays import Floats
 
 _GLANCE = 0.05  # seconds between two looks at a pause: shorter than a person notices

@@ -8,8 +8,11 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.robot import Robot
 
-SPECS: Final = "sim, sim:real, grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
-"""Specs of all machines, as examples for people; sim is the simulated easel, which `machine` does not make."""
+REAL_SPECS: Final = "grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
+"""Specs of the machines that `machine` makes, as examples for people."""
+
+SPECS: Final = f"sim, sim:real, {REAL_SPECS}"
+"""The same, and those of the simulated easel."""
 
 
 def machine(spec: str, easel: Easel | None) -> Robot:

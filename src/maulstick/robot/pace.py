@@ -6,10 +6,11 @@ from typing import Final, final
 
 import numpy as np
 
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.limits import Limits
 from maulstick.robot.plotter import OverridesSpeed
 from maulstick.robot.robot import Robot
-from maulstick.robot.routine import Action, Draw, Motion, Prompt, seconds_of
+from maulstick.robot.routine import Action, Draw, Motion, Prompt
 from maulstick.storage.arrays import Floats
 
 STEP: Final = 10

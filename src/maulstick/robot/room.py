@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.reach import Reach
@@ -17,7 +17,7 @@ _CELL: Final = 0.02  # metres: of so large a square, the machine is asked for th
 _LEAST: Final = 1e-3  # metres from the axis, nearer to which there is no direction away from it
 _SHIFTS: Final = tuple(sorted(np.arange(-100, 101) / 100, key=abs))[1:]  # metres by which the sheet is tried elsewhere
 _ASKED_SHIFTS: Final = tuple(sorted(np.arange(-10, 11) / 50, key=abs))[1:]  # the same, of which a machine is asked
-_ELSEWHERE: Final = "lay the sheet elsewhere, or plan for a smaller one"
+_ELSEWHERE: Final = f"lay the sheet elsewhere, plan for a smaller one, or scale an SVG with {option('size')}"
 
 
 @dataclass(frozen=True)

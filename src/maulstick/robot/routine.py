@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
+from math import dist
 from typing import Final, Literal
 
 import numpy as np
@@ -13,7 +14,6 @@ from maulstick.painting.refined import refined
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import SLACK, Limits, Point
 from maulstick.robot.room import Way, check_room
-from maulstick.robot.timing import Profile
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
@@ -148,26 +148,6 @@ def routine(
     return actions
 
 
-def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floats:
-    """Return the seconds (k,) that each action takes from a tip at `place` (3,), metres; prompts count as 0."""
-    seconds = np.zeros(len(actions))
-    for index, action in enumerate(actions):
-        if isinstance(action, Prompt):
-            continue
-        motion = action.motion
-        seconds[index] = (
-            _straight(place, motion.start, limits)
-            + limits.settling
-            + _lowering(motion.above - motion.path[0, 2], limits)
-            + Profile.of(motion.path, motion.speed, limits).seconds
-            + limits.settling
-            + _lowering(motion.after - motion.path[-1, 2], limits)
-            + (limits.settling if limits.varies_pressure else 0.0)  # a pen that is only lifted moves no motor
-        )
-        place = motion.end
-    return seconds
-
-
 def ways_of(actions: Sequence[Action]) -> list[Way]:
     """Return where the tip goes in each action, and straight over to it from the one before."""
     ways: list[Way] = []
@@ -182,30 +162,11 @@ def ways_of(actions: Sequence[Action]) -> list[Way]:
     return ways
 
 
-def drawn_metres(actions: Sequence[Action]) -> float:
-    """Return the metres of stroke among the actions."""
-    return sum(action.motion.length for action in actions if isinstance(action, Draw))
-
-
 def _straight_over(start: Floats, end: Floats) -> Floats:
     """Return places (k, 3) from one place (3,) straight to another, at most 20 mm apart."""
-    count = int(np.linalg.norm(end - start) / _APART) + 2
-    return np.linspace(start, end, count)
-
-
-def _straight(start: Floats, end: Floats, limits: Limits) -> float:
-    """Return the seconds from one place (3,) straight to another, at rest at both."""
-    path = np.stack([start, end])
-    if not limits.varies_pressure:
-        path[:, 2] = 0.0  # its height is not a distance
-    return Profile.of(path, np.full(2, limits.speed), limits).seconds
-
-
-def _lowering(height: float, limits: Limits) -> float:
-    """Return the seconds for lowering or lifting the tip by a height, metres."""
-    if not limits.varies_pressure:
-        return limits.lifting
-    return limits.lifting + _straight(np.zeros(3), np.array([0.0, 0.0, height]), limits)
+    if (count := int(dist(start, end) / _APART)) == 0:
+        return np.stack([start, end])
+    return np.linspace(start, end, count + 2)
 
 
 def _runs_dry(load: PaintLoad, motion: Motion, tray: Tray | None) -> bool:

@@ -6,10 +6,12 @@ from typing import Final, final
 
 import numpy as np
 
+from maulstick.errors import InputError, option
 from maulstick.painting.painting import Painting
+from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, seconds_of
+from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt
 
 UNKNOWN: Final = PaintLoad(None, float("inf"), float("inf"))
 """Load of a pen that has drawn in an earlier run, nobody knows how much: it has to be refilled first."""
@@ -70,7 +72,10 @@ class Stops:
         if self.aside is None:
             return None
         place = easel.canvas_to_machine(np.array([*self.aside, easel.travel]))
-        limits.check_path(place[None])
+        try:
+            limits.check_path(place[None])
+        except InputError as error:
+            raise InputError(f"{option('refill_at')} is where the machine does not go: {error.fault}") from error
         x, y, z = place.tolist()
         return x, y, z
 

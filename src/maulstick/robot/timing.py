@@ -7,11 +7,12 @@ docs/equations.md has the equation.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
 from maulstick.robot.limits import Limits
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 _STRAIGHT = 1e-12  # metres, or metres per second: less counts as no motion, so that no division is by zero
 
@@ -35,28 +36,13 @@ class Profile:
     @classmethod
     def of(cls, points: Floats, speed: Floats, limits: Limits) -> "Profile":
         """Return the fastest profile along points (n, 3), metres, with at most these speeds (n,), metres per second."""
-        steps = np.diff(points, axis=0)
-        lengths = np.sqrt((steps**2).sum(axis=1))
-        allowed = np.minimum(speed[:-1], speed[1:]).clip(max=limits.speed)
-        climbing = np.abs(steps[:, 2]) / np.maximum(lengths, _STRAIGHT)
-        allowed = np.minimum(allowed, limits.climb / np.maximum(climbing, _STRAIGHT))
-        speeds = np.zeros(len(points))
-        speeds[1:-1] = np.minimum(np.minimum(allowed[:-1], allowed[1:]), _corner_speeds(steps, lengths, limits))
-        acceleration = limits.acceleration_along(steps / np.maximum(lengths, _STRAIGHT)[:, None])
-        gain = 2 * acceleration * lengths
-        for i in range(1, len(points)):
-            speeds[i] = min(speeds[i], (speeds[i - 1] ** 2 + gain[i - 1]) ** 0.5)
-        for i in range(len(points) - 2, -1, -1):
-            speeds[i] = min(speeds[i], (speeds[i + 1] ** 2 + gain[i]) ** 0.5)
-        before, after = speeds[:-1], speeds[1:]
-        peak = np.sqrt((before**2 + after**2 + gain) / 2)
-        cruise = np.minimum(peak, np.maximum(allowed, np.maximum(before, after)))
-        ramps = (2 * cruise - before - after) / acceleration
-        level = lengths - (2 * cruise**2 - before**2 - after**2) / (2 * acceleration)
-        seconds = ramps + level.clip(min=0) / np.maximum(cruise, _STRAIGHT)
-        times = np.concatenate([[0.0], np.cumsum(np.where(lengths > 0, seconds, 0.0))])
+        points = np.asarray(points, dtype=np.float64)
+        rests = np.zeros(len(points), dtype=bool)
+        rests[[0, -1]] = True
+        lengths, speeds, cruise, seconds, acceleration = _segments(points, speed, rests, limits)
+        times = np.concatenate([[0.0], np.cumsum(seconds)])
         along = np.concatenate([[0.0], np.cumsum(lengths)])
-        return cls(np.asarray(points, dtype=np.float64), along, speeds, cruise, times, acceleration)
+        return cls(points, along, speeds, cruise, times, acceleration)
 
     @property
     def seconds(self) -> float:
@@ -87,6 +73,59 @@ class Profile:
     def _places(self, along: Floats) -> Floats:
         kept = np.concatenate([[True], np.diff(self.along) > 0])
         return np.stack([np.interp(along, self.along[kept], column[kept]) for column in self.points.T], axis=1)
+
+
+def seconds_of_paths(points: Floats, speed: Floats, starts: Ints, limits: Limits) -> Floats:
+    """Return the seconds (k,) that `Profile` gives for each of k paths, which all begin and end at rest.
+
+    points: (n, 3) metres, one path after the other.  speed: (n,) metres per second at most.
+    starts: (k,) index of the first point of each path, ascending from 0.
+    """
+    rests = np.zeros(len(points), dtype=bool)
+    rests[starts] = True
+    rests[[*(starts[1:] - 1), -1]] = True
+    seconds = _segments(points, speed, rests, limits)[3]
+    seconds = np.append(seconds, 0.0)  # one for each point, so that a path of one point has one
+    seconds[starts[1:] - 1] = 0.0  # from a path to the next
+    return np.asarray(np.add.reduceat(seconds, starts))
+
+
+def _segments(
+    points: Floats, speed: Floats, rests: Bools, limits: Limits
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return lengths, speeds at the points (n,), cruise, seconds and accelerations of segments (n - 1,), as `Profile`.
+
+    rests: (n,) whether the tip is at rest at a point.
+    """
+    steps = np.diff(points, axis=0)
+    lengths = np.sqrt((steps**2).sum(axis=1))
+    allowed = np.minimum(speed[:-1], speed[1:]).clip(max=limits.speed)
+    climbing = np.abs(steps[:, 2]) / np.maximum(lengths, _STRAIGHT)
+    allowed = np.minimum(allowed, limits.climb / np.maximum(climbing, _STRAIGHT))
+    most = np.zeros(len(points))
+    most[1:-1] = np.minimum(np.minimum(allowed[:-1], allowed[1:]), _corner_speeds(steps, lengths, limits))
+    most[rests] = 0.0
+    acceleration = limits.acceleration_along(steps / np.maximum(lengths, _STRAIGHT)[:, None])
+    gain = 2 * acceleration * lengths
+    speeds = _reachable(_reachable(most, gain)[::-1], gain[::-1])[::-1]
+    before, after = speeds[:-1], speeds[1:]
+    peak = np.sqrt((before**2 + after**2 + gain) / 2)
+    cruise = np.minimum(peak, np.maximum(allowed, np.maximum(before, after)))
+    ramps = (2 * cruise - before - after) / acceleration
+    level = lengths - (2 * cruise**2 - before**2 - after**2) / (2 * acceleration)
+    seconds = ramps + level.clip(min=0) / np.maximum(cruise, _STRAIGHT)
+    return lengths, speeds, cruise, np.where(lengths > 0, seconds, 0.0), acceleration
+
+
+def _reachable(speeds: Floats, gain: Floats) -> Floats:
+    """Return the speeds (n,), each at most what can be reached from the one before it.
+
+    gain: (n - 1,) by how much the square of the speed may grow in each segment.
+    """
+    reached = speeds.tolist()  # plain numbers, since thousands of them are looked at one by one
+    for i, most in enumerate(gain.tolist()):
+        reached[i + 1] = min(reached[i + 1], sqrt(reached[i] * reached[i] + most))
+    return np.array(reached)
 
 
 def _corner_speeds(steps: Floats, lengths: Floats, limits: Limits) -> Floats:

@@ -133,7 +133,7 @@ def test_each_layer_is_asked_for_by_its_name_and_colour(tmp_path: Path, monkeypa
         answers(monkeypatch, "\n\n")
         ran = run("paint", file, "--robot", f"grbl:{device.port}")
     assert ran.code == 0, ran.stderr
-    asked = [line for line in ran.stderr.splitlines() if line.startswith("put in")]
+    asked = [line.removesuffix("; s and Enter stop") for line in ran.stderr.splitlines() if line.startswith("put in")]
     assert asked == [
         "put in the fineliner 0.5 mm with the paint red #ff0000, and press Enter",
         "put in the fineliner 0.5 mm with the paint blue #0000ff, and press Enter",
@@ -200,3 +200,16 @@ def test_an_axidraw_draws_it_from_the_corner_where_its_pen_rests(drawing: Path) 
     for x0, y0, x1, y1 in BARS:
         for end in ((x0, y0), (x1, y1)):
             assert np.hypot(*(places - end).T).min() < 0.05
+
+
+def test_a_pen_of_another_width_than_the_lines_is_a_note(drawing: Path) -> None:
+    ran = run("paint", drawing, "--pen", "micron-01", "--dry-run")
+    assert ran.code == 0
+    assert "note: the lines of the drawing are " in ran.stderr
+    assert "planned" not in ran.stderr
+
+
+def test_a_drawing_is_not_planned_again_on_the_way(drawing: Path) -> None:
+    ran = run("paint", drawing, "--replan", "3", "--dry-run")
+    assert ran.code == 2
+    assert ran.mistake.endswith("a drawing is not planned, so it is not planned again either; leave out --replan")

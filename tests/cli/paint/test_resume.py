@@ -48,7 +48,7 @@ def test_a_run_asks_what_became_of_the_unfinished_stroke(
     answers(monkeypatch, typed)
     ran = run("paint", begun, "--resume")
     assert ran.code == 0, ran.stderr
-    question = "stroke 11 was under the brush when the run ended. Is it on the paper? [y/n]"
+    question = "stroke 2 was under the brush when the run ended. Is it on the paper? [y/n]"
     assert ran.stderr.count(question) == typed.count("\n")
     assert events(begun).count("begin 11") == 1 + again
     assert sorted(painted(begun)) == ALL

@@ -9,12 +9,14 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli.paint.operator import TerminalOperator
+from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.pace import Pace
 from tests.cli.conftest import run
 from tests.cli.paint.conftest import ALL, answers, painted
+from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import line, painting_of
 
@@ -27,6 +29,13 @@ TEN = painting_of(line(i, (0.01, 0.003 * i), (0.03, 0.003 * i)) for i in range(1
 def ten(tmp_path: Path) -> Path:
     write_painting(TEN, tmp_path / "ten.json")
     return tmp_path / "ten.json"
+
+
+@pytest.fixture
+def penned(tmp_path: Path) -> Path:
+    """The same with a pen, which needs no depth."""
+    write_painting(painting_of(TEN.strokes, [load_brush("fineliner")]), tmp_path / "penned.json")
+    return tmp_path / "penned.json"
 
 
 class Person(io.StringIO):
@@ -184,6 +193,48 @@ def test_paint_is_not_asked_for_again_where_the_next_copy_begins_with_it(
     assert ran.code == 0, ran.stderr
     assert ran.stderr.count("put in the marker") == 4
     assert painted_by(painting, 2) == set(ALL)
+
+
+def test_another_copy_of_a_painting_that_is_finished_begins_where_the_pen_stands(
+    penned: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with FakeGrbl(pace=1000.0) as device:
+        monkeypatch.setattr("sys.stdin", Person(lambda asked: None))
+        assert run("paint", penned, "--robot", f"grbl:{device.port}").code == 0
+        dry = run("paint", penned, "--resume", "--copies", "3", "--dry-run")
+        assert "10 strokes, 200 mm, 1 paint, about 1 min; then 1 more sheet" in dry.stderr
+        person = Person(lambda asked: None)
+        monkeypatch.setattr("sys.stdin", person)
+        ran = run("paint", penned, "--resume", "--copies", "2")
+    assert ran.code == 0, ran.stderr
+    assert person.asked == 2
+    assert ran.stderr.index("see that the pen stands") < ran.stderr.index("put in a new sheet for copy 2 of 2")
+    assert "all strokes are painted" not in ran.stderr
+    assert painted_by(penned, 2) == set(range(1, 11))
+
+
+@pytest.mark.parametrize("how", ["s", "ctrl-c"])
+def test_a_stop_where_the_pen_stands_elsewhere_moves_nothing_and_keeps_the_journal(
+    penned: Path, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    with Journal.open(journal_of(penned)) as journal:
+        journal.revise(penned)
+        journal.begin(1)
+        journal.end(1)
+
+    def stop(asked: int) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with FakeGrbl(pace=1000.0) as device:
+        monkeypatch.setattr("sys.stdin", Person(stop) if how == "ctrl-c" else io.StringIO("s\n"))
+        ran = run("paint", penned, "--resume", "--robot", f"grbl:{device.port}")
+        assert {(x, y) for x, y, _, _ in device.reached} <= {(0, 0)}
+        assert device.place[2] > 0
+    assert ran.code == 130
+    assert "see that the pen stands" in ran.stderr
+    assert "s and Enter stop" in ran.stderr
+    assert painted_by(penned, 1) == {1}
+    assert Journal.read(journal_of(penned)).unfinished is None
 
 
 @pytest.mark.parametrize(("at", "strokes", "copies"), [(1, 10, 2), (2, 20, 3)])

@@ -167,7 +167,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
         if journal.revision is None:
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
-            question = f"stroke {stroke} was under the brush. Is it on the paper?"
+            question = f"stroke {len(journal.painted) + 1} was under the brush. Is it on the paper?"
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)
         if simulation is not None:
             simulation.paint_again(easel, journal.painted)

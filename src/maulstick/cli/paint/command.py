@@ -119,8 +119,8 @@ def paint(
     """Let a machine paint a painting, or draw an SVG.
 
     Every stroke is written into a journal beside the painting, before it and after it, so that --resume goes on after
-    Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen; + and
-    - draw faster and slower.
+    Ctrl-C, a lost cable or a power cut. Space pauses after a stroke; s or Ctrl-C stops at once and lifts the pen; +
+    draws faster, and - slower.
 
     Example: maulstick paint cat/painting.json --robot grbl:/dev/ttyUSB0 --speed 40
 
@@ -168,5 +168,5 @@ def _place(text: str) -> tuple[float, float]:
     try:
         x, y = (1e-3 * float(number) for number in text.split(","))
     except ValueError:
-        raise InputError(f"--refill-at is {text!r}; it must be two numbers in mm, as in -20,50") from None
+        raise InputError(f"--refill-at is {text!r}; it must be two numbers in mm, as in 20,50") from None
     return x, y

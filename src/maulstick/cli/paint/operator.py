@@ -15,6 +15,7 @@ from rich.progress import Progress as Bars
 from typer import Exit
 
 from maulstick.cli.exit_codes import STOPPED
+from maulstick.cli.wording import stopped
 from maulstick.errors import InputError, MachineError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
@@ -72,8 +73,7 @@ class TerminalOperator(Operator):
             with self._bars:
                 yield
         except (MachineError, KeyboardInterrupt) as error:
-            pen = "with the pen lifted" if self.robot.lifted else "and the pen may still be down: lift it by hand"
-            self.say(f"stopped, {pen}; {self._what_next}")
+            self.say(f"{stopped(self.robot)}; {self._what_next}")
             if isinstance(error, StoppedError | KeyboardInterrupt) and self.stopped:
                 raise Exit(STOPPED) from None
             raise
@@ -119,7 +119,7 @@ class TerminalOperator(Operator):
         self._asking = True
         try:
             with self.interruptible(), self._keyboard:
-                self.say(f"{action.message}, and press Enter")
+                self.say(f"{action.message}, and press Enter; s and Enter stop")
                 answer = sys.stdin.readline()
             if not answer:
                 raise InputError(f"nobody is there to {action.message}; run it in a terminal")

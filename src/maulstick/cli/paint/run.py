@@ -33,8 +33,8 @@ def run(run: Run) -> None:
             console.print(sentence, soft_wrap=True)
         return
 
-    def is_painted(stroke: int) -> bool:
-        question = f"stroke {stroke} was under the brush when the run ended. Is it on the paper?"
+    def is_painted(number: int) -> bool:
+        question = f"stroke {number} was under the brush when the run ended. Is it on the paper?"
         if run.unfinished is None:
             return confirm(console, question, "add --unfinished painted, or --unfinished again")
         return run.unfinished

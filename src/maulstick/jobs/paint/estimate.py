@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Self
 
 from maulstick.painting.painting import Painting
+from maulstick.robot.duration import drawn_metres, seconds_of
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Draw, drawn_metres, seconds_of
+from maulstick.robot.routine import Action, Draw
 from maulstick.storage.arrays import Floats
 
 

@@ -25,8 +25,9 @@ def rehearse(request: PaintRequest) -> Estimate:
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         return _rehearsed(setup, setup.first(request.from_stroke, request.from_pen), 1, NOTHING)
-    with _reopened(request) as (setup, sheet, journal):
-        return _rehearsed(setup, journal.painted, sheet.number, sheet.load)
+    with _reopened(request) as (setup, begun, journal):
+        sheet = _to_go_on(begun, journal, setup)
+        return _rehearsed(setup, () if sheet.journal is None else journal.painted, sheet.number, sheet.load)
 
 
 def paint(
@@ -36,7 +37,8 @@ def paint(
 ) -> None:
     """Paint, or go on painting, until nothing is left or the operator stops it.
 
-    is_painted: returns whether the stroke with this id, which an earlier run left unfinished, is on the paper.
+    is_painted: returns whether the stroke of this number, which an earlier run left unfinished, is on the paper; it is
+    counted from 1 in the order of painting, as the operator saw it.
     operator_for: returns the operator for a setup in which the strokes with these ids are painted already.
     Raises InputError, OutputError and MachineError, as well as StoppedError and KeyboardInterrupt after a stop.
     """
@@ -48,8 +50,8 @@ def paint(
         return
     with _reopened(request) as (setup, sheet, journal), machine_lock(setup.options.machine):
         if (stroke := journal.unfinished) is not None:
-            (journal.end if is_painted(stroke) else journal.again)(stroke)
-        _paint_sheets(request, setup, sheet, operator_for)
+            (journal.end if is_painted(len(journal.painted) + 1) else journal.again)(stroke)
+        _paint_sheets(request, setup, _to_go_on(sheet, journal, setup), operator_for)
 
 
 def _plan_of(request: PaintRequest) -> Paintable:
@@ -78,7 +80,15 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, PaintSheet, J
         if options.strokes_sha256 is not None and is_svg(file) and strokes_sum(plan.painting) != options.strokes_sha256:
             changed = "by another Maulstick, or a hand that has changed"
             raise InputError(f"{file} has other strokes than when it was begun, {changed}", Remedy.RESTART)
-        yield PaintSetup.of(options, plan, request.robot), sheet, journal
+        said = replace(plan, notes=())  # when it was begun
+        yield PaintSetup.of(options, said, request.robot), sheet, journal
+
+
+def _to_go_on(sheet: PaintSheet, journal: Journal, setup: PaintSetup) -> PaintSheet:
+    """Return the sheet, or where all of it is painted and another is wanted, the next one."""
+    if len(journal.painted) < len(setup.plan.strokes) or sheet.number >= setup.options.sheets:
+        return sheet
+    return replace(sheet, number=sheet.number + 1, journal=None)
 
 
 def _rehearsed(setup: PaintSetup, done: Collection[int], number: int, load: PaintLoad) -> Estimate:

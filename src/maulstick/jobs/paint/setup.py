@@ -1,6 +1,6 @@
 """Setup of a run: the plan in order, the machine, the easel, the tray, and replanning."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from maulstick.errors import InputError, option
@@ -9,7 +9,7 @@ from maulstick.jobs.paint.replanning import Replanning
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.jobs.paintable import Paintable
 from maulstick.ordering.sequence import sequenced
-from maulstick.painting.brush import load_pen_brush
+from maulstick.painting.brush import Brush, load_pen_brush
 from maulstick.painting.painting import Painting
 from maulstick.robot.easel import Easel, read_easel
 from maulstick.robot.machines import machine
@@ -41,6 +41,10 @@ class PaintSetup:
     def of(cls, options: PaintOptions, paintable: Paintable, robot: Robot | None = None) -> "PaintSetup":
         """Return the setup that the options name. Raises InputError where something of it cannot be used."""
         options.check_together()
+        if paintable.painting.literal and (options.replan or options.look):
+            raise InputError(
+                f"a drawing is not planned, so it is not planned again either; leave out {option('replan')}"
+            )
         plan, replanning = paintable.painting, Replanning.of(options)
         if replanning is not None:
             replanning.check(plan)
@@ -86,16 +90,22 @@ class PaintSetup:
 
 
 def _with_pen(plan: Painting, name: str) -> tuple[Painting, str]:
-    """Return the painting as a pen of that name draws it, and a sentence where it was planned for another width, or "".
+    """Return the painting as a pen of that name draws it, and a sentence where its lines have another width, or "".
 
     Raises InputError where there is no such pen.
     """
     pen, _ = load_pen_brush(name)
     paints = tuple(paint.model_copy(update={"brush": pen.name}) for paint in plan.paints)
     others = [b for b in plan.brushes.values() if b.pressure_matters or abs(b.widest / pen.widest - 1) > _SAME_WIDTH]
-    note = ""
-    if others:
-        wider = others[0].widest / pen.widest
-        width = "varies" if others[0].pressure_matters else f"is {wider:.2g} times that of {name}"
-        note = f"it was planned for the brush {others[0].name}, whose width {width}; plan it for {name} to have it so"
-    return plan.model_copy(update={"brushes": {pen.name: pen}, "paints": paints}), note
+    return plan.model_copy(update={"brushes": {pen.name: pen}, "paints": paints}), _width_note(plan, others, pen, name)
+
+
+def _width_note(plan: Painting, others: Sequence[Brush], pen: Brush, name: str) -> str:
+    """Return a sentence about the brushes of a painting whose width is not that of the pen of this name, or ""."""
+    if not others:
+        return ""
+    wider = f"{others[0].widest / pen.widest:.2g} times"
+    if plan.literal:
+        return f"the lines of the drawing are {wider} as wide as those of {name}, and are drawn as wide as it draws"
+    width = "varies" if others[0].pressure_matters else f"is {wider} that of {name}"
+    return f"it was planned for the brush {others[0].name}, whose width {width}; plan it for {name} to have it so"

@@ -92,7 +92,7 @@ def paint_sheet(
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         if sheet.number > 1 and not done:
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
-        if before is not None and robot.counts_steps:
+        if request.resume and sheet.home is None and robot.counts_steps:
             actions = [_where_it_stands(setup.easel, robot, actions[0].paint), *actions]
         tally = Tally(setup.plan)
         place = _workplace(setup, robot, journal, operator, tally)

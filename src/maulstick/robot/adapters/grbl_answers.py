@@ -58,7 +58,7 @@ ERRORS: Final = {
     38: "the number of a tool is too large",
 }
 
-_HOME = "home it with $H before it draws again"
+_HOME = "home it with $H before it draws again, or without homing ($22=0) switch it off and on with its pen at home"
 
 ALARMS: Final = {
     1: f"a limit switch was hit and its position is lost; {_HOME}",

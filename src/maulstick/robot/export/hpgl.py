@@ -85,7 +85,7 @@ def _within_reach(units: list[Floats], shrink: bool) -> list[Floats]:
         came, most = (f"{1e3 * reach / _UNITS_PER_METRE:.0f} mm" for reach in (farthest, _MOST_UNITS))
         raise InputError(
             f"the drawing reaches {came} from the plotter's origin, and HPGL counts up to {most}; draw it smaller with "
-            f"{option('shrink')}, or plan for a smaller sheet"
+            f"{option('shrink')}, plan for a smaller sheet, or scale an SVG with {option('size')}"
         )
     return [np.rint(places * (_MOST_UNITS / farthest)) + 0.0 for places in units]
 

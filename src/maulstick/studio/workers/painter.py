@@ -37,9 +37,9 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
     from maulstick.jobs.paint import session
     from maulstick.studio.workers.page_operator import PageOperator
 
-    def is_painted(stroke: int) -> bool:
+    def is_painted(number: int) -> bool:
         if unfinished is None:
-            raise InputError(f"stroke {stroke} was under the brush when it ended; say whether it is on the paper")
+            raise InputError(f"stroke {number} was under the brush when it ended; say whether it is on the paper")
         return unfinished
 
     def operator_for(setup: "PaintSetup", painted: Collection[int]) -> PageOperator:
