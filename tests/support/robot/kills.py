@@ -191,7 +191,7 @@ def _program(make: Callable[[], Robot], painting: Path, on_paper: set[int], pipe
         options = PaintOptions(robot="own:mortal", easel=painting.with_name("easel.json"), speed=SPEED)
         resume = _lines(journal_of(painting)) > 0
         request = PaintRequest(painting, options, resume=resume, robot=robot)
-        paint(request, on_paper.__contains__, lambda setup, done: _Person(setup.robot))
+        paint(request, lambda number: _unfinished(painting) in on_paper, lambda setup, done: _Person(setup.robot))
         code = DONE
     except (StoppedError, KeyboardInterrupt):
         code = STOPPED
