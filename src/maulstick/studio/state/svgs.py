@@ -23,9 +23,10 @@ class Svgs:
         self._folder, self._desk = folder, desk
         self._keeping = asyncio.Lock()  # or two uploads at once could get the same name
 
-    def names(self) -> list[str]:
-        """Return the names of all SVGs, newest first."""
-        return [name for name in reversed(self._folder.names("drawings")) if self.card(name) is not None]
+    def cards(self) -> dict[str, SvgCard]:
+        """Return the cards of all SVGs by their names, newest first."""
+        found = {name: self.card(name) for name in reversed(self._folder.names("drawings"))}
+        return {name: card for name, card in found.items() if card is not None}
 
     def file(self, name: str) -> Path:
         """Return the file of an SVG, which need not exist. Raises InputError for an invalid name."""

@@ -13,14 +13,17 @@ from maulstick.studio.workers.svg_work import PICTURE, SvgCard
 
 
 class Drawings:
-    """Cards of all drawings, the newest first. chosen: called with the name of one that is to be painted."""
+    """Cards of all drawings, the newest first, while no machine paints.
+
+    chosen: called with the name of one that is to be painted.
+    """
 
     def __init__(self, studio: Studio, chosen: Callable[[str], None]) -> None:
         self._studio, self._on_chosen = studio, chosen
         with html.section() as self.root:
             html.h2("Drawings")
             self._cards = ui.element().classes("drawings")
-        self._name = ""
+        self._name, self._count = "", 0
         shown_by(self.root, studio.svgs.changed, self._show)
 
     def show(self, name: str) -> None:
@@ -28,15 +31,19 @@ class Drawings:
         if name != self._name:
             self._name = name
             self._show()
+        self._appear()
 
     def _show(self) -> None:
-        names = self._studio.svgs.names()
-        self.root.visible = bool(names)
+        cards = self._studio.svgs.cards()
+        self._count = len(cards)
         self._cards.clear()
         with self._cards:
-            for name in names:
-                if (card := self._studio.svgs.card(name)) is not None:
-                    self._build(name, card)
+            for name, card in cards.items():
+                self._build(name, card)
+        self._appear()
+
+    def _appear(self) -> None:
+        self.root.visible = self._count > 0 and not self._studio.run.state.is_on
 
     def _build(self, name: str, card: SvgCard) -> None:
         seen = self._studio.svgs.file(name).with_name(PICTURE).stat().st_mtime_ns

@@ -103,7 +103,8 @@ class Sheets:
         with ui.element().classes("pair") as self._pair:
             with html.figure():
                 self._plan = html.img().props('alt="What is painted"').classes("picture")
-                self._caption = html.figcaption("The plan")
+                with html.figcaption():
+                    self._caption = ui.label()
             with html.figure():
                 self._sheet = html.img().props('alt="The sheet as it was last seen"').classes("picture")
                 self._bare = ui.label().classes("bare picture")

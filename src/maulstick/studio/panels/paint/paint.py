@@ -74,7 +74,7 @@ class _Setting:
             self._none = html.p("There is nothing to paint yet: plan a painting, or bring a drawing.").classes("hint")
             with ui.element().classes("line"):
                 upload_button("Bring an SVG", ".svg,.svgz", self._bring, onto=desk)
-                html.span("or drop it on this page").classes("hint")
+                html.span("or drop it here").classes("hint")
             self._reading = ReadingForm(studio, self._touch)
             first = ui.element().classes("fields")
             self._begun = ui.label().classes("begun").props('role="status"')

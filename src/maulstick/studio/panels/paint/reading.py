@@ -31,10 +31,10 @@ class ReadingForm:
         with self.root:
             sizes = {"": "As large as its page", **{size: in_words(size) for size in SHEET_SIZES}}
             self._size = ui.select(sizes, label="Sheet", value="").props(SHORT_MENU)
-            self._margin = ui.number("Reach so far from the edges, mm", min=0).props(_AS_TYPED)
-            self._margin.props("hint='empty: the margins of its page'")
+            self._margin = ui.number("Margin, mm", min=0).props(_AS_TYPED)
+            self._margin.props("hint='what is drawn is scaled; empty: as on its page'")
             self._rotate = ui.select(_TURNS, label="Turn", value=0).props(SHORT_MENU)
-            self._hatch = ui.number("Hatch fills with lines so far apart, mm", min=0, on_change=self._fit)
+            self._hatch = ui.number("Hatching, mm between lines", min=0, on_change=self._fit)
             self._hatch.props(_AS_TYPED).props("hint='empty: fills stay empty'")
             self._angle = ui.number("Angle of the lines, degrees").props(_AS_TYPED)
             self._angle.props("hint='empty: 45, or as the hand leans'")
