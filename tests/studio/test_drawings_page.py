@@ -45,6 +45,7 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     for each in (mine, theirs):
         expect(card(each, "my-boat").get_by_text("60 x 40 mm, 2 paths, 111 mm, 2 pens")).to_be_visible()
         expect(card(each, "my-boat").get_by_role("listitem")).to_have_text(re.compile("^Lines that reach beyond"))
+    assert mine.request.get(f"{studio.url}/picture/drawings/my-boat/drawing.svg").status == 404  # it may hold scripts
     shown = mine.get_by_alt_text("my-boat as a pen draws it")
     before = shown.get_attribute("src")
     mine.get_by_role("button", name="How the drawing is read").click()

@@ -77,6 +77,9 @@ def test_a_drawing_is_kept_with_its_card_and_its_picture_and_read_in_other_ways(
             assert (card.sheet, card.paths) == ((0.3, 0.2), len(read.painting.strokes))
             assert size_of(picture) == (1024, 683)
             assert changes == [1, 1]
+            await svgs.read("my-boat", DrawingOptions(hatch=0.002, hatch_hand="loops"))
+            assert svgs.cards()["my-boat"].paths > 2
+            await svgs.read("my-boat", HATCHED)
             with pytest.raises(InputError, match="hatch is 5000 mm; it must be"):
                 await svgs.read("my-boat", DrawingOptions(hatch=5))
             assert svgs.cards()["my-boat"] == card

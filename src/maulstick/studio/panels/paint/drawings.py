@@ -81,4 +81,5 @@ def facts(card: SvgCard) -> str:
     length = f"{1e3 * card.metres:.0f} mm" if card.metres < 1 else f"{card.metres:.1f} m"
     paths = "1 path" if card.paths == 1 else f"{card.paths:,} paths"
     pens = "1 pen" if card.pens == 1 else f"{card.pens} pens"
-    return f"{Sheet(width=width, height=height).millimetres}, {paths}, {length}, {pens}"
+    parts = (Sheet(width=width, height=height).millimetres, paths, length, pens)
+    return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)
