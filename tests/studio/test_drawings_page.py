@@ -52,7 +52,7 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     choose(mine, "Sheet", "A5, lying")
     mine.get_by_label("Hatching, mm between lines").fill("2")
     for each in (mine, theirs):
-        expect(card(each, "my-boat").get_by_text(re.compile("^210 x 148 mm, .* 2 pens$"))).to_be_visible()
+        expect(card(each, "my-boat").get_by_text(re.compile(r"^210\sx\s148\smm, .*, 2\spens$"))).to_be_visible()
         expect(card(each, "my-boat").get_by_text("2 paths")).to_be_hidden()
     assert shown.get_attribute("src") != before
     expect(theirs.get_by_label("Sheet", exact=True)).to_have_value("A5, lying")
@@ -60,7 +60,7 @@ def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_paint
     mine.get_by_role("button", name="Check").click()
     expect(mine.get_by_text("The distance between hatching lines is 500 mm; it must be").first).to_be_visible()
     mine.get_by_label("Hatching, mm between lines").fill("")
-    expect(card(theirs, "my-boat").get_by_text(re.compile("^210 x 148 mm, 2 paths"))).to_be_visible()
+    expect(card(theirs, "my-boat").get_by_text(re.compile(r"^210\sx\s148\smm, 2\spaths"))).to_be_visible()
     card(theirs, "my-boat").get_by_role("button", name="Throw my-boat away").click()
     expect(card(mine, "my-boat")).to_have_count(0)
     theirs.get_by_role("button", name="Undo").click()
