@@ -30,7 +30,7 @@ def test_a_tick_is_seen_in_another_browser_and_after_a_restart(
     expect(mine.get_by_text("Everything is ready to paint.")).to_be_visible()
     theirs.get_by_role("button", name="Paint it now").click()
     expect(theirs.get_by_role("heading", name="Let a machine paint")).to_be_visible()
-    expect(theirs.get_by_label("Plan", exact=True)).to_have_value("cat")
+    expect(theirs.get_by_label("Plan or drawing", exact=True)).to_have_value("cat")
 
     studio.kill()
     studio.start()

@@ -79,6 +79,13 @@ async def outcome(run: Run) -> str:
     return run.state.sentence
 
 
+async def confirm_where_it_stands(run: Run) -> None:
+    """Answer the request of a plotter that goes on, which may have lost count of its steps."""
+    await until(run, lambda: bool(run.state.question))
+    assert run.state.question.startswith("see that the pen stands ")
+    run.done(run.state.question_number)
+
+
 def stroke(run: Run) -> int:
     """Return the number of the present stroke, 0 before the first."""
     return 0 if run.state.progress is None else run.state.progress.stroke
@@ -236,6 +243,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             run.stop()
             assert await outcome(run) == "You stopped it. The pen is lifted."
             await run.resume("six", PaintOptions(), None)
+            await confirm_where_it_stands(run)
             await until(run, lambda: bool(run.state.question))
             run.done(run.state.question_number)
             assert await outcome(run) == "six is painted."
@@ -326,6 +334,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
                 assert status is not None
                 assert status.painted == painted
                 await run.resume("lines", PaintOptions(), None if status.unfinished is None else False)
+                await confirm_where_it_stands(run)
                 assert await outcome(run) == "lines is painted."
 
         device.pace = 200.0

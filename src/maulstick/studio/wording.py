@@ -39,6 +39,7 @@ def error_text(error: MaulstickError) -> str:
 _OPTIONS: Final = {
     "speed": "the speed",
     "replan": "the number of strokes between two looks",
+    "hatch": "the distance between hatching lines",
     "px": "size of the plan",
     "name": "name",
     "out": "folder",
@@ -61,7 +62,7 @@ _PAGE: Final = Wording(
         Remedy.LEAVE_OUT_CAMERA: "choose that one, or none",
         Remedy.WITHOUT_REPLAN: "go on without a camera",
         Remedy.WITHOUT_DRAWING: "leave out how a drawing is read",
-        Remedy.SAME_DRAWING_OR_RESTART: f"leave them out, or “{RESTART_LABEL}”",
+        Remedy.SAME_DRAWING_OR_RESTART: f"choose those again, or “{RESTART_LABEL}”",
         Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",

@@ -91,7 +91,7 @@ class PaintOptions(BaseModel):
                 f"this painting was begun on {machine(before.robot)}, and what is left belongs on the same sheet",
                 Remedy.SAME_MACHINE_OR_RESTART,
             )
-        if self.drawing is not None and self.drawing != before.drawing:
+        if self.drawing is not None and self.drawing != (before.drawing or DrawingOptions()):
             raise InputError(
                 "this drawing was begun with other options, and would have other strokes",
                 Remedy.SAME_DRAWING_OR_RESTART,

@@ -15,6 +15,7 @@ routes = APIRouter()
 _FRESH = {"Cache-Control": "no-cache"}
 _SHOWN = {  # files that a page may show, by kind
     "plans": {"preview.png", "palette.png", "painting-painted.png", TARGET},
+    "drawings": {"preview.png", "drawing-painted.png"},
     "pictures": {"small.jpg"},
     "hands": {"hand.png"},
 }

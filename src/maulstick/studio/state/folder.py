@@ -1,4 +1,4 @@
-"""Folder of a studio: drawn hands, pictures, plans, surveys, and the trash."""
+"""Folder of a studio: drawn hands, pictures, plans, drawings, surveys, and the trash."""
 
 import os
 import re
@@ -17,8 +17,11 @@ from maulstick.storage.library import NAME
 
 _LONGEST, _ROOM = 40, 32  # letters of a name, and of a name before a number is added
 
-KINDS = ("hands", "pictures", "plans", "surveys")
+KINDS = ("hands", "pictures", "plans", "drawings", "surveys")
 """Kinds of things in the folder, each in a folder of its own."""
+
+PAINTED = ("plans", "drawings")
+"""Kinds that a machine paints, which have no name in common."""
 
 _INCOMING = ".incoming-"  # prefix of uploaded files until they are checked
 
@@ -55,19 +58,27 @@ class Folder:
             raise InputError(f"{name!r} is no name; use up to 40 of a-z, 0-9 and -, beginning with a letter or a digit")
         return self.root / kind / name
 
-    def names(self, kind: str) -> list[str]:
-        """Return the names of all things of a kind, oldest first."""
+    def painting(self, name: str) -> Path:
+        """Path of the SVG of a drawing, or else of the painting.json of a plan, which may not exist; raises as `of`."""
+        drawing = self.of("drawings", name) / "drawing.svg"
+        return drawing if drawing.is_file() else self.of("plans", name) / "painting.json"
+
+    def names(self, *kinds: str) -> list[str]:
+        """Return the names of all things of these kinds, oldest first."""
         found: dict[str, int] = {}
-        for path in (self.root / kind).iterdir():
+        for path in (path for kind in kinds for path in (self.root / kind).iterdir()):
             if re.fullmatch(NAME, path.name):
                 with suppress(FileNotFoundError):  # it was removed meanwhile
                     found[path.name] = path.lstat().st_mtime_ns
         return sorted(found, key=found.__getitem__)
 
     def free_name(self, kind: str, wanted: str) -> str:
-        """Name like the wanted one that nothing of the kind has yet: for "My cat.JPG", my-cat or my-cat-2."""
+        """Name like the wanted one that nothing of the kind has yet: for "My cat.JPG", my-cat or my-cat-2.
+
+        Plans and drawings have no name in common.
+        """
         plain = plain_name(wanted)[:_ROOM].strip("-") or kind[:-1]
-        taken, number, name = set(self.names(kind)), 1, plain
+        taken, number, name = set(self.names(*_sharing(kind))), 1, plain
         while name in taken:
             number += 1
             name = f"{plain}-{number}"
@@ -116,7 +127,7 @@ class Folder:
             raise InputError("it was taken out of the trash already; look where it was before")
         places = {path: where / path.name for path in trashed.iterdir()}
         for place in places.values():
-            if os.path.lexists(place):
+            if any(os.path.lexists(where.with_name(kind) / place.name) for kind in _sharing(where.name)):
                 raise OutputError(f"there is a {place.name} again meanwhile; rename that one first")
         _move(places)
         trashed.rmdir()
@@ -148,6 +159,11 @@ def writing_into(folder: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise OutputError(f"cannot write into {folder}: {error.strerror or error}; make room for it there") from error
+
+
+def _sharing(kind: str) -> tuple[str, ...]:
+    """Return the kinds that share their names with one."""
+    return PAINTED if kind in PAINTED else (kind,)
 
 
 def plain_name(wanted: str) -> str:

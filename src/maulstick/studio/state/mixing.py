@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from maulstick.colour.mixing import Recipe, mixing_advice
 from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint, read_paints
 from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.paintable import is_svg
 from maulstick.painting.painting import hex_colour
 from maulstick.robot.tray import Tray, read_tray
 from maulstick.storage.files import atomic_write
@@ -22,6 +23,7 @@ from maulstick.storage.records import read_record, write_record
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.planned_paints import PlannedPaint, planned_paints
+from maulstick.studio.workers.svg_work import CARD
 from maulstick.studio.workers.uploads import read_brought
 
 _Tubes = tuple[NamedPaint, ...]
@@ -73,10 +75,10 @@ class Mixing:
         return [name for name in reversed(plans) if (self._folder.of("plans", name) / "painting.json").is_file()]
 
     async def paints(self, plan: str) -> tuple[PlannedPaint, ...]:
-        """Return the paints of a plan. Raises InputError where there is no such plan."""
-        painting = self._folder.of("plans", plan) / "painting.json"
+        """Return the paints of a plan or a drawing. Raises InputError where there is none of that name."""
+        painting = self._folder.painting(plan)
         tray = self._tray if self.has_tray else None
-        stamp = (_stamp(painting), _stamp(self._tray))
+        stamp = (_stamp(painting), _stamp(painting.with_name(CARD)), _stamp(self._tray))
         async with self._looking:
             if plan not in self._seen or self._seen[plan][0] != stamp:
                 self._seen[plan] = stamp, await self._desk.do(planned_paints, painting, tray)
@@ -92,7 +94,9 @@ class Mixing:
         return self._advised[plan][1]
 
     async def missing(self, plan: str) -> list[PlannedPaint]:
-        """Return the paints that must still be mixed before the plan can be painted."""
+        """Return the paints that must still be mixed before the plan can be painted; those of a drawing are pens."""
+        if is_svg(self._folder.painting(plan)):
+            return []
         paints, mixed = await self.paints(plan), self.mixed(plan)
         return [paint for paint in paints if paint.strokes and paint.label not in mixed]
 

@@ -15,7 +15,7 @@ from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.status import PaintStatus, status_of
 from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels
-from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.folder import PAINTED, Folder
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import (
@@ -46,7 +46,8 @@ Phase = Literal["idle", "checking", "starting", "painting", "stopping", "ended"]
 class State:
     """State of the run that is on, or of the last one.
 
-    plan: name of the plan.  options: of the machine.  estimate: of the whole run.  progress: newest of the run.
+    plan: name of the plan or the drawing.  options: of the machine.  estimate: of the whole run.
+    progress: newest of the run.
     photograph: the sheet as it was last seen, a JPEG.  seen: its number in this studio.
     question: what a person has to do before the run goes on, or "".  question_number: its number in this run.
     held: whether the run waits after this stroke.  silent: whether it was stopped and does not answer.
@@ -106,8 +107,9 @@ class Run:
         return f"{'paused' if state.held else 'painting'} {state.plan}: stroke {state.progress.stroke}{of}"
 
     def plans(self) -> list[str]:
-        """Return the names of the plans that can be painted, newest first."""
-        return self._mixing.plans()
+        """Return the names of the plans and drawings that can be painted, newest first."""
+        names = self._folder.names(*PAINTED)
+        return [name for name in reversed(names) if self._folder.painting(name).is_file()]
 
     async def status(self, plan: str) -> PaintStatus | None:
         """Return how far a plan is painted, or None where it was not begun. Raises InputError as `status_of`."""
@@ -180,7 +182,7 @@ class Run:
             await asyncio.to_thread(process.join, _CLOSING)
 
     def _painting(self, plan: str) -> Path:
-        path = self._folder.of("plans", plan) / "painting.json"
+        path = self._folder.painting(plan)
         if not path.is_file():
             raise InputError(f"the plan {plan!r} is not finished; let it be planned to its end first")
         return path

@@ -11,6 +11,7 @@ from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
+from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.workers.desk import Desk
 
 
@@ -19,7 +20,7 @@ class Studio:
     """State of the studio; made in the server's event loop.
 
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
-    mixing: of paints.  run: of a machine that paints.
+    svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -28,6 +29,7 @@ class Studio:
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
         self.plans = Plans(folder)
+        self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)

@@ -14,10 +14,26 @@ from maulstick.studio.workers.uploads import LARGEST, known_as
 _LARGEST_SMALL = 2**20  # bytes: of a file of a few numbers, read into memory whole
 
 
-def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArguments], Awaitable[None]]) -> ui.button:
+_ALLOW_DROP = """(event) => {
+  if (event.dataTransfer.types.includes("Files")) event.preventDefault();
+}"""
+_TAKE_DROP = """(event) => {
+  if (!event.dataTransfer.files.length) return;
+  event.preventDefault();
+  runMethod(CHOOSER, "addFiles", [event.dataTransfer.files]);
+}"""
+
+
+def upload_button(
+    text: str,
+    accept: str,
+    take: Callable[[events.UploadEventArguments], Awaitable[None]],
+    onto: ui.element | None = None,
+) -> ui.button:
     """Make a button that lets a person choose a file.
 
     accept: endings that the browser offers, as ".png,.jpg", but does not enforce.  take: called with the file.
+    onto: part of the page onto which a file can be dropped as well.
     """
     chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=take, on_rejected=_refuse)
     chooser.props(f'accept="{accept}" aria-hidden=true').style("display: none")
@@ -28,6 +44,9 @@ def upload_button(text: str, accept: str, take: Callable[[events.UploadEventArgu
     chooser.on("uploaded", uploaded)
     button = ui.button(text, icon="upload_file").props("outline no-caps")
     button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
+    if onto is not None:
+        onto.on("dragover", js_handler=_ALLOW_DROP)
+        onto.on("drop", js_handler=_TAKE_DROP.replace("CHOOSER", str(chooser.id)))
     return button
 
 

@@ -1,12 +1,14 @@
-"""Paints of a plan, read at the desk since a painting may be large."""
+"""Paints of a plan or a drawing, read at the desk since a painting may be large."""
 
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 from maulstick.colour.names import colour_word
-from maulstick.painting.painting import Paint, hex_colour, read_painting
+from maulstick.jobs.paintable import read_paintable
+from maulstick.painting.painting import Paint, hex_colour
 from maulstick.robot.tray import read_tray
+from maulstick.studio.workers.svg_work import options_of
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,11 @@ def display_name(paint: Paint, index: int) -> str:
 
 
 def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ...]:
-    """Read the paints of the painting at `path`, with their wells in the tray.
+    """Read the paints of the painting or the drawing at `path`, with their wells in the tray.
 
     tray_path: of the tray's file, if there is a tray. Raises InputError where one of the files cannot be read.
     """
-    painting = read_painting(path)
+    painting = read_paintable(path, options_of(path)).painting
     wells = {} if tray_path is None else read_tray(tray_path).paints
     taken = [paint for paint, _ in groupby(stroke.paint for stroke in painting.strokes)]
     places = {paint: place for place, paint in enumerate(dict.fromkeys(taken), start=1)}

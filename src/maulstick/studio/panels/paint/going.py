@@ -1,11 +1,13 @@
 """Progress of a machine: its sheet next to the plan, what it does and needs, and buttons to control it."""
 
 from math import ceil
+from pathlib import Path
 
 from nicegui import background_tasks, html, ui
 
 from maulstick.errors import MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
+from maulstick.jobs.paintable import is_svg
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.wording import machine_name
@@ -93,15 +95,16 @@ class Controls:
 
 
 class Sheets:
-    """Pictures of the plan and of the sheet as it was last seen, and the outcome of a check or a run."""
+    """Pictures of the plan or drawing and of its sheet as last seen, and the outcome of a check or a run."""
 
     def __init__(self, studio: Studio) -> None:
         self._run, self._folder = studio.run, studio.folder
         self._outcome = ui.label().classes("outcome").props('role="status"')
         with ui.element().classes("pair") as self._pair:
             with html.figure():
-                self._plan = html.img().props('alt="The plan"').classes("picture")
-                html.figcaption("The plan")
+                self._plan = html.img().props('alt="What is painted"').classes("picture")
+                with html.figcaption():
+                    self._caption = ui.label()
             with html.figure():
                 self._sheet = html.img().props('alt="The sheet as it was last seen"').classes("picture")
                 self._bare = ui.label().classes("bare picture")
@@ -118,12 +121,14 @@ class Sheets:
         self._show_outcome()
 
     def show(self, plan: str) -> None:
-        """Show the plan, and the last picture of its sheet."""
+        """Show the plan or the drawing of that name, and the last picture of its sheet."""
         state = self._run.state
         self._show_outcome()
         self._pair.visible = bool(plan)
         if plan:
-            self._show_at(self._plan, f"/picture/plans/{plan}/preview.png")
+            painting = self._folder.painting(plan)
+            self._caption.text = "The drawing" if is_svg(painting) else "The plan"
+            self._show_at(self._plan, self._address(painting.with_name("preview.png")))
             source = f"/seen/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
             self._sheet.visible, self._bare.visible = bool(source), not source
             if source:
@@ -145,10 +150,14 @@ class Sheets:
 
     def _left_of(self, plan: str) -> str:
         """Return the address of the picture of the sheet after an earlier run; "" where there is none, or one is on."""
-        path = self._folder.of("plans", plan) / "painting-painted.png"
-        if self._run.state.is_on or not path.is_file():
-            return ""
-        return f"/picture/plans/{plan}/{path.name}?{path.stat().st_mtime_ns}"
+        painting = self._folder.painting(plan)
+        path = painting.with_name(f"{painting.stem}-painted.png")
+        return "" if self._run.state.is_on or not path.is_file() else self._address(path)
+
+    def _address(self, path: Path) -> str:
+        """Return the address of a picture, another one each time it was written."""
+        shown = path.relative_to(self._folder.root).as_posix()
+        return f"/picture/{shown}?{path.stat().st_mtime_ns if path.is_file() else ''}"
 
     def _show_at(self, picture: html.img, source: str) -> None:
         if picture.props.get("src") != source:

@@ -3,15 +3,19 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from nicegui import background_tasks, html, ui
+from nicegui import background_tasks, events, html, ui
 
 from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
+from maulstick.jobs.paintable import is_svg
+from maulstick.studio.panels.paint.drawings import Drawings
 from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
+from maulstick.studio.panels.paint.reading import ReadingForm
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.uploading import incoming, upload_button
 from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
@@ -22,32 +26,39 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `plan` is chosen first."""
     ui.add_css(_STYLE)
     html.h1("Let a machine paint")
-    html.p("Choose a plan and a machine, check, and start. STOP or the Esc key lifts the pen at once.").classes("hint")
-    with ui.element().classes("desk paint"):
+    html.p(
+        "Choose a plan or a drawing, and a machine; check, and start. STOP or the Esc key lifts the pen at once."
+    ).classes("hint")
+    with ui.element().classes("desk paint") as desk:
         with ui.element().classes("side"):
-            setting = _Setting(studio, query.get("plan", ""))
+            setting = _Setting(studio, query.get("plan", ""), desk)
             controls = Controls(studio)
         with ui.element().classes("wide"):
             sheets = Sheets(studio)
+            drawings = Drawings(studio, setting.choose)
 
     def show() -> None:
         state = studio.run.state
         setting.root.visible, controls.root.visible = not state.is_on, state.is_on
         setting.show()
         controls.show()
-        sheets.show(state.plan if state.is_on else setting.plan)
+        plan = state.plan if state.is_on else setting.plan
+        sheets.show(plan)
+        drawings.show(plan)
 
     setting.on_choice, setting.on_touch = show, sheets.forget_outcome
     shown_by(setting.root, studio.run.changed, show)
+    shown_by(setting.root, studio.svgs.changed, show)
 
 
 class _Setting:
-    """Choice of the plan and the machine, and the buttons that start it.
+    """Choice of the plan or the drawing and of the machine, and the buttons that start it.
 
+    desk: part of the page onto which a drawing can be dropped.
     on_choice: called after another plan was chosen.  on_touch: called after a person has changed anything.
     """
 
-    def __init__(self, studio: Studio, plan: str) -> None:
+    def __init__(self, studio: Studio, plan: str, desk: ui.element) -> None:
         self._touches = 0  # number of changes that a person made in the form
         self._studio, self._run = studio, studio.run
         self._status: PaintStatus | None = None
@@ -58,11 +69,13 @@ class _Setting:
         self.root = html.section().classes("sheet")
         with self.root:
             html.h2("What to paint, and with what")
-            self._plan = ui.select([], label="Plan", on_change=self._choose).props(SHORT_MENU)
+            self._plan = ui.select([], label="Plan or drawing", on_change=self._choose).props(SHORT_MENU)
             self._plan.on("update:model-value", lambda: self.on_touch(), args=[])
-            with ui.element().classes("line") as self._none:
-                html.p("No plan is finished yet; once one is, it can be painted here.").classes("hint")
-                ui.button("Plan a painting", icon="auto_awesome_mosaic", on_click=lambda: ui.navigate.to("/plan"))
+            self._none = html.p("There is nothing to paint yet: plan a painting, or bring a drawing.").classes("hint")
+            with ui.element().classes("line"):
+                upload_button("Bring an SVG", ".svg,.svgz", self._bring, onto=desk)
+                html.span("or drop it here").classes("hint")
+            self._reading = ReadingForm(studio, self._touch)
             first = ui.element().classes("fields")
             self._begun = ui.label().classes("begun").props('role="status"')
             with html.fieldset().classes("unfinished") as self._question:
@@ -88,9 +101,20 @@ class _Setting:
         self._form = OptionsForm(studio, first, later, touched=self._touch)
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
+        shown_by(self.root, studio.svgs.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._follow)
         shown_by(self.root, studio.mixing.changed, self._form.fit)
         background_tasks.create(self._form.offer_ports(), context=self.root)
+
+    def choose(self, name: str) -> None:
+        """Choose the plan or the drawing of that name."""
+        self._plan.set_options(self._run.plans(), value=name)
+
+    async def _bring(self, event: events.UploadEventArguments) -> None:
+        async with incoming(self._studio.folder, event) as file:
+            name = await self._studio.svgs.keep(file, str(event.file.name))
+        if not self.root.is_deleted:
+            self.choose(name)
 
     def _touch(self) -> None:
         self._touches += 1
@@ -98,7 +122,7 @@ class _Setting:
 
     @property
     def plan(self) -> str:
-        """Name of the chosen plan, or ""."""
+        """Name of the chosen plan or drawing, or ""."""
         return str(self._plan.value or "")
 
     def show(self) -> None:
@@ -117,6 +141,7 @@ class _Setting:
 
     def _choose(self) -> None:
         self._status, self._unfilled = None, True
+        self._reading.show(self.plan)
         self._follow()
         self.on_choice()
 
@@ -130,7 +155,8 @@ class _Setting:
         status, fault, missing, paints = None, "", list[PlannedPaint](), 0
         before = self._touches
         try:
-            missing, paints = await self._studio.mixing.missing(plan), len(await self._studio.mixing.paints(plan))
+            missing = await self._studio.mixing.missing(plan)
+            paints = 0 if self._is_drawing else len(await self._studio.mixing.paints(plan))
             status = await self._run.status(plan)
         except MaulstickError as error:
             fault = error_text(error)
@@ -143,7 +169,7 @@ class _Setting:
         if status is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
             self._form.fill(status.options)
         elif status is None and self._unfilled:
-            self._form.dip(paints > 1)  # the one pen is in the holder
+            self._form.dip(paints > 1)  # the one pen is in the holder, and a drawing is for pens
         self._unfilled = self._unfilled and bool(fault)
         self._begun.text = fault or _begun_text(status)
         self._mix.text = _to_be_mixed(len(missing), paints)
@@ -166,9 +192,16 @@ class _Setting:
         for button in (self._check, self._start, self._restart, self._resume):
             button.enabled = not self._run.is_busy
 
+    @property
+    def _is_drawing(self) -> bool:
+        return bool(self.plan) and is_svg(self._studio.folder.painting(self.plan))
+
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        return self.plan, self._form.options(None if known is None else known.request.picture)
+        options = self._form.options(None if known is None else known.request.picture)
+        if self._is_drawing:
+            options = options.model_copy(update={"drawing": self._reading.options})
+        return self.plan, options
 
     def _rehearse(self) -> None:
         self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)

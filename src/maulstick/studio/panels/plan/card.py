@@ -7,11 +7,12 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.studio.panels.plan.form import DRAWN, in_words
+from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo

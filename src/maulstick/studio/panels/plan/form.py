@@ -15,10 +15,10 @@ from maulstick.painting.raster import parse_size
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 
-_SHEET_SIZES = ["200x160mm", "160x200mm", "160x160mm", "A5", "A5-landscape", "A4", "A4-landscape", "A3", "A3-landscape"]
 _DEFAULT = PlanOptions()
 DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
 """What one ink draws of a picture, for people."""
@@ -58,7 +58,7 @@ class PlanForm:
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
-                self._size = ui.select({size: in_words(size) for size in _SHEET_SIZES}, label="Sheet").bind_value(
+                self._size = ui.select({size: in_words(size) for size in SHEET_SIZES}, label="Sheet").bind_value(
                     kept, "size"
                 )
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
@@ -151,11 +151,6 @@ class PlanForm:
             steps=int(self._effort.value or 0),
         )
         return PlanRequest(picture, options)
-
-
-def in_words(size: str) -> str:
-    """Return the size of a sheet for people: ``200 mm by 160 mm`` for ``200x160mm``."""
-    return size.replace("x", " by ").replace("mm", " mm").replace("-landscape", ", lying")
 
 
 def _whole(number: ui.number, name: str, most: int) -> int:

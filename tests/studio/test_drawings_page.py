@@ -1,0 +1,95 @@
+"""Drawings on the panel Paint, in a real browser."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from playwright.sync_api import Locator, Page, expect
+
+from maulstick.robot.journal import Journal, journal_of
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_painting_in_the_studio import QUICK, wait_until_nobody_paints
+from tests.support.studio.drawings import BOAT, COMB, ROWS, WITH_TEXT
+
+DROP = """([content, name]) => {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([content], name, { type: "image/svg+xml" }));
+  document.querySelector(".desk.paint h2").dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+}"""
+
+
+def bring(page: Page, root: Path, name: str, content: str) -> None:
+    (root / name).write_text(content)
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Bring an SVG").click()
+    chooser.value.set_files(root / name)
+
+
+def card(page: Page, name: str) -> Locator:
+    return page.get_by_role("article", name=f"Drawing {name}", exact=True)
+
+
+def choose(page: Page, label: str, option: str) -> None:
+    page.get_by_label(label, exact=True).click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+def test_a_drawing_is_brought_read_with_hatches_thrown_away_taken_back_and_painted(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    mine, theirs = page("/paint"), page("/paint", color_scheme="dark", viewport={"width": 1024, "height": 600})
+    bring(mine, tmp_path, "letter.svg", WITH_TEXT)
+    expect(mine.get_by_text("Cannot draw letter.svg: it has text; a pen draws paths")).to_be_visible()
+    mine.get_by_role("button", name="OK").click()
+    mine.evaluate(DROP, [BOAT, "My Boat.svg"])
+    for each in (mine, theirs):
+        expect(card(each, "my-boat").get_by_text("60 x 40 mm, 2 paths, 111 mm, 2 pens")).to_be_visible()
+        expect(card(each, "my-boat").get_by_role("listitem")).to_have_text(re.compile("^Lines that reach beyond"))
+    assert mine.request.get(f"{studio.url}/picture/drawings/my-boat/drawing.svg").status == 404  # it may hold scripts
+    shown = mine.get_by_alt_text("my-boat as a pen draws it")
+    before = shown.get_attribute("src")
+    mine.get_by_role("button", name="How the drawing is read").click()
+    choose(mine, "Sheet", "A5, lying")
+    mine.get_by_label("Hatching, mm between lines").fill("2")
+    for each in (mine, theirs):
+        expect(card(each, "my-boat").get_by_text(re.compile(r"^210\sx\s148\smm, .*, 2\spens$"))).to_be_visible()
+        expect(card(each, "my-boat").get_by_text("2 paths")).to_be_hidden()
+    assert shown.get_attribute("src") != before
+    expect(theirs.get_by_label("Sheet", exact=True)).to_have_value("A5, lying")
+    mine.get_by_label("Hatching, mm between lines").fill("500")
+    mine.get_by_role("button", name="Check").click()
+    expect(mine.get_by_text("The distance between hatching lines is 500 mm; it must be").first).to_be_visible()
+    mine.get_by_label("Hatching, mm between lines").fill("")
+    expect(card(theirs, "my-boat").get_by_text(re.compile(r"^210\sx\s148\smm, 2\spaths"))).to_be_visible()
+    card(theirs, "my-boat").get_by_role("button", name="Throw my-boat away").click()
+    expect(card(mine, "my-boat")).to_have_count(0)
+    theirs.get_by_role("button", name="Undo").click()
+    expect(card(mine, "my-boat")).to_be_visible()
+    expect(mine.get_by_label("Plan or drawing", exact=True)).to_have_value("my-boat")
+    choose(mine, "Machine", QUICK)
+    mine.get_by_role("button", name="Start painting").click()
+    expect(theirs.locator(".outcome")).to_have_text("my-boat is painted.")
+    expect(theirs.get_by_alt_text("The sheet as it was last seen")).to_be_visible()
+    expect(mine.get_by_text("All 2 strokes are painted.")).to_be_visible()
+
+
+def test_a_drawing_goes_on_after_the_studio_was_killed(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/paint")
+    bring(tab, tmp_path, "comb.svg", COMB)
+    expect(card(tab, "comb")).to_be_visible()
+    tab.get_by_role("button", name="Start painting").click()
+    expect(tab.locator(".now")).to_have_text(re.compile(rf"^Stroke [2-9] of {ROWS}"))
+    drawing = studio.folder / "drawings" / "comb" / "drawing.svg"
+    studio.kill()
+    wait_until_nobody_paints(drawing)
+    studio.start()
+    back = page("/paint")
+    expect(back.get_by_text(re.compile(f"It was begun: .* of {ROWS} strokes are painted"))).to_be_visible()
+    choose(back, "Machine", QUICK)
+    if back.get_by_text("Is it on the paper?").is_visible():
+        back.get_by_role("radio", name="No, paint it again").click()
+    back.get_by_role("button", name="Go on where it stopped").click()
+    expect(back.locator(".outcome")).to_have_text("comb is painted.")
+    assert Journal.read(journal_of(drawing)).painted == set(range(ROWS))
