@@ -117,6 +117,7 @@ def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page
 
     def open_page(path: str = "/", **options: Any) -> Page:
         contexts.append(browser.new_context(**options))
+        contexts[-1].set_default_timeout(1e3 * _PATIENCE_OF_A_PAGE)  # Playwright's own half minute is short for it
         opened = contexts[-1].new_page()
         opened.on("console", note)
         opened.on("pageerror", lambda error: wrong.append(str(error)))
