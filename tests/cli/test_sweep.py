@@ -158,16 +158,19 @@ def test_ctrl_c_keeps_all_plans_and_the_same_command_finishes_them(tmp_path: Pat
     assert read_cell(cells[0]).notes == read_cell(cells[1]).notes, "none was planned anew"
 
 
-def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path) -> None:
+@pytest.mark.parametrize("at", ["start", "work"])
+def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str) -> None:
     grid = grid_in(tmp_path, "seed = [0]", OPTIONS.replace("30", "300000"))
+    cell = tmp_path / "out" / "eileen.png_seed-0"
     running = Running("sweep", grid, "--out", tmp_path / "out", "--at-once", "1")
-    running.wait_for(r" [1-9]?\d%")
+    while not (workers_of(running.pid) if at == "start" else (cell / ".share").exists()):
+        time.sleep(0.01)
     (worker,) = workers_of(running.pid)
     running.kill()
     running.leave()
     while Path(f"/proc/{worker}").exists():
         time.sleep(0.1)
-    assert len(state_files(tmp_path / "out" / "eileen.png_seed-0")) == 1
+    assert len(state_files(cell)) == (at == "work")
 
 
 @pytest.mark.parametrize(

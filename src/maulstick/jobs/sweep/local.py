@@ -71,7 +71,7 @@ class Local:
                 raise OutputError("the sweep is over")
             told = TemporaryFile()  # noqa: SIM115  closed once the process has left
             process = subprocess.Popen(
-                [sys.executable, "-P", "-m", _WORKER],
+                [sys.executable, "-P", "-m", _WORKER, str(os.getpid())],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=told,

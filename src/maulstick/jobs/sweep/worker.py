@@ -1,6 +1,7 @@
 """Process that finishes one cell after another: a folder per line of its input, an answer per line of its output.
 
-It needs nothing of the program that started it, which may have no main module to import again.
+It needs nothing of the program that started it, which may have no main module to import again, but the number of its
+process: that may be gone before this one can look.
 """
 
 import json
@@ -14,9 +15,9 @@ def work() -> None:
     """Answer each line with what `plan_cell` returns, as JSON; leave with the process that asked."""
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what a library prints is no answer
-    parent = os.getppid()
+    asker = int(sys.argv[1])
     for line in sys.stdin:
-        said = plan_cell(json.loads(line), lambda: os.getppid() == parent)
+        said = plan_cell(json.loads(line), lambda: os.getppid() == asker)
         print(json.dumps(said), file=answers, flush=True)
 
 
