@@ -127,9 +127,7 @@ def totals(runs: Iterable[LoggedRun]) -> Mapping[str, PenTotal]:
     for run in runs:
         for use in run.pens:
             before = found.get(use.pen, PenTotal(PenUse(pen=use.pen), 0, run.at))
-            counted = {
-                name: getattr(before.use, name) + getattr(use, name) for name in ("metres", "seconds", "strokes")
-            }
+            counted = {name: getattr(before.use, name) + getattr(use, name) for name in _SUMS}
             use = before.use.model_copy(update=counted)
             found[use.pen] = replace(before, use=use, runs=before.runs + 1, last=max(before.last, run.at))
     return dict(sorted(found.items(), key=lambda item: -item[1].use.metres))
