@@ -1,9 +1,12 @@
 """Drawings of the studio without its page: kept, read in other ways, painted, and gone on with."""
 
 import asyncio
+import errno
+import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 from PIL import Image
@@ -18,6 +21,7 @@ from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.svg_work import keep_svg
 from tests.studio.test_run import outcome, stroke, until
 from tests.support.studio.drawings import BOAT, COMB, ROWS, WITH_TEXT, svg
 from tests.support.studio.plans_to_paint import put_plan
@@ -175,3 +179,16 @@ def test_a_drawing_that_was_begun_with_no_options_goes_on_with_the_usual_ones(tm
             assert len(Journal.read(journal_of(svgs.file(name))).painted) == ROWS
 
     asyncio.run(paint())
+
+
+def test_a_full_disk_while_a_drawing_is_kept_is_told_in_a_sentence_and_leaves_nothing(tmp_path: Path) -> None:
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    (tmp_path / "boat.svg").write_text(BOAT)
+    with Folder.opened(tmp_path / "studio") as folder:
+        file = folder.of("drawings", "boat") / "drawing.svg"
+        with (
+            patch("maulstick.studio.workers.svg_work.shutil.copyfile", side_effect=full),
+            pytest.raises(OutputError, match=r"No space left on device; make room for it there$"),
+        ):
+            keep_svg(tmp_path / "boat.svg", "boat.svg", file)
+        assert not list(file.parent.parent.iterdir())

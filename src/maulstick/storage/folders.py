@@ -4,8 +4,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
+from typing import Final
 
-from maulstick.errors import OutputError, option
+from maulstick.errors import InputError, OutputError, option
+
+MAKE_ROOM: Final = "make room for it there"
+"""Remedy where nothing can be written into a folder that is not to be another."""
 
 _ROOM = 2**20  # bytes, about what a painting takes: room that must be free before the work begins
 
@@ -50,13 +54,27 @@ def all_or_nothing(out: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def as_output_error(out: Path) -> Iterator[None]:
-    """Turn every OSError into an OutputError that names the folder `out`."""
+def whole_folder(folder: Path, taken: str) -> Iterator[Path]:
+    """Provide a temporary folder that is `folder` at the end; after an error nothing is left of it.
+
+    Raises InputError with the text `taken` where there is such a folder by then, OutputError where there is no room.
+    """
+    with as_output_error(folder.parent, MAKE_ROOM), TemporaryDirectory(dir=folder.parent, prefix=".") as temporary:
+        made = Path(temporary) / folder.name
+        made.mkdir()
+        yield made
+        if folder.exists():  # and where it comes into being now, the rename fails
+            raise InputError(taken)
+        made.rename(folder)
+
+
+@contextmanager
+def as_output_error(out: Path, remedy: str | None = None) -> Iterator[None]:
+    """Turn every OSError into an OutputError that names the folder `out`, and a remedy: another folder, if left out."""
     try:
         yield
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(
-            f"cannot write into the folder {out}: {error.strerror}; choose another {option('out')}"
-        ) from error
+        remedy = remedy or f"choose another {option('out')}"
+        raise OutputError(f"cannot write into the folder {out}: {error.strerror or error}; {remedy}") from error

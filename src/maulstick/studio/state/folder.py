@@ -150,17 +150,6 @@ def _make_private(root: Path) -> None:
         raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
 
 
-@contextmanager
-def writing_into(folder: Path) -> Iterator[None]:
-    """Turn every OSError, such as that of a full disk, into an OutputError that names the folder."""
-    try:
-        yield
-    except OutputError:
-        raise
-    except OSError as error:
-        raise OutputError(f"cannot write into {folder}: {error.strerror or error}; make room for it there") from error
-
-
 def _sharing(kind: str) -> tuple[str, ...]:
     """Return the kinds that share their names with one."""
     return PAINTED if kind in PAINTED else (kind,)

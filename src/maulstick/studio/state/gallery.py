@@ -2,17 +2,16 @@
 
 import asyncio
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import final
 
 from nicegui import Event
 from PIL import Image
 
-from maulstick.errors import InputError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
 from maulstick.storage.files import atomic_write
-from maulstick.studio.state.folder import Folder, writing_into
+from maulstick.storage.folders import whole_folder
+from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.desk import Desk
 
 _SMALL_PX = 480  # longest side of a thumbnail
@@ -56,16 +55,12 @@ def keep_picture(brought: Path, folder: Path) -> None:
     there is no room for it.
     """
     picture = read_picture(brought, longest_px=LONGEST_KEPT_PX)
-    with writing_into(folder.parent), TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
-        made = Path(temporary) / folder.name
-        made.mkdir()
+    taken = f"there is a picture {folder.name} meanwhile; use that one, or bring yours again"
+    with whole_folder(folder, taken) as made:
         atomic_write(made / "picture.png", encode_png(picture))
         with Image.open(made / "picture.png") as small:
             small.thumbnail((_SMALL_PX, _SMALL_PX))
             small.save(made / "small.jpg", quality=85)
-        if folder.exists():  # and where it comes into being now, the rename fails
-            raise InputError(f"there is a picture {folder.name} meanwhile; use that one, or bring yours again")
-        made.rename(folder)
 
 
 def picture_of(folder: Path) -> Path:

@@ -8,7 +8,8 @@ from pathlib import Path
 from nicegui import events, ui
 
 from maulstick.errors import InputError
-from maulstick.studio.state.folder import Folder, writing_into
+from maulstick.storage.folders import MAKE_ROOM, as_output_error
+from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.uploads import LARGEST, known_as
 
 _LARGEST_SMALL = 2**20  # bytes: of a file of a few numbers, read into memory whole
@@ -58,7 +59,7 @@ async def incoming(folder: Folder, file: events.UploadEventArguments) -> AsyncIt
     """
     path = folder.incoming()
     try:
-        with writing_into(folder.root):
+        with as_output_error(folder.root, MAKE_ROOM):
             await file.file.save(path)
         with known_as(path, str(file.file.name)):
             yield path

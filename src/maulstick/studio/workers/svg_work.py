@@ -2,16 +2,15 @@
 
 import shutil
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
 from maulstick.drawing.options import DrawingOptions
-from maulstick.errors import InputError
 from maulstick.jobs.paintable import is_svg, read_paintable
 from maulstick.painting.picture import encode_png
 from maulstick.storage.files import atomic_write
+from maulstick.storage.folders import whole_folder
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.workers.uploads import known_as
 
@@ -42,17 +41,13 @@ class SvgCard(BaseModel):
 def keep_svg(brought: Path, called: str, file: Path) -> None:
     """Store an SVG that was brought as `file` in a new folder with its card and its picture, whole or not at all.
 
-    called: its name in errors. Raises InputError where it cannot be drawn, and where the folder exists by now.
+    called: its name in errors. Raises InputError where it cannot be drawn, and where the folder exists by now;
+    OutputError where there is no room for it.
     """
-    folder = file.parent
-    with TemporaryDirectory(prefix=".", dir=folder.parent) as temporary:
-        made = Path(temporary) / folder.name / file.name
-        made.parent.mkdir()
-        shutil.copyfile(brought, made)
-        read_svg(made, called, DrawingOptions())
-        if folder.exists():  # and where it comes into being now, the rename fails
-            raise InputError(f"there is a drawing {folder.name} meanwhile; use that one, or bring yours again")
-        made.parent.rename(folder)
+    taken = f"there is a drawing {file.parent.name} meanwhile; use that one, or bring yours again"
+    with whole_folder(file.parent, taken) as made:
+        shutil.copyfile(brought, made / file.name)
+        read_svg(made / file.name, called, DrawingOptions())
 
 
 def read_svg(file: Path, called: str, options: DrawingOptions) -> None:
