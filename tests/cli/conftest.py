@@ -6,7 +6,8 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+import tty
+from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import NamedTuple
@@ -125,3 +126,14 @@ def painted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ran]:
     """A folder with a painting, that no test changes, and what was said while it was made."""
     out = tmp_path_factory.mktemp("painted") / "new" / "folder"
     return out, run("plan", PORTRAIT, *QUICK, "--out", out)
+
+
+@pytest.fixture
+def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """Where keys are pressed: they come in on standard input."""
+    keyboard, theirs = os.openpty()
+    tty.setraw(theirs)
+    with open(theirs) as stdin:
+        monkeypatch.setattr("sys.stdin", stdin)
+        yield keyboard
+    os.close(keyboard)

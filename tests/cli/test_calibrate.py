@@ -1,6 +1,4 @@
 import os
-import tty
-from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
@@ -204,17 +202,6 @@ CORNERS = [
     "1" + 10 * LEFT + 2 * LOWER + "x\r",
 ]
 PRESS = "1" + 2 * LOWER + "2" + 3 * LOWER + "3" + 2 * LOWER + "\n"
-
-
-@pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """Where keys are pressed: they come in on standard input."""
-    keyboard, theirs = os.openpty()
-    tty.setraw(theirs)
-    with open(theirs) as stdin:
-        monkeypatch.setattr("sys.stdin", stdin)
-        yield keyboard
-    os.close(keyboard)
 
 
 @pytest.fixture

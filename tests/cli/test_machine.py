@@ -2,7 +2,6 @@
 
 import io
 import os
-import tty
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,17 +27,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     return tmp_path
-
-
-@pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """Where keys are pressed: they come in on standard input."""
-    keyboard, theirs = os.openpty()
-    tty.setraw(theirs)
-    with open(theirs) as stdin:
-        monkeypatch.setattr("sys.stdin", stdin)
-        yield keyboard
-    os.close(keyboard)
 
 
 @pytest.fixture
