@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -151,18 +152,35 @@ def test_a_machine_that_gets_nowhere_near_is_said_to_have_no_room() -> None:
         check_accepted(ways_of(routine(LINES, at(0.3, 0.02), UR3E)), at(0.3, 0.02), robot)
 
 
-def test_every_place_of_a_plan_has_one_near_it_that_was_asked_for_and_few_are() -> None:
+def test_every_place_of_a_plan_is_asked_for_to_the_millimetre_and_none_twice() -> None:
     rng = np.random.default_rng(0)
     ends = rng.uniform(0.0, 0.12, (200, 2, 2))
-    scribble = painting_of([line(i, tuple(a), tuple(b)) for i, (a, b) in enumerate(ends.tolist())], size=(0.12, 0.12))
+    lines = [line(i, tuple(a), tuple(b)) for i, (a, b) in enumerate([*ends.tolist(), *ends.tolist()])]
+    scribble = painting_of(lines, size=(0.12, 0.12))
     ways = ways_of(routine(scribble, at(0.3, 0.06), UR3E))
     robot = Knowing(lambda place: True)
     check_accepted(ways, at(0.3, 0.06), robot)
-    asked = np.array(robot.asked)
-    places = np.concatenate([way.path for way in ways])
-    nearest = np.linalg.norm(places[:, None] - asked, axis=2).min(axis=1)
-    assert nearest.max() < 0.035, "no farther than the diagonal of a cell"
-    assert len(asked) < len(places) / 5
+    asked, places = (
+        np.floor(1e3 * np.array(some)) for some in (robot.asked, [*chain.from_iterable(way.path for way in ways)])
+    )
+    assert len(np.unique(asked, axis=0)) == len(asked) < len(places)
+    assert set(map(tuple, asked)) == set(map(tuple, places))
+
+
+def test_a_single_place_in_the_middle_of_a_painting_that_is_refused_is_found() -> None:
+    ways = ways_of(routine(LINES, at(0.3, 0.02), UR3E))
+    refused_at = ways[1].path[len(ways[1].path) // 2]
+    robot = Knowing(lambda place: not np.array_equal(place, refused_at))
+    with pytest.raises(InputError, match="refused by the machine itself"):
+        check_accepted(ways, at(0.3, 0.02), robot)
+
+
+def test_a_stop_ends_the_asking() -> None:
+    robot = Knowing(lambda place: True)
+    robot.stop()
+    with pytest.raises(StoppedError):
+        check_accepted(ways_of(routine(LINES, at(0.3, 0.02), UR3E)), at(0.3, 0.02), robot)
+    assert robot.asked == []
 
 
 def test_a_machine_that_does_not_know_is_not_asked() -> None:

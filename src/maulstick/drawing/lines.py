@@ -11,8 +11,8 @@ from maulstick.drawing.document import NO_PLACE
 from maulstick.errors import InputError
 from maulstick.storage.arrays import Floats, Ints
 
-FLATNESS: Final = 2e-5
-"""Metres that a polyline departs from its curve at most."""
+FLATNESS: Final = 1.5e-5
+"""Metres that a polyline departs from its Béziers at most, which leaves room for what they depart from an arc."""
 
 MOST_POINTS: Final = 4_000_000
 """Points of all polylines of a drawing: they take some 2 GB as a painting."""

@@ -86,7 +86,12 @@ class Robot(ABC):
 
     @final
     def accepts(self, place: Floats) -> bool:
-        """Return whether the machine says that its tip gets to a place (3,), metres; it must be connected."""
+        """Return whether the machine says that its tip gets to a place (3,), metres; it must be connected.
+
+        Raises StoppedError after `stop`: a machine may be asked for thousands of places.
+        """
+        if self._stopping.is_set():
+            raise StoppedError
         return self._accepts(np.asarray(place, dtype=np.float64))
 
     @property

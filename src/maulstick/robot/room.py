@@ -11,9 +11,12 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
 from maulstick.robot.reach import Reach
 from maulstick.robot.robot import Robot
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 
-_CELL: Final = 0.02  # metres: of so large a square, the machine is asked for the nearest and the farthest place
+_SAME: Final = 1e-3  # metres: in so small a cube, the machine is asked for one place
+_CELL: Final = (
+    0.02  # metres: of so large a cube, it is asked for the nearest and the farthest place of a sheet elsewhere
+)
 _LEAST: Final = 1e-3  # metres from the axis, nearer to which there is no direction away from it
 _SHIFTS: Final = tuple(sorted(np.arange(-100, 101) / 100, key=abs))[1:]  # metres by which the sheet is tried elsewhere
 _ASKED_SHIFTS: Final = tuple(sorted(np.arange(-10, 11) / 50, key=abs))[1:]  # the same, of which a machine is asked
@@ -64,14 +67,15 @@ def _check_reach(ways: Sequence[Way], easel: Easel, limits: Limits, reach: Reach
 
 
 def check_accepted(ways: Sequence[Way], easel: Easel, robot: Robot) -> None:
-    """Raise InputError where the machine, which is asked for places 20 mm apart, says that it does not get to one.
+    """Raise InputError where the machine, which is asked for every place, says that it does not get to one.
 
-    The ways have passed `check_room`. The machine must be connected; nothing moves.
+    Of places in one cubic millimetre it is asked for the first. The ways have passed `check_room`. The machine must be
+    connected; nothing moves. Raises StoppedError where it is stopped meanwhile.
     """
     if not robot.knows_its_reach or not ways:
         return
     places = _places(ways)
-    asked = _spread(places)
+    asked = _distinct(places)
     refused = next((index for index in asked if not robot.accepts(places[index])), None)
     if refused is None:
         return
@@ -80,7 +84,7 @@ def check_accepted(ways: Sequence[Way], easel: Easel, robot: Robot) -> None:
     def accepts(moved: Floats) -> bool:
         return robot.limits.holds(moved) and all(robot.accepts(place) for place in moved)
 
-    first = np.concatenate([[refused], asked])
+    first = np.concatenate([[refused], _spread(places)])
     where = _elsewhere(places[first], accepts, _ASKED_SHIFTS)
     raise InputError(
         f"{_named(ways[owner], places[refused], easel)} is refused by the machine itself: by the range of a joint, a "
@@ -102,7 +106,12 @@ def _places(ways: Sequence[Way]) -> Floats:
     return np.concatenate([way.path for way in ways])
 
 
-def _spread(places: Floats) -> Floats:
+def _distinct(places: Floats) -> Ints:
+    """Return the indices (k,) of the first of the places (n, 3) in each cubic millimetre, in their order."""
+    return np.sort(np.unique(np.floor(places / _SAME), axis=0, return_index=True)[1])
+
+
+def _spread(places: Floats) -> Ints:
     """Return the indices (k,) of the places (n, 3) that are nearest to and farthest from the base in each cell."""
     radius = np.hypot(places[:, 0], places[:, 1])
     order = np.argsort(radius, kind="stable")
