@@ -200,7 +200,14 @@ def test_hpgl_of_more_paints_than_pens_is_a_file_per_load(here: Path) -> None:
     assert said[2].count("pen ") == 1
     ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "2")
     assert (ran.code, "painting.plot-1.hpgl is already there" in ran.stderr) == (1, True)
-    assert "VS" not in exported("--format", "hpgl"), "the plotter's own speed"
+    ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "3", "--overwrite")
+    assert ran.stdout.splitlines() == files[:2]
+    assert ran.stderr.splitlines()[2:] == [
+        "note: painting.plot-3.hpgl is of an earlier export, with other pens; delete it"
+    ], "or somebody plots it"
+    ran = run("export", "painting.json", "--format", "hpgl", "--carousel", "8", "--overwrite")
+    assert ran.stderr.count("is of an earlier export") == 3
+    assert "VS" not in exported("--format", "hpgl", "--out", "alone.hpgl"), "the plotter's own speed"
 
 
 def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Path) -> None:

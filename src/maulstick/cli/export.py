@@ -1,5 +1,6 @@
 """``maulstick export``: writes a painting for machines that other programs drive."""
 
+import re
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -139,7 +140,10 @@ def export(
     actions = routine(plan, place, limits, wells, speed=fastest)
     if format == "hpgl":
         loads = as_hpgl(actions, limits, carousel or CAROUSEL, None if speed is None else fastest, shrink)
-        _write(_files_of(loads, plan, path, overwrite))
+        files = _files_of(loads, plan, path, overwrite)
+        _write(files)
+        for file in sorted(_of_loads(path) - set(files)):
+            _say(f"note: {file} is of an earlier export, with other pens; delete it")
     else:
         _write({path: as_gcode(actions, limits, spoken, place.pen) if format == "gcode" else as_json(actions)})
 
@@ -156,6 +160,12 @@ def _files_of(loads: list[CarouselLoad], plan: Painting, path: Path, overwrite: 
         paints = [plan.paints[paint] for paint in load.paints]
         _say(f"{file}: " + ", ".join(f"pen {n} is {p.brush} {p.label}" for n, p in enumerate(paints, start=1)))
     return files
+
+
+def _of_loads(path: Path) -> set[Path]:
+    """Return the files that exist of exports to a path, in one load or several."""
+    numbered = re.compile(re.escape(path.stem) + r"(-\d+)?" + re.escape(path.suffix))
+    return {file for file in path.parent.iterdir() if numbered.fullmatch(file.name)}
 
 
 def _write(files: dict[Path, str]) -> None:
