@@ -84,6 +84,7 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
     app.include_router(routes)
     app.mount("/survey", survey_pages())
     nicegui.run.process_pool_start_method = "spawn"
+    nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name, at each upload
     logging.getLogger("nicegui").addFilter(_is_for_the_terminal)
     ui.run_with(
         app,

@@ -1,0 +1,74 @@
+"""Panels as everybody meets them: by contrast, keyboard and names (axe-core), and without overlap at three sizes."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.support.studio.drawings import BOAT
+from tests.support.studio.plans_to_paint import put_plan_of_a_picture
+
+SIZES = [(1024, 768), (1280, 800), (1920, 1080)]
+
+# What a person reads or acts on, and that nothing of its own kind lies within.
+OVERLAPS = """() => {
+  const wanted = "button, a, input, select, textarea, label, h1, h2, h3, p, li, img, svg, [role=radio], [role=slider]";
+  const seen = [...document.querySelectorAll(".panel, header")].flatMap((part) => [...part.querySelectorAll(wanted)])
+    .filter((one) => one.checkVisibility({ opacityProperty: true, visibilityProperty: true }))
+    .filter((one) => !one.closest(".compare, .stroke-map, .q-field, [aria-hidden=true]"));
+  const boxes = seen.map((one) => one.getBoundingClientRect());
+  const words = (one) => one.innerText || one.getAttribute("aria-label") || one.className;
+  const named = (one) => `${one.tagName} ${words(one).slice(0, 40)}`;
+  const found = [];
+  for (let i = 0; i < seen.length; i++) for (let j = 0; j < i; j++) {
+    if (seen[i].contains(seen[j]) || seen[j].contains(seen[i])) continue;
+    if (!!seen[i].closest("header") !== !!seen[j].closest("header")) continue;  // the head stays while a panel scrolls
+    const [a, b] = [boxes[i], boxes[j]];
+    const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+    const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+    if (wide > 2 && high > 2) found.push(`${named(seen[i])} / ${named(seen[j])}`);
+  }
+  const wider = document.documentElement.scrollWidth - innerWidth;
+  return wider > 0 ? [...found, `the page is ${wider} px wider than the window`] : found;
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path, scheme: str
+) -> None:
+    put_plan_of_a_picture(studio.folder, "coast")
+    picture = studio.folder / "pictures" / "coast" / "picture.png"
+    shutil.copy(picture, picture.with_name("small.jpg"))
+    (tmp_path / "boat.svg").write_text(BOAT)
+    opened = page("/paint", color_scheme=scheme, reduced_motion="reduce")
+    opened.set_input_files("input[type=file][accept*=svg]", tmp_path / "boat.svg")
+    expect(opened.get_by_role("article", name="Drawing boat")).to_be_visible()
+    links = opened.get_by_role("navigation", name="Panels").get_by_role("link")
+    found = {}
+    for number in range(links.count()):
+        links.nth(number).click()
+        expect(links.nth(number)).to_have_attribute("aria-current", "page")
+        opened.wait_for_load_state("networkidle")
+        panel = opened.title()
+        for width, height in SIZES:
+            opened.set_viewport_size({"width": width, "height": height})
+            if overlaps := opened.evaluate(OVERLAPS):
+                found[panel, width] = overlaps
+        found |= {(panel, rule): nodes for rule, nodes in faults_by_axe(opened).items()}
+    assert found == {}
+    opened.evaluate("document.querySelector('h1').style.marginBottom = '-3rem'")
+    assert len(opened.evaluate(OVERLAPS)) == 1, "what overlaps is seen"
+
+
+def faults_by_axe(page: Page) -> dict[str, list[str]]:
+    """Elements that break a rule, and by which check, for each rule whose impact is serious or critical."""
+    broken = [rule for rule in Axe().run(page).response["violations"] if rule["impact"] in ("serious", "critical")]
+    return {
+        rule["id"]: [f"{node['html'][:150]}: {check['message']}" for node in rule["nodes"] for check in node["any"]]
+        for rule in broken
+    }
