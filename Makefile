@@ -48,11 +48,11 @@ test: $(VENV)/installed-dev
 	$(BIN)/ruff format --check
 	$(BIN)/lint-imports
 	$(BIN)/mypy --strict src
-	$(BIN)/pytest --numprocesses 2
+	$(BIN)/pytest --numprocesses 2 --dist worksteal
 
 test-baseline: $(VENV)/installed-dev
 	$(OLDEST) NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c '$(OF_NUMPY)')" \
-		$(BIN)/pytest --numprocesses 2 $(NUMERICAL) $(ELSEWHERE)
+		$(BIN)/pytest --numprocesses 2 --dist worksteal $(NUMERICAL) $(ELSEWHERE)
 
 bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/kernel.py
