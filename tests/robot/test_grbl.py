@@ -238,6 +238,25 @@ def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen(pen: Pen | 
             assert robot.place[:2] == pytest.approx(1e-3 * at[:2], abs=1e-6)
 
 
+@pytest.mark.parametrize("pen", [None, SERVO])
+@pytest.mark.parametrize("stopped", [True, False])
+def test_a_pen_that_stays_down_after_a_stroke_is_lifted_by_a_stop_and_on_leaving(
+    pen: Pen | None, stopped: bool
+) -> None:
+    with FakeGrbl() as device:
+        with Grbl(device.port, pen) as robot:
+            robot.move(ABOVE)
+            robot.stroke(CIRCLE, SPEED)
+            if stopped:
+                robot.stop()
+                with pytest.raises(StoppedError):
+                    robot.lift(ABOVE[2])
+            elif pen is None:
+                assert device.place[2] < 0.1
+        assert robot.lifted
+        assert device.servo == pen.up if pen is not None else device.place[2] == pytest.approx(1e3 * ABOVE[2])
+
+
 def test_an_interrupt_within_a_stroke_lifts_the_pen(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt

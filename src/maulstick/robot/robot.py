@@ -46,6 +46,7 @@ class Robot(ABC):
         self.limits = limits
         self._stopping = Stopping()
         self._place: Floats | None = None
+        self._clear = -np.inf  # height at which the pen was last lifted, metres
         self._down = self._out_of_use = self._connected = False
 
     @final
@@ -139,7 +140,7 @@ class Robot(ABC):
         beside = float(np.hypot(*(self.place - path[0])[:2]))
         if beside > _SAME_PLACE:
             raise InputError(f"the stroke starts {1e3 * beside:.3g} mm beside the pen; move there first")
-        self._down = True
+        self._down, self._clear = True, float(self.place[2])
         return self._do(lambda: self._stroke(path, speed))
 
     @final
@@ -147,7 +148,8 @@ class Robot(ABC):
         """Lift the tip straight up to a height, metres; returns the place commanded, (3,)."""
         goal = np.array([*self.place[:2], height], dtype=np.float64)
         self.limits.check_path(goal[None])
-        place = self._do(lambda: self._lifted_to(goal))
+        self._clear = max(self._clear, height)
+        place = self._do(lambda: self._lift(goal))
         self._down = False
         return place
 
@@ -207,7 +209,10 @@ class Robot(ABC):
 
     @abstractmethod
     def _recover(self) -> None:
-        """Stop and lift the pen as far as possible, after a stop or a fault; called from the thread of the calls."""
+        """Stop and lift the pen as far as possible, after a stop or a fault; called from the thread of the calls.
+
+        `place` has the height by then to which the pen was lifted before.
+        """
 
     def _leave(self) -> None:
         if not self._connected:
@@ -237,16 +242,11 @@ class Robot(ABC):
             self._save()
             raise
 
-    def _lifted_to(self, goal: Floats) -> Floats:
-        try:
-            return self._lift(goal)
-        except BaseException:
-            self._place = goal  # the height to which `_recover` lifts, and not that of the stroke that was ended
-            raise
-
     def _save(self) -> None:
         """Lift the pen if it is not known to be lifted."""
         if self._down:
+            if self._place is not None:  # a stroke that has ended left it at the paper
+                self._place[2] = max(self._place[2], self._clear)
             with suppress(MachineError):  # the fault before it says more
                 self._recover()
                 self._down = False
