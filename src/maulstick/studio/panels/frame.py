@@ -91,11 +91,12 @@ def _doing(studio: Studio) -> None:
     line = ui.label().classes("doing").props('role="status"')
 
     def say() -> None:
-        doing = [each for each in (studio.plans.doing, studio.run.doing) if each]
+        doing = [each for each in (studio.plans.doing, studio.run.doing, studio.by_hand.doing) if each]
         line.set_text(" · ".join(doing))
 
     shown_by(line, studio.plans.changed, say)
     shown_by(line, studio.run.changed, say)
+    shown_by(line, studio.by_hand.changed, say)
 
 
 def _stop(studio: Studio) -> None:
@@ -107,7 +108,7 @@ def _stop(studio: Studio) -> None:
     )
     html.p().classes("heard").props('role="status"')
     client = ui.context.client
-    ui.on("stop", lambda: client.run_javascript(f"stopHeard({json.dumps(studio.run.stop())})"))
+    ui.on("stop", lambda: client.run_javascript(f"stopHeard({json.dumps(studio.stop())})"))
     ui.add_body_html(_STOP)
 
 

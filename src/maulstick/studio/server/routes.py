@@ -72,7 +72,7 @@ def style_sheet(file: str, request: Request) -> Response:
 @routes.post("/stop")
 async def stop(request: Request) -> Response:
     """Stop the machine at once, and say what was stopped."""
-    return PlainTextResponse(request.app.state.studio.run.stop())
+    return PlainTextResponse(request.app.state.studio.stop())
 
 
 def _file(request: Request, kind: str, name: str, file: str | None, save_as: str | None = None) -> Response:

@@ -3,6 +3,7 @@
 import asyncio
 from typing import final
 
+from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
@@ -21,6 +22,7 @@ class Studio:
 
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
+    by_hand: machine that a person sets up.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -33,10 +35,16 @@ class Studio:
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)
+        self.by_hand = ByHand(self.run.easels)
+
+    def stop(self) -> str:
+        """Stop every machine at once and lift its pen; return what was stopped, for people."""
+        in_hand = self.by_hand.stop()
+        return self.run.stop() if self.run.is_busy or not in_hand else in_hand
 
     async def close(self) -> None:
         """Stop the machine, write what is unsaved, and end all processes."""
-        await self.run.close()
+        await asyncio.gather(self.by_hand.close(), self.run.close())
         await self.drawing.close()
         await asyncio.to_thread(self.plans.close)
         self.desk.close()

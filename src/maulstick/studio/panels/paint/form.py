@@ -141,6 +141,11 @@ class OptionsForm:
             self._camera.set_options(cameras, value=self._camera.value if self._camera.value in cameras else "")
         self._every.visible = bool(self._camera.value)
 
+    def take_easel(self, name: str) -> None:
+        """Choose an easel that was kept."""
+        self._offer_easels(name)
+        ui.notify(f"The sheet lies as {name} says", type="positive")
+
     def _easel_of(self, path: Path) -> str:
         """Return an easel's name in the studio, or its path where it comes from the command line."""
         easels = self._studio.run.easels
@@ -158,8 +163,7 @@ class OptionsForm:
             raise InputError("that file is too large for an easel; choose one from maulstick calibrate touch")
         content = await file.file.read()
         name = await asyncio.to_thread(self._studio.run.easels.keep, str(file.file.name), content)
-        self._offer_easels(name)
-        ui.notify(f"The sheet lies as {name} says", type="positive")
+        self.take_easel(name)
 
 
 def _ports() -> list[str]:

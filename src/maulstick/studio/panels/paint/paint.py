@@ -9,6 +9,7 @@ from maulstick.errors import InputError, MaulstickError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
 from maulstick.jobs.paintable import is_svg
+from maulstick.studio.panels.paint.by_hand import ByHandForm
 from maulstick.studio.panels.paint.drawings import Drawings
 from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
@@ -99,9 +100,12 @@ class _Setting:
                     ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
                     ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
         self._form = OptionsForm(studio, first, later, touched=self._touch)
+        with self.root:
+            ByHandForm(studio, lambda: self._filled_in()[1], lambda: self.plan, self._form.take_easel)
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
         shown_by(self.root, studio.plans.changed, self._offer)
         shown_by(self.root, studio.svgs.changed, self._offer)
+        shown_by(self.root, studio.by_hand.changed, self._show_buttons)
         shown_by(self.root, studio.mixing.changed, self._follow)
         shown_by(self.root, studio.mixing.changed, self._form.fit)
         background_tasks.create(self._form.offer_ports(), context=self.root)
@@ -190,7 +194,7 @@ class _Setting:
         self._begun.visible = bool(self._begun.text)
         self._mix.visible = bool(self._mix.text)
         for button in (self._check, self._start, self._restart, self._resume):
-            button.enabled = not self._run.is_busy
+            button.enabled = not (self._run.is_busy or self._studio.by_hand.is_on)
 
     @property
     def _is_drawing(self) -> bool:

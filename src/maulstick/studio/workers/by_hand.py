@@ -1,0 +1,214 @@
+"""Process that has a machine while a person sets it up on the page: one move after another, as they ask for it.
+
+It stops the machine, lifts the pen and ends by itself once the studio is gone, even if the studio was killed.
+"""
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from queue import SimpleQueue
+from typing import TYPE_CHECKING
+
+from maulstick.errors import InputError, MachineError
+from maulstick.robot.easel import Easel, Pen
+from maulstick.studio.wording import error_text
+from maulstick.studio.workers.messages import Ended
+from maulstick.studio.workers.process import Line
+
+if TYPE_CHECKING:
+    from maulstick.robot.bench import Bench
+    from maulstick.robot.robot import Robot
+
+_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once the studio is gone
+
+
+class Deed(Enum):
+    """Thing that the machine shall do. TAKE_HOLD: with motors that were off.  LEAVE: lift the pen, and disconnect."""
+
+    LOWER = "lower"
+    LIFT = "lift"
+    HOME = "home"
+    OUTLINE = "outline"
+    SQUARE = "square"
+    CORNER = "corner"
+    PAPER = "paper"
+    LET_GO = "let go"
+    TAKE_HOLD = "take hold"
+    LEAVE = "leave"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class Jog:
+    """Move along x, y or z (0, 1 or 2), metres, with the pen lifted."""
+
+    axis: int
+    metres: float
+
+
+@dataclass(frozen=True)
+class SetServo:
+    """Change of the servo's number, for the way the pen is now; by a share of its range, above 0 for higher."""
+
+    share: float
+
+
+Word = Deed | Jog | SetServo
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where the machine stands, sent after each word that it has acted on.
+
+    place: x, y and z in the machine's frame, metres.  pen: numbers of the servo; None where none lifts the pen.
+    lets_go: whether its motors can be switched off.  has_sheet: whether the sheet's size is known.
+    easel: where the sheet lies by now.  changed: whether that is new.  said: a sentence about the word.
+    fault: whether the word could not be done.
+    """
+
+    place: tuple[float, float, float]
+    lifted: bool
+    pen: Pen | None
+    lets_go: bool
+    has_sheet: bool
+    easel: Easel
+    changed: bool
+    said: str = ""
+    fault: bool = False
+
+
+@dataclass(frozen=True)
+class Loose:
+    """Message that the motors are off, until `Deed.TAKE_HOLD`."""
+
+
+def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | None) -> None:
+    """Do what the words of the studio say; send a `Standing` after each, and `Ended`.
+
+    painting: file whose sheet lies before the machine, if any.
+    """
+    hands = _Hands()
+    line.heard_by(hands.hear, hands.stay_alone)
+    from maulstick.jobs.paint.machine_lock import machine_lock
+    from maulstick.jobs.paintable import read_paintable
+    from maulstick.robot import machines
+    from maulstick.robot.bench import Bench
+    from maulstick.robot.easel import read_easel
+
+    place = None if easel is None else read_easel(easel)
+    sheet = None if painting is None else read_paintable(painting).painting.sheet
+    with machine_lock(spec):
+        robot = machines.machine(spec, place)
+        bench = Bench(robot, place, None if sheet is None else (sheet.width, sheet.height))
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda *_: hands.hear(Deed.STOP))
+        try:
+            while hands.attend(line, robot, bench):
+                line.say(Loose())
+                if not hands.wait():
+                    break
+        except MachineError as error:
+            line.say(Ended("" if hands.is_to_stop else error_text(error), robot.lifted))
+        else:
+            line.say(Ended(None, True))
+
+
+class _Hands:
+    """Words of the studio, received in a thread of its own. is_to_stop: whether a stop was among them."""
+
+    def __init__(self) -> None:
+        self.is_to_stop = False
+        self._robot: Robot | None = None
+        self._words: SimpleQueue[object] = SimpleQueue()
+
+    def hear(self, word: object) -> None:
+        """Keep a word until its turn; a stop is acted on at once."""
+        if word is Deed.STOP:
+            self.is_to_stop = True
+            if self._robot is not None:
+                self._robot.stop()
+        self._words.put(word)
+
+    def stay_alone(self) -> None:
+        """Stop, and end the process once the pen had time to lift: the studio is gone."""
+        self.hear(Deed.STOP)
+        time.sleep(_LONGEST_FAREWELL)
+        os._exit(1)
+
+    def wait(self) -> bool:
+        """Wait until the motors shall hold again; return False where the person leaves instead."""
+        while (word := self._words.get()) is not Deed.TAKE_HOLD:
+            if word in (Deed.STOP, Deed.LEAVE):
+                return False
+        return True
+
+    def attend(self, line: Line, robot: "Robot", bench: "Bench") -> bool:
+        """Enter the machine, and do what the words say; return whether its motors were switched off at the end.
+
+        Raises MachineError where the machine fails or is stopped, InputError where it cannot be entered.
+        """
+        with robot:
+            self._robot = robot
+            if self.is_to_stop:  # while it was connected, which clears the robot's own stop
+                robot.stop()
+            line.say(_standing(bench))
+            while True:
+                word = self._words.get()
+                if word in (Deed.STOP, Deed.LEAVE):
+                    bench.lift()
+                    return False
+                try:
+                    said, fault = _do(bench, word), False
+                except InputError as error:
+                    said, fault = error_text(error), True
+                else:
+                    if word is Deed.LET_GO:
+                        return True
+                line.say(_standing(bench, said, fault))
+
+
+def _standing(bench: "Bench", said: str = "", fault: bool = False) -> Standing:
+    from maulstick.robot.plotter import LetsGo
+
+    x, y, z = bench.robot.place.tolist()
+    return Standing(
+        place=(x, y, z),
+        lifted=bench.robot.lifted,
+        pen=None if bench.servo is None else bench.servo.pen,
+        lets_go=isinstance(bench.robot, LetsGo),
+        has_sheet=bench.size is not None,
+        easel=bench.easel,
+        changed=bench.changed and bench.may_be_written,
+        said=said,
+        fault=fault,
+    )
+
+
+def _do(bench: "Bench", word: object) -> str:
+    """Do what a word says; return a sentence about it, or "". Raises InputError where it cannot be done."""
+    match word:
+        case Jog(axis=axis, metres=metres):
+            bench.jog(axis, metres)
+        case SetServo(share=share):
+            pen = bench.set_servo(1 if share > 0 else -1, abs(share))
+            return f"the pen is up at {pen.up:g}, and down at {pen.down:g}"
+        case Deed.CORNER:
+            return bench.set_origin("corner")
+        case Deed.PAPER:
+            return bench.set_origin("paper")
+        case Deed.TAKE_HOLD:
+            pass  # its motors hold already
+        case Deed():
+            deeds = {
+                Deed.LOWER: bench.lower,
+                Deed.LIFT: bench.lift,
+                Deed.HOME: bench.go_home,
+                Deed.OUTLINE: bench.outline,
+                Deed.SQUARE: bench.square,
+                Deed.LET_GO: bench.let_go,
+            }
+            deeds[word]()
+    return ""

@@ -1,0 +1,171 @@
+"""A machine that is set up on the page, without its page: real processes, plotters on pseudo-terminals."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from maulstick.errors import InputError
+from maulstick.jobs.paint.options import PaintOptions
+from maulstick.robot.easel import read_easel
+from maulstick.studio.state.by_hand import ByHand
+from maulstick.studio.state.easels import Easels
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.workers.by_hand import Deed, Jog, SetServo, Word
+from tests.support.robot.fake_ebb import FakeEbb
+from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.studio.plans_to_paint import put_plan
+
+PATIENCE = 120.0  # seconds, for a machine that does much else
+
+
+@pytest.fixture(autouse=True)
+def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+
+
+@asynccontextmanager
+async def in_hand(root: Path, device: FakeGrbl | FakeEbb, painting: Path | None = None) -> AsyncIterator[ByHand]:
+    """Take hold of a plotter, and let go of it at the end."""
+    kind = "grbl" if isinstance(device, FakeGrbl) else "axidraw"
+    with Folder.opened(root) as folder:
+        hand = ByHand(Easels(folder))
+        hand.begin(PaintOptions(robot=f"{kind}:{device.port}"), painting)
+        try:
+            await rest(hand)
+            yield hand
+        finally:
+            await hand.close()
+
+
+async def rest(hand: ByHand) -> None:
+    """Wait until the machine has done all that it was told, or is out of hand."""
+    async with asyncio.timeout(PATIENCE):
+        while hand.state.phase in ("connecting", "moving", "stopping"):
+            await asyncio.sleep(0.02)
+
+
+async def do(hand: ByHand, *words: Word) -> None:
+    """Say one word after another, each once the one before is done."""
+    for word in words:
+        hand.do(word)
+        await rest(hand)
+
+
+def run(test: Callable[[], Awaitable[None]]) -> None:
+    asyncio.run(test())  # type: ignore[arg-type]
+
+
+def test_a_machine_is_moved_around_its_sheet_draws_a_square_and_is_let_go(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path / "studio", "lines")
+
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device, painting) as hand:
+            assert hand.doing == f"Pen plotter with Grbl at {device.port} is moved by hand"
+            assert hand.state.standing is not None
+            assert hand.state.standing.has_sheet
+            await do(hand, Jog(0, 0.01), Jog(1, 0.005))
+            assert hand.state.standing.place[:2] == pytest.approx((0.01, 0.005))
+            await do(hand, Deed.SQUARE, Deed.OUTLINE, Deed.LEAVE)
+            assert (hand.is_on, hand.state.phase, hand.state.fault) == (False, "off", False)
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+        down = {(round(x), round(y)) for x, y, z, _ in device.reached if z <= 0}
+        up = {(round(x), round(y)) for x, y, z, _ in device.reached if z > 0}
+    assert down >= {(10, 5), (30, 5), (30, 25), (10, 25)}
+    assert up >= {(0, 0), (60, 0), (60, 40), (0, 40)}
+
+
+def test_what_cannot_be_done_is_said_and_the_next_word_works(tmp_path: Path) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            await do(hand, Jog(0, -0.01))
+            assert hand.state.fault
+            assert "the machine's x is -10 mm" in hand.state.sentence
+            await do(hand, Deed.OUTLINE)
+            assert "the sheet's size is not known" in hand.state.sentence
+            await do(hand, Jog(0, 0.001))
+            assert not hand.state.fault
+            with pytest.raises(InputError, match="is in hand already; let it go first"):
+                hand.begin(PaintOptions(robot=f"grbl:{device.port}"), None)
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+
+
+def test_a_stop_lifts_the_pen_and_ends_it(tmp_path: Path) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            assert hand.stop() == "The machine stops and lifts its pen."
+            await rest(hand)
+            assert hand.stop() == "", "nothing is in hand"
+            hand.begin(PaintOptions(robot=f"grbl:{device.port}"), None)
+            await rest(hand)
+            await do(hand, Deed.LOWER)
+            assert hand.state.standing is not None
+            assert not hand.state.standing.lifted
+            hand.stop()
+            await rest(hand)
+            assert (hand.state.sentence, hand.state.fault) == ("You stopped it.", False)
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+        assert device.place[2] == 5, (device.lines[-12:], device.reached[-4:])
+
+
+def test_a_stop_while_it_connects_is_not_forgotten(tmp_path: Path) -> None:
+    async def set_up() -> None:
+        with Folder.opened(tmp_path / "studio") as folder:
+            hand = ByHand(Easels(folder))
+            hand.begin(PaintOptions(robot=f"grbl:{device.port}"), None)
+            hand.stop()
+            hand.do(Jog(0, 0.01))
+            await rest(hand)
+            assert not hand.is_on
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+        assert device.place[0] == 0
+
+
+def test_the_servo_is_set_and_kept_as_an_easel_and_motors_are_let_go(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path / "studio", "lines")
+
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device, painting) as hand:
+            assert hand.state.standing is not None
+            before = hand.state.standing.pen
+            assert before is not None
+            await do(hand, SetServo(0.01))
+            assert "the pen is up at" in hand.state.sentence
+            assert hand.keep("Gallery wall") == "gallery-wall"
+            kept = read_easel(tmp_path / "studio" / "easels" / "gallery-wall.json").pen
+            assert kept == hand.state.standing.pen != before
+            await do(hand, Jog(0, 0.01), Deed.LET_GO)
+            assert hand.state.phase == "loose"
+            await do(hand, Deed.TAKE_HOLD)
+            assert hand.state.standing.place[0] == 0, "where it was pushed is its home"
+            await do(hand, SetServo(-0.01), Deed.LEAVE)
+            assert hand.state.sentence == "The pen's new numbers or place were not kept."
+
+    with FakeEbb() as device:
+        run(set_up)
+        assert not device.down
+
+
+def test_a_machine_that_is_not_there_is_told(tmp_path: Path) -> None:
+    async def set_up() -> None:
+        with Folder.opened(tmp_path / "studio") as folder:
+            hand = ByHand(Easels(folder))
+            with pytest.raises(InputError, match="choose a real machine"):
+                hand.begin(PaintOptions(robot="sim"), None)
+            hand.begin(PaintOptions(robot=f"grbl:{tmp_path}/nothing"), None)
+            await rest(hand)
+            assert hand.state.fault
+            assert "nothing" in hand.state.sentence
+
+    run(set_up)

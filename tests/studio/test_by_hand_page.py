@@ -1,0 +1,39 @@
+"""A plotter that is set up on the page, in a real browser."""
+
+import re
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.studio.plans_to_paint import put_plan
+
+
+def test_a_plotter_is_moved_step_by_step_and_escape_lifts_its_pen(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    put_plan(studio.folder, "coast")
+    with FakeGrbl(pace=20.0) as device:
+        tab = page("/paint?plan=coast")
+        tab.get_by_label("Machine", exact=True).click()
+        tab.get_by_role("option", name="Pen plotter with Grbl").click()
+        tab.get_by_label("Port").fill(device.port)
+        tab.get_by_label("Port").press("Enter")
+        tab.get_by_role("button", name="Set the machine up by hand").click()
+        tab.get_by_role("button", name="Take hold of the machine").click()
+        where = tab.get_by_text(re.compile(r"^x .* mm, pen"))
+        expect(where).to_have_text("x 0.0, y 0.0, z 5.0 mm, pen up")
+        expect(tab.get_by_role("button", name="Start painting")).to_be_disabled()
+        tab.get_by_role("button", name="10 mm").click()
+        tab.get_by_role("button", name="x +").click()
+        expect(where).to_have_text("x 10.0, y 0.0, z 5.0 mm, pen up")
+        tab.get_by_role("button", name="x \N{MINUS SIGN}").click()
+        tab.get_by_role("button", name="x \N{MINUS SIGN}").click()
+        expect(tab.get_by_text("The machine's x is -10 mm")).to_be_visible()
+        tab.get_by_role("button", name="Lower the pen").click()
+        expect(where).to_contain_text("pen down")
+        tab.keyboard.press("Escape")
+        expect(tab.get_by_text("You stopped it.")).to_be_visible()
+        assert device.place[2] == 5
+        expect(tab.get_by_role("button", name="Start painting")).to_be_enabled()
