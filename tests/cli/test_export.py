@@ -210,6 +210,17 @@ def test_hpgl_of_more_paints_than_pens_is_a_file_per_load(here: Path) -> None:
     assert "VS" not in exported("--format", "hpgl", "--out", "alone.hpgl"), "the plotter's own speed"
 
 
+def test_an_svg_per_pen_holds_the_strokes_of_that_pen_alone(here: Path) -> None:
+    ran = run("export", "painting.json", "--format", "svg", "--per-pen")
+    assert ran.code == 0
+    files = ["painting.plot-1.svg", "painting.plot-2.svg"]
+    assert ran.stdout.splitlines() == files
+    assert [row.partition(": ")[0] for row in ran.stderr.splitlines()] == files
+    drawn = [Path(file).read_text().count("<path") for file in files]
+    whole = exported("--format", "svg").count("<path")
+    assert (sum(drawn), min(drawn) > 0) == (whole, True)
+
+
 def test_a_sheet_that_is_too_large_for_hpgl_is_refused_or_drawn_smaller(here: Path) -> None:
     strokes = [line(0, (0.1, 0.1), (1.1, 0.6))]
     write_painting(painting_of(strokes, [nominal("fineliner")], (1.2, 0.8)), here / "painting.json")

@@ -23,24 +23,10 @@ from maulstick.cli.drawing import (
 )
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.jobs.paint.options import PaintOptions
-from maulstick.ordering.sequence import sequenced
-from maulstick.painting.painting import Painting
-from maulstick.painting.svg import axidraw_svg, flattened_note
-from maulstick.robot.easel import Easel, Pen, read_easel
-from maulstick.robot.export.export import as_gcode, as_hpgl, as_json
-from maulstick.robot.export.gcode import Dialect
-from maulstick.robot.export.hpgl import CAROUSEL, CarouselLoad
-from maulstick.robot.limits import Limits
-from maulstick.robot.routine import routine
-from maulstick.robot.tray import Tray, read_tray
+from maulstick.jobs.export import DIALECTS, FORMATS, Export, ExportOptions, exported
+from maulstick.robot.easel import Pen
+from maulstick.robot.export.hpgl import CAROUSEL
 from maulstick.storage.files import atomic_write
-
-_THIN, _CLEAR = 1e-6, 0.05  # metres below and above the paper that any machine reaches
-_FORMATS = ("gcode", "hpgl", "svg", "json")
-_DIALECTS: tuple[Dialect, ...] = ("grbl", "marlin")
-_MOST_PENS = 99  # of a carousel: more than any plotter had
-_SPEED = 0.05  # metres per second: slow enough for most pens and plotters
 
 _writing = partial(typer.Option, rich_help_panel="What is written")
 _machine = partial(typer.Option, rich_help_panel="The machine")
@@ -54,9 +40,9 @@ def export(
             metavar="FORMAT",
             help="Format: gcode, hpgl, svg for AxiDraw's own software, or json with one motion per line.",
         ),
-    ] = "gcode",
+    ] = FORMATS[0],
     dialect: Annotated[
-        str | None, _writing(metavar="grbl|marlin", show_default="grbl", help="Dialect of the G-code.")
+        str | None, _writing(metavar="|".join(DIALECTS), show_default=DIALECTS[0], help="Dialect of the G-code.")
     ] = None,
     carousel: Annotated[
         int | None,
@@ -65,6 +51,7 @@ def export(
     shrink: Annotated[
         bool, _writing("--shrink", metavar="", help="Draw all smaller where HPGL does not reach so far (819 mm).")
     ] = False,
+    per_pen: Annotated[bool, _writing("--per-pen", metavar="", help="Write an SVG for each pen.")] = False,
     servo: Annotated[
         str | None,
         _machine(
@@ -104,74 +91,49 @@ def export(
 
     Example: maulstick export cat/painting.json --format gcode --servo 30,90
     """
-    spoken = next((each for each in _DIALECTS if each == (dialect or "grbl")), None)
-    if format not in _FORMATS:
-        raise InputError.of_choice("format", format, _FORMATS)
-    if spoken is None:
-        raise InputError.of_choice("dialect", dialect, _DIALECTS)
-    if format != "gcode" and (servo, dialect) != (None, None):
-        raise InputError("--servo and --dialect are for G-code; leave them out")
-    if format != "hpgl" and (carousel is not None or shrink):
-        raise InputError("--carousel and --shrink are for HPGL; leave them out")
-    if carousel is not None and not 1 <= carousel <= _MOST_PENS:
-        raise InputError.of_range("--carousel", carousel, f"1 to {_MOST_PENS}")
-    if format == "svg" and (easel, tray, speed) != (None, None, None):
-        raise InputError("SVG is of the sheet alone; leave out --easel, --tray and --speed")
-    fastest = _SPEED if speed is None else speed * 1e-3
-    PaintOptions(speed=fastest).check()
+    options = ExportOptions(
+        format=format,
+        dialect=dialect,
+        servo=None if servo is None else servo_of(servo),
+        carousel=carousel,
+        shrink=shrink,
+        per_pen=per_pen,
+        speed=None if speed is None else speed * 1e-3,
+        easel=easel,
+        tray=tray,
+    )
     path = out or painting.with_suffix(f".plot.{format}")
     check_absent(path, "--out", overwrite)
     drawing = drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order)
-    plan = sequenced(read_plan(painting, drawing), (0.0, 0.0))
-    if not plan.strokes:
-        raise InputError(f"{painting} has no strokes; plan it again with more")
-    if format == "svg":
-        if note := flattened_note(plan):
-            _say(f"note: {note}")
-        _write({path: axidraw_svg(plan)})
-        return
-    place = read_easel(easel) if easel is not None else _at_the_origin(plan)
-    if servo is not None:
-        place = place.model_copy(update={"pen": servo_of(servo)})
-    wells = read_tray(tray) if tray is not None else None
-    limits = place.limits or _around(plan, place, wells, fastest)
-    if place.pen is not None or format == "hpgl":
-        limits = limits.model_copy(update={"varies_pressure": False})
-    actions = routine(plan, place, limits, wells, speed=fastest)
-    if format == "hpgl":
-        loads = as_hpgl(actions, limits, carousel or CAROUSEL, None if speed is None else fastest, shrink)
-        files = _files_of(loads, plan, path, overwrite)
-        _write(files)
-        for file in sorted(_of_loads(path) - set(files)):
+    export = exported(read_plan(painting, drawing), options)
+    for note in export.notes:
+        _say(f"note: {note}")
+    files = _files_of(export, path, overwrite)
+    for file, text in files.items():
+        atomic_write(file, text.encode())
+        print(file, flush=True)
+    if format == "hpgl" or per_pen:
+        for file in sorted(_of_parts(path) - set(files)):
             _say(f"note: {file} is of an earlier export, with other pens; delete it")
-    else:
-        _write({path: as_gcode(actions, limits, spoken, place.pen) if format == "gcode" else as_json(actions)})
 
 
-def _files_of(loads: list[CarouselLoad], plan: Painting, path: Path, overwrite: bool) -> dict[Path, str]:
-    """Return a file for each load of pens, and say which pens are in it where there are several."""
-    if len(loads) == 1:
-        return {path: loads[0].text}
+def _files_of(export: Export, path: Path, overwrite: bool) -> dict[Path, str]:
+    """Return the texts by their files, and say which pens are in each where there are several."""
+    if len(export.files) == 1:
+        return {path: export.files[0].text}
     files = {}
-    for number, load in enumerate(loads, start=1):
+    for number, part in enumerate(export.files, start=1):
         file = path.with_name(f"{path.stem}-{number}{path.suffix}")
         check_absent(file, "--out", overwrite)
-        files[file] = load.text
-        paints = [plan.paints[paint] for paint in load.paints]
-        _say(f"{file}: " + ", ".join(f"pen {n} is {p.brush} {p.label}" for n, p in enumerate(paints, start=1)))
+        files[file] = part.text
+        _say(f"{file}: {part.pens}")
     return files
 
 
-def _of_loads(path: Path) -> set[Path]:
-    """Return the files that exist of exports to a path, in one load or several."""
+def _of_parts(path: Path) -> set[Path]:
+    """Return the files that exist of exports to a path, in one part or several."""
     numbered = re.compile(re.escape(path.stem) + r"(-\d+)?" + re.escape(path.suffix))
     return {file for file in path.parent.iterdir() if numbered.fullmatch(file.name)}
-
-
-def _write(files: dict[Path, str]) -> None:
-    for path, text in files.items():
-        atomic_write(path, text.encode())
-        print(path, flush=True)
 
 
 def _say(sentence: str) -> None:
@@ -187,29 +149,3 @@ def servo_of(text: str) -> Pen:
     except ValueError:
         raise InputError(f"--servo is {text!r}; it must be two numbers, for up and down, as in 30,90") from None
     return Pen(up=up, down=down)
-
-
-def _at_the_origin(plan: Painting) -> Easel:
-    """Return an easel with the sheet's lower left corner at the origin, and the deepest pressure of the brushes."""
-    deepest = max((max(brush.depth) for brush in plan.brushes.values()), default=0.0)
-    return Easel(corner=(0, plan.sheet.height, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=deepest)
-
-
-def _around(plan: Painting, easel: Easel, tray: Tray | None, speed: float) -> Limits:
-    """Return limits for an unknown machine: the sheet, as deep as the easel allows, and the tray, at that speed."""
-    width, height = plan.sheet.width, plan.sheet.height
-    ends = [[x, y, z] for x in (0, width) for y in (0, height) for z in (-max(easel.deepest, _THIN), _CLEAR)]
-    places = [np.array(ends)]
-    if tray is not None:
-        for well in (*tray.paints.values(), tray.water, tray.cloth):
-            path = well.path()
-            places += [path, np.insert(path[:, :2], 2, tray.clearance, axis=1)]
-    corners = easel.canvas_to_machine(np.concatenate(places))
-    return Limits(
-        lower=tuple(corners.min(axis=0).tolist()),
-        upper=tuple(corners.max(axis=0).tolist()),
-        speed=speed,
-        climb=speed,
-        acceleration=1.0,
-        varies_pressure=True,
-    )
