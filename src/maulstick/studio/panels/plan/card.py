@@ -7,6 +7,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
@@ -103,9 +104,14 @@ class PlanCard:
         with self._files:
             for file, label in _FILES.items():
                 ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
+            ui.item("Save as …", on_click=self._save_as)
         self._away = ui.button(icon="delete", on_click=self._throw_away).props(
             f'flat aria-label="Throw {plan.name} away"'
         )
+
+    def _save_as(self) -> None:
+        with self._card:
+            ExportDialog(self._studio.desk, self.plan.folder / "painting.json", self.plan.name)
 
     def _show_notes(self) -> None:
         self._notes.visible = bool(self.plan.notes)

@@ -1,0 +1,62 @@
+"""Files of a plan that people take elsewhere, without the page and on it."""
+
+import io
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+from maulstick.errors import InputError
+from maulstick.jobs.export import ExportOptions
+from maulstick.robot.easel import Pen
+from maulstick.studio.workers.export_work import export_for_machine, export_picture
+from tests.studio.conftest import RunningStudio
+from tests.support.robot.small_paintings import SIX
+from tests.support.studio.plans_to_paint import LINES, put_plan
+
+
+def test_one_file_comes_as_it_is_and_several_in_an_archive_that_says_which_pen_is_which(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "six", SIX)
+    taken = export_for_machine(painting, "six", ExportOptions(format="gcode", servo=Pen(up=30, down=90)))
+    assert (taken.name, b"M3 S90" in taken.content) == ("six.gcode", True)
+    taken = export_for_machine(painting, "six", ExportOptions(format="svg", per_pen=True))
+    assert taken.name == "six-svg.zip"
+    with zipfile.ZipFile(io.BytesIO(taken.content)) as archive:
+        assert archive.namelist() == ["six-1.svg", "six-2.svg", "pens.txt"]
+        assert archive.read("six-1.svg").startswith(b"<")
+        assert archive.read("pens.txt").decode().splitlines()[0].startswith("six-1.svg: ")
+
+
+def test_a_picture_has_the_height_asked_for_and_a_print_its_true_size(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+    with Image.open(io.BytesIO(export_picture(painting, "lines", 400).content)) as picture:
+        assert picture.height == 400
+        assert np.asarray(picture).min() < 128, "strokes are on it"
+    pdf = export_picture(painting, "lines", None).content
+    assert pdf.startswith(b"%PDF")
+    width, height = LINES.sheet.width / 0.0254 * 72, LINES.sheet.height / 0.0254 * 72
+    box = [float(side) for side in pdf.split(b"/MediaBox [")[1].split(b"]")[0].split()]
+    assert box == pytest.approx([0, 0, width, height], abs=0.5)
+    with pytest.raises(InputError):
+        export_picture(painting, "lines", 10**6)
+
+
+def test_a_plan_is_saved_for_another_machine_on_the_page(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    put_plan(studio.folder, "lines")
+    studio.kill()
+    studio.start()  # it finds all plans when it starts
+    tab = page("/plan")
+    tab.get_by_role("button", name="Files").click()
+    tab.get_by_text("Save as …").click()
+    tab.get_by_label("What for").click()
+    tab.get_by_role("option", name="G-code for Grbl").click()
+    tab.get_by_role("checkbox", name="A servo lifts the pen").click()
+    with tab.expect_download() as caught:
+        tab.get_by_role("button", name="Save", exact=True).click()
+    assert caught.value.suggested_filename == "lines.gcode"
+    assert "M3 S90" in caught.value.path().read_text()
+    expect(tab.get_by_role("dialog")).to_have_count(0)
