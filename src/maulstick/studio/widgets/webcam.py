@@ -1,0 +1,74 @@
+"""Photograph that the camera of the browser's own device takes, brought as a file is."""
+
+from typing import Final
+
+from nicegui import Client, html, ui
+
+from maulstick.errors import InputError
+
+_LONGEST: Final = 60.0  # seconds for a person to let the page use the camera
+_SEE = """(async () => {
+  const video = getHtmlElement(VIDEO);
+  try {
+    video.srcObject = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1920 } } });
+    await video.play();
+    return "";
+  } catch (error) { return error.name; }
+})()"""
+_TAKE = """(async () => {
+  const video = getHtmlElement(VIDEO), canvas = document.createElement("canvas");
+  canvas.width = video.videoWidth; canvas.height = video.videoHeight;
+  canvas.getContext("2d").drawImage(video, 0, 0);
+  const blob = await new Promise((done) => canvas.toBlob(done, "image/jpeg", 0.95));
+  runMethod(CHOOSER, "addFiles", [[new File([blob], "photograph.jpg", { type: "image/jpeg" })]]);
+})()"""
+_LEAVE = "getHtmlElement(VIDEO)?.srcObject?.getTracks().forEach((track) => track.stop())"
+_REFUSALS: Final = {
+    "NotAllowedError": "the browser may not use the camera; allow it beside the page's address",
+    "NotFoundError": "there is no camera; connect one",
+    "TypeError": "the browser gives the camera to a page of this very computer alone; bring a photograph",
+}
+
+
+def camera_button(chooser: ui.upload) -> ui.button:
+    """Make a button that takes a photograph and brings it by an upload."""
+    return ui.button("Take a photograph", icon="photo_camera", on_click=lambda: _Camera(chooser).see()).props(
+        "flat no-caps"
+    )
+
+
+class _Camera:
+    """Dialog with what the camera sees."""
+
+    def __init__(self, chooser: ui.upload) -> None:
+        self._chooser, self._client = chooser, ui.context.client
+        with ui.dialog().props('aria-label="Take a photograph"') as self._dialog, html.div().classes("sheet"):
+            self._video = html.video().props("playsinline muted").classes("picture").style("max-height: 60vh")
+            with ui.element().classes("line end"):
+                ui.button("Leave it", on_click=self._dialog.close).props("flat")
+                self._take = ui.button("Take it", icon="photo_camera", on_click=self._bring)
+        self._take.disable()
+        self._dialog.on("hide", self._leave)
+
+    async def see(self) -> None:
+        """Show what the camera sees. Raises InputError where there is none that may be used."""
+        self._dialog.open()
+        refusal = await self._run(_SEE)
+        if refusal:
+            self._dialog.close()
+            raise InputError(_REFUSALS.get(str(refusal), f"the camera does not answer ({refusal}); connect it again"))
+        self._take.enable()
+
+    async def _bring(self) -> None:
+        await self._run(_TAKE)
+        self._dialog.close()
+
+    async def _leave(self) -> None:
+        await self._run(_LEAVE)
+        self._dialog.delete()
+
+    async def _run(self, script: str) -> object:
+        client: Client = self._client
+        filled = script.replace("VIDEO", str(self._video.id)).replace("CHOOSER", str(self._chooser.id))
+        answer: object = await client.run_javascript(f"return {filled}", timeout=_LONGEST)
+        return answer
