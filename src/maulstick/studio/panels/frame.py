@@ -9,6 +9,7 @@ from pathlib import Path
 from nicegui import PageArguments, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.studio.panels.tablet import Door, tablet_button
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import error_text
@@ -49,8 +50,8 @@ _STOP = """<script>
 _STYLE = Path(__file__).with_name("studio.css")
 
 
-def page(studio: Studio) -> None:
-    """Build the page."""
+def page(studio: Studio, door: Door) -> None:
+    """Build the page. door: the way in for other machines."""
     ui.on_exception(_tell)
     ui.add_css(_STYLE)
     ui.colors(primary="#8c3d26", secondary="#5b6770", accent="#2f6690", negative="#b3261e", positive="#3c7a3f")
@@ -58,6 +59,7 @@ def page(studio: Studio) -> None:
         ui.label("Maulstick").classes("name")
         links = _links()
         _doing(studio)
+        tablet_button(studio, door)
         _stop(studio)
     with ui.element().classes("panel"):
         ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
