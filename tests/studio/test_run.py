@@ -18,6 +18,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import rehearse
 from maulstick.painting.painting import read_painting
+from maulstick.painting.picture import read_picture
 from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
@@ -25,6 +26,7 @@ from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run, State
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import Done
+from maulstick.studio.workers.plan_pictures import plan_picture
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.small_paintings import SIX, line, painting_of
@@ -368,6 +370,9 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
     progress = states[-1].progress
     assert progress is not None
     assert progress.strokes == len(read_painting(painting.with_name("painting.r1.json")).strokes)
+    again = plan_picture(painting)
+    assert again != painting.with_name("preview.png")
+    assert read_picture(again).shape[1] == 1280
     revisions = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
     assert [entry["file"] for entry in revisions if entry["event"] == "revision"] == [
         "painting.json",
