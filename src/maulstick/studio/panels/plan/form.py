@@ -18,6 +18,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
+from maulstick.studio.wording import WORDS_LABEL
 
 _DEFAULT = PlanOptions()
 DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
@@ -51,7 +52,9 @@ class PlanForm:
         with ui.element().classes("sheet"):
             html.h2("What")
             self._picture = PictureChoice(studio, self._follow)
-            self._text = ui.input("Or say in words what to paint").bind_value(kept, "text").props("maxlength=300")
+            self._text = ui.input(WORDS_LABEL).bind_value(kept, "text").props("maxlength=300")
+            self._both = html.p("They count beside the picture; choose “No picture” to have them alone.")
+            self._both.classes("hint")
         with ui.element().classes("sheet"):
             html.h2("With what")
             with ui.element().classes("numbers"):
@@ -77,7 +80,7 @@ class PlanForm:
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
         self._is_arranged = False
-        for choice in (self._kind, self._enough):
+        for choice in (self._kind, self._enough, self._text):
             choice.on_value_change(self._follow)
         shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
         self._follow()
@@ -85,6 +88,7 @@ class PlanForm:
     def _follow(self) -> None:
         """Show what means something beside what is chosen."""
         one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
+        self._both.visible = of_picture and bool(str(self._text.value or "").strip())
         self._paints.visible, self._ink.visible = not one_ink, one_ink
         self._drawing.visible = one_ink and of_picture
         self._enough.visible = one_ink and of_picture and self._style.value != _FREE
@@ -120,9 +124,9 @@ class PlanForm:
         text = str(self._text.value or "").strip() or None
         picture = self._picture.path
         if picture is None and text is None:
-            raise InputError("there is nothing to paint yet; bring a picture, or write a text")
+            raise InputError("there is nothing to paint yet; bring a picture, or say in words what to paint")
         if text is not None and find_spec("open_clip") is None:
-            raise InputError("this studio cannot read texts, for CLIP is not installed; bring a picture")
+            raise InputError("this studio cannot read words, for CLIP is not installed; take them out, use a picture")
         strokes: int | Literal["auto"] = AUTO
         if not self._takes_enough:
             strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
