@@ -82,7 +82,7 @@ def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
     page.get_by_role("button", name="Try an example picture").click()
     expect(page.get_by_role("radio", name="portrait")).to_be_visible(timeout=60_000)
     page.get_by_label("Strokes", exact=True).fill("1000")
-    page.get_by_label("How long").click()
+    page.get_by_label("How carefully").click()
     page.get_by_role("option", name=re.compile("Fine")).click()
     page.get_by_role("button", name="Plan it").click()
     expect(page.locator(".plan .compare img").first).to_have_attribute("src", re.compile("/live/"), timeout=60_000)

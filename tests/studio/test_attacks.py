@@ -337,7 +337,7 @@ def test_without_the_token_nothing_is_had_but_the_survey(stranger: Intruder) -> 
             expected = 404 if path.startswith("/survey%2f") else 403
             assert (answer.status, b"_nicegui" in answer.body) == (expected, False), path
     assert stranger.upload("/_nicegui/client/a/upload/1", b"x").status == 403
-    assert stranger.ask("/survey/a/b").body.startswith(b"There is no such page")
+    assert stranger.ask("/survey/a/b").body.count(b"There is no such page") == 1
     assert b"client_id" not in stranger.ask("/survey/../plan").body
     with pytest.raises(InvalidStatus) as refused, stranger.socket():
         pass

@@ -48,7 +48,7 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     expect(mine.get_by_text("there is nothing to paint yet; bring a picture, or say in words")).to_be_visible()
     bring_a_picture(mine, tmp_path)
     ask_for_little(mine)
-    mine.get_by_label("How long").click()
+    mine.get_by_label("How carefully").click()
     mine.get_by_role("option", name=re.compile("Fine")).click()
     mine.get_by_role("button", name="Plan it").click()
     for each in (mine, theirs):
@@ -175,7 +175,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     opened.get_by_label("Hand size").fill("0.4")
     arranged.press("ArrowLeft")
     choose("Brush", "fineliner")
-    choose("How long", "Fine, and slowly")
+    choose("How carefully", "Fine, and slowly")
     opened.get_by_role("button", name="Plan it").click()
     notes = card(opened).get_by_role("list", name="Notes")
     expect(notes).to_contain_text("strokes, chosen for the picture's ink", timeout=_PATIENCE)

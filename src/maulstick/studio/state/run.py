@@ -272,6 +272,6 @@ class Run:
 
 def _unmixed_fault(plan: str, missing: list[PlannedPaint], is_pen: bool) -> str:
     if is_pen:
-        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Paints"
+        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Mix"
     more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
-    return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Paints"
+    return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Mix"

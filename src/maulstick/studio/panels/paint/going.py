@@ -220,4 +220,4 @@ def _summary(estimate: Estimate) -> str:
 def _why_bare(state: State) -> str:
     if state.is_on and not (state.options.simulated or state.options.look or state.options.replan):
         return "Nobody looks: there is no camera"
-    return "Nothing was seen yet"
+    return "There is no picture of the sheet yet"

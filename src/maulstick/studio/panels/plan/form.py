@@ -39,6 +39,7 @@ _FIRST_VALUES = {
     "drawing": _DEFAULT.drawing,
     "effort": _DEFAULT.steps,
 }
+_SHOW_NEWEST = """setTimeout(() => document.querySelector(".plans .plan")?.scrollIntoView({ block: "nearest" }), 100)"""
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
 
@@ -50,13 +51,13 @@ class PlanForm:
         self._studio = studio
         kept = app.storage.client.setdefault("plan", dict(_FIRST_VALUES))  # while a person is at other panels
         with ui.element().classes("sheet"):
-            html.h2("What")
+            html.h2("What to paint")
             self._picture = PictureChoice(studio, self._follow)
             self._text = ui.input(WORDS_LABEL).bind_value(kept, "text").props("maxlength=300")
             self._both = html.p("They count beside the picture; choose “No picture” to have them alone.")
             self._both.classes("hint")
         with ui.element().classes("sheet"):
-            html.h2("With what")
+            html.h2("How to paint it")
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
@@ -75,7 +76,7 @@ class PlanForm:
             html.h2("What matters")
             self._weights = weight_sliders({name: float(name == "tone") for name in PICTURE_TERMS})
             self._arrange = Slider("As the hand arranges", 1, 0.25, _DEFAULT.arrange)
-            self._effort = ui.select(_EFFORTS, label="How long").bind_value(kept, "effort")
+            self._effort = ui.select(_EFFORTS, label="How carefully").bind_value(kept, "effort")
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
@@ -118,6 +119,7 @@ class PlanForm:
         self._go.disable()  # or a double click would plan it twice
         ui.timer(_PAUSE, self._go.enable, once=True)
         ui.notify(f"{plan.name} is being planned", type="positive")
+        ui.run_javascript(_SHOW_NEWEST)
 
     def _request(self) -> PlanRequest:
         """Return the request that the form describes. Raises InputError for a value that cannot be used."""
