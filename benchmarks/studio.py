@@ -54,7 +54,7 @@ def pages(studio: RunningStudio, browser: Browser, busy: bool) -> None:
     for panel in PANELS:
         first, again = [], []
         for _ in range(RUNS):
-            context = browser.new_context()
+            context = studio.let_in(browser.new_context())
             page = context.new_page()
             first.append(shown(page, studio.url + panel))
             again.append(shown(page, studio.url + panel))
@@ -64,7 +64,7 @@ def pages(studio: RunningStudio, browser: Browser, busy: bool) -> None:
 
 
 def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
-    page = browser.new_page()
+    page = studio.let_in(browser.new_context()).new_page()
     shown(page, studio.url)
 
     def stop() -> None:
@@ -77,12 +77,12 @@ def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
 
 @contextmanager
 def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
-    page = browser.new_page()
+    page = studio.let_in(browser.new_context()).new_page()
     page.goto(f"{studio.url}/plan")
     page.get_by_role("button", name="Try an example picture").click()
     expect(page.get_by_role("radio", name="portrait")).to_be_visible(timeout=60_000)
     page.get_by_label("Strokes", exact=True).fill("1000")
-    page.get_by_label("How long").click()
+    page.get_by_label("How carefully").click()
     page.get_by_role("option", name=re.compile("Fine")).click()
     page.get_by_role("button", name="Plan it").click()
     expect(page.locator(".plan .compare img").first).to_have_attribute("src", re.compile("/live/"), timeout=60_000)
@@ -97,7 +97,7 @@ if __name__ == "__main__":
         began = time.perf_counter()
         studio = RunningStudio(Path(root))
         tell("start", [time.perf_counter() - began])
-        shown(browser.new_page(), studio.url)  # the first of all also loads the browser
+        shown(browser.new_page(), studio.link)  # the first of all also loads the browser
         pages(studio, browser, busy=False)
         stops(studio, browser, busy=False)
         with planning(studio, browser):

@@ -158,7 +158,7 @@ def main(out: Path) -> None:
         )
         studio = RunningStudio(Path(root))
         try:
-            page = chromium.new_page(viewport=SIZE)
+            page = studio.let_in(chromium.new_context(viewport=SIZE)).new_page()
             page.set_default_timeout(PATIENCE)
             for step in (draw, look_at_styles, plan, mix, paint):
                 step(page, studio.url, out)

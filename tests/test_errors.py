@@ -38,13 +38,14 @@ def test_every_remedy_is_said_by_each_front_end_in_its_own_words(remedy: Remedy)
         (InputError("an arm must be told where the sheet lies", Remedy.CALIBRATE_TOUCH), "an arm must be told where"),
         (InputError.of_range(option("speed"), 0.01, "from 0.1 to 10000 mm/s"), "the speed is 0.01; it must be from"),
         (InputError.of_range(option("replan"), -1, "at least 1"), "the number of strokes between two looks is -1;"),
+        (InputError("no CLIP", Remedy.CLIP_WEIGHTS_OR_NETWORK), "no CLIP; connect this computer to the internet and"),
         (InputError("what says nothing of the command line"), "what says nothing of the command line"),
     ],
 )
 def test_the_page_does_not_speak_like_the_command_line(error: MaulstickError, here: str) -> None:
     sentence = error_text(error)
     assert sentence.startswith(here)
-    assert [word for word in ("--", "PORT", "PATH", "maulstick paint") if word in sentence] == []
+    assert [word for word in ("--", "PORT", "PATH", "maulstick paint", "command line,") if word in sentence] == []
 
 
 @given(st.text(), st.sampled_from([None, *Remedy]))

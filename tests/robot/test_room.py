@@ -216,7 +216,7 @@ class Nobody(Operator):
     def show(self, photograph: Path) -> None:
         raise AssertionError
 
-    def expect_strokes(self, number: int) -> None:
+    def expect_plan(self, painting: Painting) -> None:
         raise AssertionError
 
     def leave(self, photograph: Path) -> None:

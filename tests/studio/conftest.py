@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +21,18 @@ _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
 
 class RunningStudio:
-    """Running ``maulstick studio`` on a folder and a free port. url: without the last slash."""
+    """Running ``maulstick studio`` on a folder and a free port.
 
-    def __init__(self, root: Path, *words: str) -> None:
+    link: leads in, with its token.  url: the same without token and last slash.
+    """
+
+    def __init__(self, root: Path, *words: str, environment: Mapping[str, str] | None = None) -> None:
         self.folder = root / "studio"
         self.was_killed = False
-        self.url = ""
+        self.link = self.url = self.token = ""
         self._words, self._log, self._port = words, root / "log", "0"
         self._environment = os.environ | {"XDG_DATA_HOME": str(root / "data"), "OMP_NUM_THREADS": "1"}
+        self._environment |= environment or {}
         self.start()
 
     def start(self) -> None:
@@ -38,19 +42,35 @@ class RunningStudio:
             before = log.tell()
             self._process = subprocess.Popen(words, stdout=log, stderr=log, env=self._environment)
         try:
-            self.url, self._port = self._link(before)
+            self.link, self.url, self._port, self.token = self._printed(before)
         except AssertionError:
             self.kill()  # nobody has it yet who would close it
             raise
 
-    def _link(self, before: int) -> tuple[str, str]:
-        """Wait for the address in the output after `before` letters; return it and its port."""
+    def _printed(self, before: int) -> tuple[str, str, str, str]:
+        """Wait for the link in the output after `before` letters; return it, its address, port and token."""
         until = time.monotonic() + _PATIENCE
-        while not (link := re.search(r"^http://\S+:(\d+)/\S*$", self.output[before:], re.MULTILINE)):
+        while not (link := re.search(r"^(http://\S+:(\d+))/\?token=(\S+)$", self.output[before:], re.MULTILINE)):
             assert self._process.poll() is None, self.output
             assert time.monotonic() < until, "no link came"
             time.sleep(0.05)
-        return link[0].removesuffix("/"), link[1]
+        return link[0], link[1], link[2], link[3]
+
+    @property
+    def port(self) -> int:
+        """Port that it listens at."""
+        return int(self._port)
+
+    @property
+    def cookie(self) -> tuple[str, str]:
+        """Name and value of the cookie that the link leaves in a browser."""
+        return f"maulstick-{self._port}", self.token
+
+    def let_in(self, context: BrowserContext) -> BrowserContext:
+        """Give a browser the cookie, as if it had come by the link; return the same one."""
+        name, value = self.cookie
+        context.add_cookies([{"name": name, "value": value, "url": self.url, "httpOnly": True, "sameSite": "Strict"}])
+        return context
 
     @property
     def output(self) -> str:
@@ -116,7 +136,7 @@ def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page
             wrong.append(message.text)
 
     def open_page(path: str = "/", **options: Any) -> Page:
-        contexts.append(browser.new_context(**options))
+        contexts.append(studio.let_in(browser.new_context(**options)))
         contexts[-1].set_default_timeout(1e3 * _PATIENCE_OF_A_PAGE)  # Playwright's own half minute is short for it
         opened = contexts[-1].new_page()
         opened.on("console", note)

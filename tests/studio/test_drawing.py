@@ -310,6 +310,26 @@ def test_a_recording_becomes_a_hand_and_a_broken_one_leaves_nothing(folder: Fold
     assert folder.names("hands") == ["cat", "dog"]
 
 
+def test_a_web_pages_drawing_can_be_drawn_on_where_it_fits_the_sheet(folder: Folder, tmp_path: Path) -> None:
+    file, line = tmp_path / ".incoming", [{"timeStamp": 9.0 * i, "x": 10 + i, "y": 20, "pressure": 0.4} for i in (0, 1)]
+    for name, strokes in {
+        "fits": [line] * 3,
+        "beside": [[*line, {**line[1], "x": 9000}]],
+        "full": [line] * 2001,
+    }.items():
+        file.write_text(json.dumps({"schema_version": 1, "size_mm": [200, 150], "strokes": strokes}))
+        take_in(file, f"{name}.json", None, folder.of("hands", name))
+        assert len(read_ink(folder.of("hands", name) / INK)) == len(strokes)
+
+    async def work(drawing: Drawing) -> None:
+        assert [name for name in ("fits", "beside", "full") if drawing.hands.is_drawn(name)] == ["fits"]
+        await drawing.open("fits")
+        drawing.add(1000, LINE)
+
+    drawing = at_the_desk(folder, work)
+    assert (drawing.size, len(drawing.strokes)) == (pytest.approx((0.2, 0.15)), 4)
+
+
 def test_too_few_strokes_make_no_style(folder: Folder) -> None:
     hand = folder.of("hands", "four")
     hand.mkdir()

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Iterable
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -28,7 +29,8 @@ def answer(
     path: str = "/",
     *headers: tuple[str, str],
     method: str = "GET",
-    token: str | None = None,
+    is_local: bool = True,
+    carries_the_token: bool = True,
     socket: bool = False,
     hosts: Iterable[str] = (HERE,),
     query: str = "",
@@ -47,7 +49,7 @@ def answer(
     async def send(message: Message) -> None:
         sent.append(message)
 
-    named = [*(("host", host) for host in hosts), *headers]
+    named = [*(("host", host) for host in hosts), *headers, *([CARRIES_THE_TOKEN] if carries_the_token else [])]
     scope = {
         "type": "websocket" if socket else "http",
         "method": method,
@@ -56,7 +58,7 @@ def answer(
         "server": ("127.0.0.1", 8337),
         "headers": [(name.lower().encode(), value.encode("latin-1")) for name, value in named],
     }
-    asyncio.run(Gate(inside, token)(scope, receive, send))
+    asyncio.run(Gate(inside, TOKEN, is_local=is_local)(scope, receive, send))
     return sent
 
 
@@ -179,9 +181,11 @@ def test_what_comes_too_slowly_is_given_up() -> None:
         assert answer(method="SLOW", body=[b"1"]) == []
 
 
-@pytest.mark.parametrize("asked", [{}, {"hosts": ["evil.example"]}, {"token": TOKEN}, {"token": TOKEN, "query": TOKEN}])
-def test_every_answer_forbids_framing_and_sniffing(asked: dict[str, str]) -> None:
-    headers = headers_of(answer(**asked))  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    "asked", [{}, {"hosts": ["evil.example"]}, {"carries_the_token": False}, {"query": f"token={TOKEN}"}]
+)
+def test_every_answer_forbids_framing_and_sniffing(asked: dict[str, Any]) -> None:
+    headers = headers_of(answer(**asked))
     assert headers["x-frame-options"] == "DENY"
     assert headers["x-content-type-options"] == "nosniff"
     assert "frame-ancestors 'none'" in headers["content-security-policy"]
@@ -202,33 +206,37 @@ def test_every_answer_forbids_framing_and_sniffing(asked: dict[str, str]) -> Non
     ],
 )
 @pytest.mark.parametrize("method", ["GET", "POST"])
-def test_nothing_but_the_survey_is_had_without_the_token(path: str, method: str) -> None:
-    refused = answer(path, token=TOKEN, method=method)
+@pytest.mark.parametrize("is_local", [True, False])
+def test_nothing_but_the_survey_is_had_without_the_token(path: str, method: str, is_local: bool) -> None:
+    refused = answer(path, carries_the_token=False, is_local=is_local, method=method)
     assert status(refused) == 403
     assert text_of(refused).startswith("The studio opens by the whole link")
-    assert status(answer("/survey/a/b", token=TOKEN, method=method)) == 200
-    assert status(answer(path, CARRIES_THE_TOKEN, token=TOKEN, method=method)) == 200
+    assert status(answer("/survey/a/b", carries_the_token=False, is_local=is_local, method=method)) == 200
+    assert status(answer(path, is_local=is_local, method=method)) == 200
+
+
+def test_a_studio_for_others_answers_to_any_name() -> None:
+    assert status(answer(hosts=["192.168.1.20:8337"], is_local=False)) == 200
 
 
 @pytest.mark.parametrize("wrong", ["", TOKEN[:-1], TOKEN + "a", TOKEN.upper(), "a" * 60_000, "%C3%BC%FF%00", "ü"])
 def test_a_wrong_token_opens_nothing(wrong: str) -> None:
-    assert status(answer(token=TOKEN, query=f"token={wrong}")) == 403
-    assert status(answer("/", ("Cookie", f"maulstick-8337={wrong.encode().decode('latin-1')}"), token=TOKEN)) == 403
-    assert status(answer("/", ("Cookie", "maulstick-8337;;=;\x01"), token=TOKEN)) == 403
+    assert status(answer(carries_the_token=False, query=f"token={wrong}")) == 403
+    carries = "Cookie", f"maulstick-8337={wrong.encode().decode('latin-1')}"
+    assert status(answer("/", carries, carries_the_token=False)) == 403
+    assert status(answer("/", ("Cookie", "maulstick-8337;;=;\x01"), carries_the_token=False)) == 403
 
 
 def test_a_socket_is_not_opened_by_a_token_in_its_address() -> None:
     ours = ("Origin", f"http://{HERE}")
     refused = [{"type": "websocket.close", "code": 1008}]
-    assert answer("/_nicegui_ws/", ours, token=TOKEN, socket=True, query=f"token={TOKEN}") == refused
-    assert answer("/_nicegui_ws/", ours, CARRIES_THE_TOKEN, token=TOKEN, socket=True) == [{"type": "websocket.accept"}]
+    assert answer("/_nicegui_ws/", ours, carries_the_token=False, socket=True, query=f"token={TOKEN}") == refused
+    assert answer("/_nicegui_ws/", ours, socket=True) == [{"type": "websocket.accept"}]
 
 
-@pytest.mark.parametrize("headers", [(), (CARRIES_THE_TOKEN,)])
-def test_the_token_goes_out_of_the_address_into_a_cookie_that_scripts_and_other_sites_do_not_see(
-    headers: tuple[tuple[str, str], ...],
-) -> None:
-    got = headers_of(answer("/styles", *headers, token=TOKEN, query=f"style=a+b%26c&token={TOKEN}"))
+@pytest.mark.parametrize("carries", [False, True])
+def test_the_token_goes_out_of_the_address_into_a_cookie_that_scripts_and_other_sites_do_not_see(carries: bool) -> None:
+    got = headers_of(answer("/styles", carries_the_token=carries, query=f"style=a+b%26c&token={TOKEN}"))
     assert got["refresh"] == "0; url=/styles?style=a+b%26c"
     cookie = got.pop("set-cookie").split("; ")
     assert cookie[0] == f"maulstick-8337={TOKEN}"
@@ -236,9 +244,14 @@ def test_the_token_goes_out_of_the_address_into_a_cookie_that_scripts_and_other_
     assert TOKEN not in str(got)
 
 
+def test_the_cookie_outlives_the_browser_so_that_a_bookmark_works() -> None:
+    cookie = headers_of(answer(carries_the_token=False, query=f"token={TOKEN}"))["set-cookie"]
+    assert "Max-Age=34560000" in cookie
+
+
 @pytest.mark.parametrize("path", ["//evil.example/", "///evil.example", "/\\evil.example", "//evil.example;url=//evil"])
 def test_the_token_leads_to_no_other_site(path: str) -> None:
-    where = headers_of(answer(path, token=TOKEN, query=f"token={TOKEN}"))["refresh"].removeprefix("0; url=")
+    where = headers_of(answer(path, query=f"token={TOKEN}"))["refresh"].removeprefix("0; url=")
     assert where.startswith("/")
     assert not where.startswith("//")
     assert "\\" not in where

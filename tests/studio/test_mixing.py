@@ -7,6 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from maulstick.colour.mixing import mixing_advice
 from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint
@@ -14,6 +16,7 @@ from maulstick.errors import InputError
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.tray import read_tray
 from maulstick.storage.records import write_record
+from maulstick.studio.panels.paints.paints import legible_on
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing, RowOfWells, tubes_csv
 from maulstick.studio.workers.desk import Desk
@@ -190,3 +193,18 @@ def test_a_row_of_wells_that_the_tip_would_hit_is_refused(folder: Folder) -> Non
 def test_plans_without_paints_are_not_offered(folder: Folder) -> None:
     (folder.root / "plans" / "unfinished").mkdir()
     assert Mixing(folder, Desk()).plans() == ["cat"]
+
+
+@given(st.tuples(*[st.integers(0, 255)] * 3))
+def test_what_is_written_on_a_paint_can_be_read(colour: tuple[int, int, int]) -> None:
+    paint = "#{:02x}{:02x}{:02x}".format(*colour)
+    high, low = sorted((luminance(each) for each in (paint, legible_on(paint))), reverse=True)
+    assert (high + 0.05) / (low + 0.05) >= 4.5
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of a colour by WCAG 2.2."""
+    pairs = [colour[1:][i : i + 2] for i in (0, 2, 4)] if len(colour) == 7 else [2 * each for each in colour[1:]]
+    shares = [int(pair, 16) / 255 for pair in pairs]
+    light = [share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares]
+    return 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2]

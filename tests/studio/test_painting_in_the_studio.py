@@ -83,6 +83,18 @@ def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[...,
     assert painted(painting) == set(range(STROKES))
 
 
+def test_what_was_begun_is_said_no_more_once_the_plan_is_gone(page: Callable[..., Page], painting: Path) -> None:
+    with Journal.open(journal_of(painting)) as journal:
+        journal.revise(painting)
+        journal.begin(0)
+        journal.end(0)
+    tab, planning = page("/paint?plan=lines"), page("/plan")
+    expect(tab.locator(".begun")).to_have_text(f"It was begun: 1 of {STROKES} strokes are painted.")
+    planning.get_by_role("button", name="Throw lines away").click()
+    expect(tab.get_by_text("There is nothing to paint yet")).to_be_visible()
+    expect(tab.locator(".begun")).to_be_hidden()
+
+
 def test_stop_says_what_it_stopped_and_has_a_second_way_where_no_connection_can_be_had(
     page: Callable[..., Page], painting: Path
 ) -> None:

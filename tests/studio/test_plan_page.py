@@ -7,20 +7,24 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.studio.conftest import RunningStudio
 
 _PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
 
 
-def bring_a_picture(page: Page, root: Path) -> None:
+def picture_to_bring(root: Path) -> Path:
     x, y = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 48))
     colours = (np.stack([x, y, (x - 0.5) ** 2 + (y - 0.5) ** 2 < 0.1], axis=2) * 255).astype(np.uint8)
-    Image.fromarray(colours).save(root / "My Sunset!.png")
+    Image.fromarray(colours).save(path := root / "My Sunset!.png")
+    return path
+
+
+def bring_a_picture(page: Page, root: Path) -> None:
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Bring a picture").click()
-    chooser.value.set_files(root / "My Sunset!.png")
+    chooser.value.set_files(picture_to_bring(root))
     expect(page.get_by_role("radio", name="my-sunset")).to_be_checked(timeout=_PATIENCE)
 
 
@@ -41,10 +45,10 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     mine, theirs = page("/plan"), page("/plan", color_scheme="dark", viewport={"width": 1024, "height": 600})
     expect(mine.get_by_text("Nothing is planned yet")).to_be_visible()
     mine.get_by_role("button", name="Plan it").click()
-    expect(mine.get_by_text("there is nothing to paint yet; bring a picture, or write a text")).to_be_visible()
+    expect(mine.get_by_text("there is nothing to paint yet; bring a picture, or say in words")).to_be_visible()
     bring_a_picture(mine, tmp_path)
     ask_for_little(mine)
-    mine.get_by_label("How long").click()
+    mine.get_by_label("How carefully").click()
     mine.get_by_role("option", name=re.compile("Fine")).click()
     mine.get_by_role("button", name="Plan it").click()
     for each in (mine, theirs):
@@ -101,7 +105,25 @@ def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
     )
     assert list((studio.folder / "pictures").iterdir()) == []
     assert [path.name for path in studio.folder.iterdir() if path.name.startswith(".incoming")] == []
-    bring_a_picture(opened, tmp_path)
+    held: list[Route] = []
+    opened.route("**/upload/*", lambda route: held.append(route))
+    with opened.expect_file_chooser() as chooser:
+        opened.get_by_role("button", name="Bring a picture").click()
+    chooser.value.set_files(picture_to_bring(tmp_path))
+    expect(opened.get_by_text("Reading it …")).to_be_visible()
+    expect(opened.get_by_role("button", name="Bring a picture")).to_be_disabled()
+    held[0].continue_()
+    opened.unroute("**/upload/*")
+    expect(opened.get_by_role("radio", name="my-sunset")).to_be_checked(timeout=_PATIENCE)
+    expect(opened.get_by_text("Reading it …")).to_be_hidden()
+    both = opened.get_by_text("They count beside the picture")
+    expect(both).to_be_hidden()
+    opened.get_by_label("What to paint, in words").fill("a boat at dusk")
+    expect(both).to_be_visible()
+    opened.get_by_role("radio", name="No picture").check()
+    expect(both).to_be_hidden()
+    opened.get_by_role("radio", name="my-sunset").check()
+    opened.get_by_label("What to paint, in words").fill("")
     opened.get_by_label("Light and dark").fill("0")
     opened.get_by_role("button", name="Plan it").click()
     expect(opened.get_by_text("nothing matters any more")).to_be_visible()
@@ -153,7 +175,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     opened.get_by_label("Hand size").fill("0.4")
     arranged.press("ArrowLeft")
     choose("Brush", "fineliner")
-    choose("How long", "Fine, and slowly")
+    choose("How carefully", "Fine, and slowly")
     opened.get_by_role("button", name="Plan it").click()
     notes = card(opened).get_by_role("list", name="Notes")
     expect(notes).to_contain_text("strokes, chosen for the picture's ink", timeout=_PATIENCE)

@@ -18,16 +18,19 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import rehearse
 from maulstick.painting.painting import read_painting
-from maulstick.robot.easel import Easel, Pen, write_easel
+from maulstick.painting.picture import read_picture
+from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.run import Run, State
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import Done
+from maulstick.studio.workers.plan_pictures import plan_picture
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.robot.trays import TRAY_JSON
 from tests.support.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
 from tests.support.studio.work import never_stop
 
@@ -367,6 +370,9 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
     progress = states[-1].progress
     assert progress is not None
     assert progress.strokes == len(read_painting(painting.with_name("painting.r1.json")).strokes)
+    again = plan_picture(painting)
+    assert again != painting.with_name("preview.png")
+    assert read_picture(again).shape[1] == 1280
     revisions = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
     assert [entry["file"] for entry in revisions if entry["event"] == "revision"] == [
         "painting.json",
@@ -401,17 +407,49 @@ def test_what_does_not_answer_a_stop_is_told_and_can_be_ended(tmp_path: Path, mo
 
 def test_whoever_goes_on_without_a_tray_or_with_another_one_is_not_given_the_old_one(tmp_path: Path) -> None:
     painting = put_plan(tmp_path, "lines")
+    before = PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json(painting.parent, home=tmp_path)
     with Journal.open(journal_of(painting)) as journal:
         journal.revise(painting)
-        journal.write_options(PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json())
+        journal.write_options(before)
     assert rehearse(PaintRequest(painting, PaintOptions(robot="sim", tray=None), resume=True)).strokes == STROKES
     for options, tray in ((PaintOptions(), "old.json"), (PaintOptions(tray=tmp_path / "new.json"), "new.json")):
         with pytest.raises(InputError, match=tray):
             rehearse(PaintRequest(painting, options, resume=True))
-    after = PaintOptions(robot="sim", tray=None).after(
-        PaintOptions(robot="sim", tray=tmp_path / "old.json", speed=0.01).as_json()
-    )
+    after = PaintOptions(robot="sim", tray=None).after(before, painting.parent)
     assert (after.tray, after.speed) == (None, 0.01)
+
+
+def test_a_painting_that_was_begun_goes_on_in_a_studio_that_was_moved(tmp_path: Path, easel: Path) -> None:
+    here, there = tmp_path / "studio", tmp_path / "elsewhere" / "Ateliê"
+    painting = put_plan(here, "six", SIX)
+    (here / "easels").mkdir()
+    write_easel(read_easel(easel).model_copy(update={"deepest": 0.001}), here / "easels" / "mine.json")
+    (here / "tray.json").write_text(json.dumps(TRAY_JSON))
+
+    async def begin() -> None:
+        async with opened(here) as run:
+            options = PaintOptions(robot="sim:real", easel=run.easels.path("mine"), tray=here / "tray.json")
+            await run.begin("six", options)
+            await until(run, lambda: stroke(run) == 2)
+            run.stop()
+            await outcome(run)
+
+    async def go_on() -> None:
+        async with opened(there) as run:
+            status = await run.status("six")
+            assert status is not None
+            assert status.options.easel == run.easels.path("mine")
+            assert status.options.tray == there / "tray.json"
+            await run.resume("six", PaintOptions(robot="sim"), is_painted=False)
+            assert await outcome(run) == "six is painted."
+
+    asyncio.run(begin())
+    told = [file for file in here.rglob("*") if file.is_file() and str(here).encode() in file.read_bytes()]
+    assert told == [], "they name the folder, which may be moved"
+    there.parent.mkdir()
+    here.rename(there)
+    asyncio.run(go_on())
+    assert journal_of(there / "plans" / "six" / painting.name).is_file()
 
 
 def test_a_painter_that_is_killed_is_known_to_be_gone(tmp_path: Path) -> None:

@@ -80,7 +80,11 @@ def test_ctrl_c_ends_the_studio_and_all_its_processes_while_pages_are_open(tmp_p
     address = studio.url.removeprefix("http://")
     process, origin = studio._process, studio.url
     engine = f"ws://{address}/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
-    with connect(engine, origin=origin), socket.create_connection(address.split(":")) as never_asks:  # type: ignore[arg-type]
+    carries = {"Cookie": "{}={}".format(*studio.cookie)}
+    with (
+        connect(engine, origin=origin, additional_headers=carries),  # type: ignore[arg-type]
+        socket.create_connection(("127.0.0.1", studio.port)) as never_asks,
+    ):
         children = _children(process.pid)
         for _ in range(times):
             process.send_signal(signal.SIGINT)

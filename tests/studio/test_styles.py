@@ -8,14 +8,18 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
+from scipy.spatial.distance import pdist
 
 from maulstick.errors import InputError, MaulstickError, OutputError
 from maulstick.strokes.strokes import path_lengths
-from maulstick.studio.panels.styles.map import description_of, large_svg, map_svg, neighbours
+from maulstick.studio.panels.styles.map import HIGH, WIDE, description_of, large_svg, map_svg, neighbours
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.spread import spread_apart
 from maulstick.studio.workers.style_work import Difference, Map
 from maulstick.style.cards import STYLES, style_path
 from maulstick.style.store import read_style, write_style
@@ -105,6 +109,21 @@ def test_a_map_has_every_stroke_of_its_styles_once_and_with_its_length(found: Fo
     assert found.map.strokes == len(found.map.whose)
     assert np.array_equal(found.map.lengths, np.concatenate([path_lengths(hand.paths) for hand in hands]))
     assert np.abs(found.map.places).max() <= 0.5
+
+
+def test_no_spot_of_a_map_lies_on_another(found: Found) -> None:
+    spots = ElementTree.fromstring(map_svg(found.map)).findall("g/circle")
+    centres = np.array([[float(spot.attrib[axis]) for axis in ("cx", "cy")] for spot in spots])
+    across = 2 * float(spots[0].attrib["r"])
+    assert pdist(centres).min() >= across - 0.2, "to the tenth of a unit that is written"
+    assert across > 0.6 * np.sqrt(WIDE * HIGH / len(spots)), "and each can be pointed at"
+
+
+@given(st.lists(st.tuples(*[st.floats(-0.5, 0.5)] * 2), min_size=1, max_size=60))
+def test_places_that_are_moved_apart_stay_on_the_map(places: list[tuple[float, float]]) -> None:
+    moved = spread_apart(np.array(places), 1.4)
+    assert np.abs(moved).max() <= 0.5
+    assert pdist(moved * [1.4, 1]).min(initial=1.0) > 0.5 * np.sqrt(1.4 / len(places))
 
 
 def test_hands_that_draw_other_strokes_are_farther_apart(found: Found) -> None:

@@ -84,7 +84,7 @@ def test_what_was_put_together_stays_while_one_looks_at_other_panels(page: Calla
     shown.get_by_label("First look, as in: loops").fill("loops")
     shown.get_by_label("Second look, as in: lines").fill("lines")
     expect(shown.get_by_label("In lines")).to_be_visible()
-    shown.get_by_role("link", name="Paints").click()
+    shown.get_by_role("link", name="Mix").click()
     expect(shown.get_by_role("heading", name="Mix the paints")).to_be_visible()
     shown.get_by_role("link", name="Survey").click()
     expect(shown.get_by_role("group", name="Hand 3").get_by_label("Name")).to_have_value("Cy")

@@ -161,7 +161,7 @@ def answered(
     """
     inside = Starlette(routes=[Mount("/survey", survey_pages()), Mount("/", PlainTextResponse(SECRET))])
     inside.state.studio = SimpleNamespace(folder=folder, surveys=SimpleNamespace(note_progress=progressed))
-    app, sent = Gate(inside, "token"), []
+    app, sent = Gate(inside, "token", is_local=False), []
     scope: Scope = {
         "type": kind, "method": "GET" if form is None else "POST", "path": path, "raw_path": path.encode(),
         "root_path": "", "query_string": b"",
@@ -208,6 +208,14 @@ def test_participants_reach_nothing_but_their_own_pages(folder: Folder, token: s
     assert status == 404
     assert SECRET not in body
     assert token not in body
+
+
+@pytest.mark.parametrize("rest", ["", "/", "/nobody", "/nobody/picture/0", "/a/b/c", "/survey.css", "/icon.svg"])
+@pytest.mark.parametrize("form", [None, b"", b"begin=1", b"x"])
+def test_nobody_learns_which_surveys_there_are(folder: Folder, token: str, rest: str, form: bytes | None) -> None:
+    assert token
+    known, unknown = (answered(folder, f"/survey/{name}{rest}", form=form) for name in ("strokes", "nothing"))
+    assert (known[0], known[1].replace("strokes", "")) == (unknown[0], unknown[1].replace("nothing", ""))
 
 
 def test_pages_are_told_of_what_was_taken_and_of_nothing_else(folder: Folder, token: str) -> None:

@@ -167,7 +167,7 @@ class _Callbacks(Operator):
     def show(self, photograph: Path) -> None:
         """As in `Operator`."""
 
-    def expect_strokes(self, number: int) -> None:
+    def expect_plan(self, painting: Painting) -> None:
         """As in `Operator`."""
 
     def leave(self, photograph: Path) -> None:

@@ -22,6 +22,9 @@ DETAILS_LABEL = "Speed, sheet and camera"
 RESTART_LABEL = "Start again on a new sheet"
 """Label of the button that begins a painting anew."""
 
+WORDS_LABEL = "What to paint, in words"
+"""Label of the field for a text that is to be painted."""
+
 
 def machine_name(spec: str) -> str:
     """Return the name of a machine for people, out of its spec such as ``grbl:/dev/ttyUSB0``."""
@@ -40,7 +43,7 @@ _OPTIONS: Final = {
     "speed": "the speed",
     "replan": "the number of strokes between two looks",
     "hatch": "the distance between hatching lines",
-    "px": "size of the plan",
+    "px": "sheet",
     "name": "name",
     "out": "folder",
 }
@@ -67,8 +70,9 @@ _PAGE: Final = Wording(
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",
-        Remedy.CLIP_WEIGHTS: "plan it on the command line, which takes a file of weights",
-        Remedy.CLIP_WEIGHTS_OR_NETWORK: "plan it on the command line, which takes a file of weights",
+        Remedy.CLIP_WEIGHTS: f"take out what stands under “{WORDS_LABEL}”, and use a picture",
+        Remedy.CLIP_WEIGHTS_OR_NETWORK: "connect this computer to the internet and try again, or take out what stands "
+        f"under “{WORDS_LABEL}”, and use a picture",
         Remedy.READ_TAKE: "bring the ink that maulstick record motive makes of it",
     },
 )

@@ -23,7 +23,7 @@ from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import paint
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.easel import write_easel
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
@@ -231,7 +231,7 @@ class _Person(Operator):
     def show(self, photograph: Path) -> None:
         pass
 
-    def expect_strokes(self, number: int) -> None:
+    def expect_plan(self, painting: Painting) -> None:
         pass
 
     def leave(self, photograph: Path) -> None:

@@ -124,7 +124,7 @@ class Tab:
         """Whether the studio still does what this tab says, in its turn."""
         (going, *_) = self.listeners["sub_pages_open"]
         self.tell(*going, "/nowhere")
-        return self.heard("404")
+        return self.heard("There is no such page")
 
     def heard(self, text: str) -> bool:
         """Whether the studio soon says something in which that stands."""

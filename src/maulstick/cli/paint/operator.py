@@ -140,7 +140,7 @@ class TerminalOperator(Operator):
     def show(self, photograph: Path) -> None:
         """Do nothing: a terminal shows no pictures."""
 
-    def expect_strokes(self, number: int) -> None:
+    def expect_plan(self, painting: Painting) -> None:
         """Do nothing: the progress bar shows lengths."""
 
     def leave(self, photograph: Path) -> None:

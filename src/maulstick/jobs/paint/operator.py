@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import final
 
 from maulstick.jobs.paint.estimate import Estimate
+from maulstick.painting.painting import Painting
 from maulstick.robot.execute import PaintProgress, Pause
 from maulstick.robot.pace import Pace
 from maulstick.robot.robot import Robot
@@ -52,8 +53,8 @@ class Operator(ABC):
         """Show a photograph of the sheet from the camera."""
 
     @abstractmethod
-    def expect_strokes(self, number: int) -> None:
-        """Show the new number of strokes of the painting, after the rest was planned again."""
+    def expect_plan(self, painting: Painting) -> None:
+        """Show the painting, after the rest of it was planned again."""
 
     @abstractmethod
     def leave(self, photograph: Path) -> None:

@@ -1,5 +1,6 @@
 """Options of ``maulstick paint`` about the machine, kept in the journal, so that resuming needs none of them."""
 
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -80,10 +81,13 @@ class PaintOptions(BaseModel):
         if self.sheets > 1 and self.simulated:
             raise InputError(f"the simulated easel has one sheet; leave out {option('copies')}")
 
-    def after(self, recorded: Mapping[str, JsonValue]) -> "PaintOptions":
-        """Return these options, and where one is not given, the recorded one. Raises InputError for another machine."""
+    def after(self, recorded: Mapping[str, JsonValue], beside: Path) -> "PaintOptions":
+        """Return these options, and where one is not given, that of the journal in the folder `beside`.
+
+        Raises InputError for another machine.
+        """
         try:
-            before = PaintOptions.model_validate(recorded)
+            before = _placed(PaintOptions.model_validate(recorded), beside)
         except ValidationError as error:
             raise InputError(f"the journal's options are damaged: {validation_fault(error)}", Remedy.RESTART) from error
         if self.robot is not None and before.robot is not None and _kind(self.robot) != _kind(before.robot):
@@ -98,10 +102,14 @@ class PaintOptions(BaseModel):
             )
         return before.model_copy(update={name: value for name, value in self if name in self.model_fields_set})
 
-    def as_json(self) -> dict[str, JsonValue]:
-        """Return the options as the journal keeps them; paths are absolute."""
+    def as_json(self, beside: Path, home: Path) -> dict[str, JsonValue]:
+        """Return the options as the journal in the folder `beside` keeps them.
+
+        home: folder that may be moved with all that is in it, the journal too; paths in it are relative to the folder
+        of the journal, and all others absolute.
+        """
         given = {**self.model_dump(exclude_none=True), "robot": self.machine}
-        given = {name: _as_json(value) for name, value in given.items()}
+        given = {name: _as_json(value, beside, home) for name, value in given.items()}
         if self.drawing is not None:
             given["drawing"] = self.drawing.model_dump(mode="json", exclude_defaults=True)
         return given
@@ -141,10 +149,17 @@ class PaintOptions(BaseModel):
         return float("inf") if found is None or found[2] != unit else worth * float(found[1])
 
 
-def _as_json(value: Any) -> JsonValue:
+def _as_json(value: Any, beside: Path, home: Path) -> JsonValue:
     if isinstance(value, Path):
-        return str(value.absolute())
+        moves = value.absolute().is_relative_to(home.absolute())
+        return os.path.relpath(value, beside) if moves else str(value.absolute())
     return list(value) if isinstance(value, tuple) else value
+
+
+def _placed(options: PaintOptions, beside: Path) -> PaintOptions:
+    """Return the options with absolute paths, where relative ones begin in the folder `beside`."""
+    found = {name: value for name, value in options if isinstance(value, Path)}
+    return options.model_copy(update={name: Path(os.path.abspath(beside / path)) for name, path in found.items()})
 
 
 def _kind(robot: str) -> str:

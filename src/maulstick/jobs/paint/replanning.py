@@ -120,7 +120,7 @@ class Replanning:
             """Plan the strokes that are left again."""
             with operator.interruptible():
                 painting = replanned(painting, journal.painted, photograph, picture)
-            operator.expect_strokes(len(painting.strokes))
+                operator.expect_plan(painting)
             return painting
 
         def enough(painted: int) -> bool:

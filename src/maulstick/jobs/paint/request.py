@@ -15,6 +15,7 @@ class PaintRequest:
     restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
     robot: a machine of one's own, instead of the one that the options name.
     from_pen: the first time that a pen is put in, counted from 1; as from_stroke.
+    home: folder that may be moved before the painting is gone on with; None is the painting's own.
     """
 
     painting: Path
@@ -24,3 +25,4 @@ class PaintRequest:
     restart: bool = False
     robot: Robot | None = None
     from_pen: int | None = None
+    home: Path | None = None

@@ -75,7 +75,7 @@ def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, PaintSheet, J
             raise InputError(f"the journal {path} is empty, so nothing was begun", Remedy.START)
         drawn = journal.painted - {*journal.revision.painted}
         sheet = PaintSheet(number, journal, UNKNOWN if drawn or number > 1 else NOTHING)
-        options, file = request.options.after(journal.options), journal.painting()
+        options, file = request.options.after(journal.options, path.parent), journal.painting()
         plan = read_paintable(file, options.drawing if is_svg(file) else None)
         if options.strokes_sha256 is not None and is_svg(file) and strokes_sum(plan.painting) != options.strokes_sha256:
             changed = "by another Maulstick, or a hand that has changed"

@@ -88,7 +88,7 @@ def paint_sheet(
             if replanning is not None and eye is not None:
                 replanning.keep(eye, journal)
             journal.revise(request.painting, painted=first)
-        _write_options(journal, setup, of_svg=is_svg(request.painting))
+        _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         if sheet.number > 1 and not done:
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
@@ -118,12 +118,12 @@ def _note(operator: Operator, setup: PaintSetup, first: bool) -> None:
         operator.note(setup.simulation.note)
 
 
-def _write_options(journal: Journal, setup: PaintSetup, of_svg: bool) -> None:
+def _write_options(journal: Journal, setup: PaintSetup, request: PaintRequest) -> None:
     """Write the options into the journal, and for an SVG the sum of its strokes."""
-    options = setup.options
-    if of_svg and options.strokes_sha256 is None:
+    options, folder = setup.options, request.painting.parent
+    if is_svg(request.painting) and options.strokes_sha256 is None:
         options = options.model_copy(update={"strokes_sha256": strokes_sum(setup.plan)})
-    journal.write_options(options.as_json())
+    journal.write_options(options.as_json(folder, home=request.home or folder))
 
 
 def _workplace(setup: PaintSetup, robot: Robot, journal: Journal, operator: Operator, tally: Tally) -> Workplace:

@@ -38,7 +38,7 @@ def status_of(painting: Path) -> PaintStatus | None:
     journal = Journal.read(path)
     if journal.revision is None:
         return None
-    file, options = journal.painting(), PaintOptions().after(journal.options)
+    file, options = journal.painting(), PaintOptions().after(journal.options, path.parent)
     strokes = read_paintable(file, options.drawing if is_svg(file) else None).painting.strokes
     painted = sum(stroke.id in journal.painted for stroke in strokes)
     return PaintStatus(len(strokes), painted, journal.unfinished, options)

@@ -9,6 +9,8 @@ from pathlib import Path
 from nicegui import PageArguments, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.studio.panels.tab_title import TabTitle
+from maulstick.studio.panels.tablet import Door, tablet_button
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import error_text
@@ -17,7 +19,7 @@ _PANELS = {
     "/": ("Draw", "draw", "maulstick.studio.panels.draw.draw"),
     "/styles": ("Styles", "brush", "maulstick.studio.panels.styles.styles"),
     "/plan": ("Plan", "auto_awesome_mosaic", "maulstick.studio.panels.plan.plan"),
-    "/paints": ("Paints", "palette", "maulstick.studio.panels.paints.paints"),
+    "/paints": ("Mix", "palette", "maulstick.studio.panels.paints.paints"),
     "/paint": ("Paint", "precision_manufacturing", "maulstick.studio.panels.paint.paint"),
     "/survey": ("Survey", "how_to_vote", "maulstick.studio.panels.survey.survey"),
 }
@@ -49,8 +51,22 @@ _STOP = """<script>
 _STYLE = Path(__file__).with_name("studio.css")
 
 
-def page(studio: Studio) -> None:
-    """Build the page."""
+class _Panels(ui.sub_pages):
+    """Panels by path; any other path is said to lead nowhere. lost: called then."""
+
+    def __init__(self, panels: dict[str, Callable[[PageArguments], None]], lost: Callable[[], None]) -> None:
+        self._lost = lost
+        super().__init__(panels)
+
+    def _render_404(self) -> None:
+        self._lost()
+        html.h1("There is no such page")
+        html.p("Its address may be incomplete, or what it showed is gone.").classes("hint")
+        ui.button("Go to the beginning", icon="arrow_back", on_click=lambda: ui.navigate.to("/")).props("outline")
+
+
+def page(studio: Studio, door: Door) -> None:
+    """Build the page. door: the way in for other machines."""
     ui.on_exception(_tell)
     ui.add_css(_STYLE)
     ui.colors(primary="#8c3d26", secondary="#5b6770", accent="#2f6690", negative="#b3261e", positive="#3c7a3f")
@@ -58,9 +74,19 @@ def page(studio: Studio) -> None:
         ui.label("Maulstick").classes("name")
         links = _links()
         _doing(studio)
+        tablet_button(studio, door)
         _stop(studio)
     with ui.element().classes("panel"):
-        ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
+        title = TabTitle(studio)
+
+        def mark(path: str) -> None:
+            for other, link in links.items():
+                link.props(remove="aria-current")
+                if other == path:
+                    link.props('aria-current="page"')
+            title.turn_to(_PANELS[path][0] if path in _PANELS else "No such page")
+
+        _Panels({path: _built(path, studio, mark) for path in _PANELS}, lost=lambda: mark(""))
 
 
 def _links() -> dict[str, ui.link]:
@@ -73,14 +99,10 @@ def _links() -> dict[str, ui.link]:
     return links
 
 
-def _built(path: str, studio: Studio, links: dict[str, ui.link]) -> Callable[[PageArguments], None]:
+def _built(path: str, studio: Studio, mark: Callable[[str], None]) -> Callable[[PageArguments], None]:
     def build(arguments: PageArguments) -> None:
-        for other, link in links.items():
-            link.props(remove="aria-current")
-            if other == path:
-                link.props('aria-current="page"')
-        name, _, module = _PANELS[path]
-        ui.page_title(f"{name} · Maulstick")
+        mark(path)
+        _, _, module = _PANELS[path]
         import_module(module).build(studio, arguments.query_parameters)
 
     return build

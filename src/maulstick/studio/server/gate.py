@@ -22,6 +22,7 @@ from maulstick.studio.workers.uploads import LARGEST
 OPEN = "/survey/"
 """Path of the survey's own pages, which need no token of the studio: their links are tokens themselves."""
 
+_KEPT = 400 * 24 * 3600  # seconds of the cookie, as long as browsers allow: a bookmark works without the token
 _LONGEST = 120.0  # seconds for an upload: 64 MiB then need 4.5 Mbit/s
 _OWN_SITES = {"same-origin", "none"}  # none: typed, or a bookmark
 _HOST = re.compile(r"(?:\[([0-9a-f:.]+)\]|([0-9a-z.-]+))(?::[0-9]{1,5})?", re.IGNORECASE)
@@ -40,10 +41,14 @@ _HEADERS = {
 
 @final
 class Gate:
-    """ASGI middleware. token: required of everybody, once in the link and then in a cookie; None on loopback."""
+    """ASGI middleware.
 
-    def __init__(self, app: ASGIApp, token: str | None) -> None:
-        self._app, self._token = app, token
+    token: required of everybody, once in the link and then in a cookie: all users of a machine share its loopback.
+    is_local: whether the studio answers to this machine's own names alone.
+    """
+
+    def __init__(self, app: ASGIApp, token: str, *, is_local: bool) -> None:
+        self._app, self._token, self._is_local = app, token, is_local
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or refuse it and say why."""
@@ -63,7 +68,7 @@ class Gate:
     def _refusal(self, scope: Scope) -> Response | None:
         headers = Headers(scope=scope)
         hosts, socket = headers.getlist("host"), scope["type"] == "websocket"
-        if len(hosts) != 1 or (self._token is None and not _is_loopback(hosts[0])):
+        if len(hosts) != 1 or (self._is_local and not _is_loopback(hosts[0])):
             return _no(421, "The studio answers to this machine's own names alone; open the link that it printed.")
         origin = headers.get("origin")
         asks = scope.get("method") in ("GET", "HEAD")
@@ -78,16 +83,14 @@ class Gate:
             return _no(400, "The length of what was sent is no number; send it again.")
         if int(length) > LARGEST:
             return _no(413, f"That is larger than {LARGEST >> 20} MiB; send something smaller.")
-        if self._token is None or scope["path"].startswith(OPEN):
-            return None
-        return self._by_token(scope, headers, self._token)
+        return None if scope["path"].startswith(OPEN) else self._by_token(scope, headers)
 
-    def _by_token(self, scope: Scope, headers: Headers, token: str) -> Response | None:
+    def _by_token(self, scope: Scope, headers: Headers) -> Response | None:
         cookie = f"maulstick-{scope['server'][1]}"  # a browser sends all studios of a machine the same ones
         query = parse_qs(scope["query_string"].decode("latin-1"))
-        if scope["type"] == "http" and _same(query.pop("token", [""])[0], token):
-            return _let_in(scope["path"], query, cookie, token)
-        if _same(_cookie(headers, cookie), token):
+        if scope["type"] == "http" and _same(query.pop("token", [""])[0], self._token):
+            return _let_in(scope["path"], query, cookie, self._token)
+        if _same(_cookie(headers, cookie), self._token):
             return None
         return _no(403, "The studio opens by the whole link that it printed, with its token; open that one.")
 
@@ -145,7 +148,7 @@ def _let_in(path: str, query: dict[str, list[str]], cookie: str, token: str) -> 
     inside = PlainTextResponse(
         "The studio opens.\n", headers={"Refresh": f"0; url={where}", "Cache-Control": "no-store"}
     )
-    inside.set_cookie(cookie, token, httponly=True, samesite="strict")
+    inside.set_cookie(cookie, token, max_age=_KEPT, httponly=True, samesite="strict")
     return inside
 
 

@@ -8,6 +8,7 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.workers.plan_pictures import AGAIN
 from maulstick.studio.workers.planner import TARGET
 
 routes = APIRouter()
@@ -26,7 +27,8 @@ _DOWNLOADS = {"plans": {"painting.json", "painting.svg", "preview.png"}}
 @routes.get("/picture/{kind}/{name}/{file}")
 def picture(kind: str, name: str, file: str, request: Request) -> Response:
     """Send a picture of something in the studio's folder."""
-    return _file(request, kind, name, file if file in _SHOWN.get(kind, ()) else None)
+    is_shown = file in _SHOWN.get(kind, ()) or (kind == "plans" and AGAIN.fullmatch(file))
+    return _file(request, kind, name, file if is_shown else None)
 
 
 @routes.get("/picture/plans/{name}/order/{number}.jpg")

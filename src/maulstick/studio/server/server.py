@@ -3,12 +3,10 @@
 import asyncio
 import logging
 import resource
-import secrets
-import socket
+import sys
 import webbrowser
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
-from ipaddress import ip_address
+from contextlib import ExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from types import FrameType
 
@@ -17,9 +15,11 @@ import uvicorn
 from fastapi import FastAPI
 from nicegui import ui
 
-from maulstick.errors import InputError, MaulstickError, option
+from maulstick.errors import MaulstickError
 from maulstick.studio.panels.frame import page
+from maulstick.studio.panels.tablet import Door
 from maulstick.studio.server.gate import Gate
+from maulstick.studio.server.link import is_loopback, kept_token, link_to, page_that_leads_to
 from maulstick.studio.server.patience import TimelyProtocol
 from maulstick.studio.server.routes import routes
 from maulstick.studio.server.survey_pages import survey_pages
@@ -44,13 +44,15 @@ class _PatientServer(uvicorn.Server):
 def serve(root: Path, host: str, port: int, browse: bool) -> None:
     """Serve the studio of this folder until Ctrl-C.
 
-    host: an address of this machine; unless it is the loopback, the link has a token.  browse: open a browser, too.
+    host: an address of this machine; unless it is the loopback, others come in by the link too.
+    browse: open a browser, too.
     Raises InputError where the port or the folder is in use, and OutputError where the folder cannot be written.
     """
-    token = None if _is_loopback(host) else secrets.token_urlsafe(16)
+    is_local = is_loopback(host)
     with Folder.opened(root) as folder, listening(host, port) as at:
-        link = _link(host, at.getsockname()[1], token)
-        app = Gate(_app(folder, link, browse), token)
+        token = kept_token(folder.root)
+        door = Door(link_to(host, at.getsockname()[1], token), is_local)
+        app = Gate(_app(folder, door, browse), token, is_local=is_local)
         server = _PatientServer(
             uvicorn.Config(
                 app,
@@ -64,21 +66,25 @@ def serve(root: Path, host: str, port: int, browse: bool) -> None:
         server.run(sockets=[at])
 
 
-def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
+def _app(folder: Folder, door: Door, browse: bool) -> FastAPI:
     @asynccontextmanager
     async def open_studio(app: FastAPI) -> AsyncIterator[None]:
         app.state.studio = studio = Studio(folder)
-        print(f"The studio of {folder.root} is open; Ctrl-C closes it.\n{link}", flush=True)
-        if browse:
-            await asyncio.to_thread(webbrowser.open, link)
-        warming = asyncio.create_task(_warm(studio))
-        try:
-            yield
-        finally:
-            warming.cancel()
-            if studio.run.doing or studio.plans.doing:
-                print("The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True)
-            await studio.close()
+        _announce(folder.root, door)
+        with ExitStack() as kept:
+            if browse:
+                leading = kept.enter_context(page_that_leads_to(door.link, folder.root))
+                await asyncio.to_thread(webbrowser.open, leading)
+            warming = asyncio.create_task(_warm(studio))
+            try:
+                yield
+            finally:
+                warming.cancel()
+                if studio.run.doing or studio.plans.doing:
+                    print(
+                        "The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True
+                    )
+                await studio.close()
 
     app = FastAPI(lifespan=open_studio, openapi_url=None)
     app.include_router(routes)
@@ -88,7 +94,7 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
     logging.getLogger("nicegui").addFilter(_is_for_the_terminal)
     ui.run_with(
         app,
-        root=lambda: page(app.state.studio),
+        root=lambda: page(app.state.studio, door),
         title="Maulstick",
         favicon=_FAVICON,
         dark=None,
@@ -98,6 +104,16 @@ def _app(folder: Folder, link: str, browse: bool) -> FastAPI:
         reconnect_timeout=30,
     )
     return app
+
+
+def _announce(root: Path, door: Door) -> None:
+    """Print the link, and on a terminal a picture of it that a tablet's camera reads, where that can come in."""
+    print(f"The studio of {root} is open; Ctrl-C closes it.\n{door.link}", flush=True)
+    if sys.stdout.isatty() and not door.is_local:
+        import segno
+
+        segno.make(door.link, micro=False).terminal(compact=True)
+        print("A tablet in the same network comes in if you point its camera at this.", flush=True)
 
 
 async def _warm(studio: Studio) -> None:
@@ -118,17 +134,3 @@ def _raise_limit_of_files() -> None:
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     with suppress(ValueError, OSError):  # a system that says it knows no limit may have one
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return host == "localhost" or ip_address(host).is_loopback
-    except ValueError:
-        raise InputError(
-            f"{option('host')} is {host!r}; it must be an address of this machine, as in 192.168.1.20, or 0.0.0.0"
-        ) from None
-
-
-def _link(host: str, port: int, token: str | None) -> str:
-    shown = socket.gethostname() if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
-    return f"http://{shown}:{port}/" + ("" if token is None else f"?token={token}")

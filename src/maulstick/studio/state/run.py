@@ -118,7 +118,7 @@ class Run:
 
     def check(self, plan: str, options: PaintOptions, *, resume: bool = False) -> None:
         """Check whether a plan, or with `resume` its rest, can be painted, without moving anything."""
-        request = PaintRequest(self._painting(plan), options, resume=resume)
+        request = self._request(plan, options, resume=resume)
         options.check()
         self._check_free()
         self._begin("checking", request, rehearse_in_process)
@@ -128,14 +128,14 @@ class Run:
 
         Raises InputError where a machine is busy, or paints are not mixed.
         """
-        await self._start(PaintRequest(self._painting(plan), options, restart=restart), None)
+        await self._start(self._request(plan, options, restart=restart), None)
 
     async def resume(self, plan: str, options: PaintOptions, is_painted: bool | None) -> None:
         """Go on where it stopped, with its earlier options where `options` leave them out; raises as `begin`.
 
         is_painted: whether the unfinished stroke is on the paper.
         """
-        await self._start(PaintRequest(self._painting(plan), options, resume=True), is_painted)
+        await self._start(self._request(plan, options, resume=True), is_painted)
 
     def stop(self) -> str:
         """Stop the machine at once and lift its pen, whatever it does; return what was stopped, for people."""
@@ -186,6 +186,12 @@ class Run:
         if not path.is_file():
             raise InputError(f"the plan {plan!r} is not finished; let it be planned to its end first")
         return path
+
+    def _request(
+        self, plan: str, options: PaintOptions, *, resume: bool = False, restart: bool = False
+    ) -> PaintRequest:
+        """Return the request, whose journal lets the studio's folder be moved."""
+        return PaintRequest(self._painting(plan), options, resume=resume, restart=restart, home=self._folder.root)
 
     def _check_free(self) -> None:
         if self.is_busy:
@@ -266,6 +272,6 @@ class Run:
 
 def _unmixed_fault(plan: str, missing: list[PlannedPaint], is_pen: bool) -> str:
     if is_pen:
-        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Paints"
+        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Mix"
     more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
-    return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Paints"
+    return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Mix"

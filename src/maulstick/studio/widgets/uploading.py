@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from nicegui import events, ui
+from nicegui import events, html, ui
 
 from maulstick.errors import InputError
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
@@ -31,19 +31,36 @@ def upload_button(
     take: Callable[[events.UploadEventArguments], Awaitable[None]],
     onto: ui.element | None = None,
 ) -> ui.button:
-    """Make a button that lets a person choose a file.
+    """Make a button that lets a person choose a file, and says beside it that the file is being read.
 
     accept: endings that the browser offers, as ".png,.jpg", but does not enforce.  take: called with the file.
     onto: part of the page onto which a file can be dropped as well.
     """
-    chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=take, on_rejected=_refuse)
+
+    async def taken(file: events.UploadEventArguments) -> None:
+        try:
+            await take(file)
+        finally:
+            show(False)
+
+    def show(reads: bool) -> None:
+        if not reading.is_deleted:
+            reading.visible, button.enabled = reads, not reads
+
+    chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=taken, on_rejected=_refuse)
     chooser.props(f'accept="{accept}" aria-hidden=true').style("display: none")
 
     async def uploaded(_: object) -> None:
         chooser.reset()  # so that the same file can be chosen again
 
     chooser.on("uploaded", uploaded)
+    chooser.on("start", lambda: show(True), [])
+    chooser.on("failed", lambda: show(False), [])
     button = ui.button(text, icon="upload_file").props("outline no-caps")
+    with html.span().classes("reading hint").props('role="status"') as reading:
+        ui.spinner().props("aria-hidden=true")
+        ui.label("Reading it …")
+    reading.visible = False
     button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
     if onto is not None:
         onto.on("dragover", js_handler=_ALLOW_DROP)

@@ -18,6 +18,7 @@ MOST_POINTS = 500_000
 """Limits of a sheet, so that its file stays below what ``maulstick record ink`` reads."""
 
 _MEMBERS = ("timeStamp", "x", "y", "pressure", "tiltX", "tiltY")  # of a point, as in a PointerEvent
+_UPRIGHT = {"tiltX": 0, "tiltY": 0}  # of a pen whose tilt was not recorded
 _ROUNDED = np.array([10.0, 1e3, 1e3, 1e3, 1.0, 1.0])  # steps per unit that are kept of each member
 _LATEST = 1e13  # milliseconds; a browser counts them from 1970
 _SLACK = 1e-3  # millimetres beyond the sheet, which rounding may add
@@ -74,13 +75,20 @@ def sheet_json(size: tuple[float, float], strokes: Iterable[DrawnStroke]) -> byt
 
 
 def read_sheet(path: Path) -> DrawnSheet:
-    """Read the sheet in the file at `path`. Raises InputError where it is none that the studio could have written."""
+    """Read the sheet in the file at `path`; a pen whose tilt was not recorded is upright.
+
+    Raises InputError where it is none on which drawing can go on.
+    """
     content = read_whole(path, "drawing", _LARGEST)
     try:
         record = json.loads(content)
         width, height = (float(side) * 1e-3 for side in record["size_mm"])
-        listed = [[point[member] for point in points for member in _MEMBERS] for points in record["strokes"]]
+        shown = [[{**_UPRIGHT, **point} for point in points] for points in record["strokes"]]
+        listed = [[point[member] for point in points for member in _MEMBERS] for points in shown]
         strokes = tuple(DrawnStroke.of(numbers, (width, height)) for numbers in listed)
+        points = sum(len(stroke.points) for stroke in strokes)
+        if len(strokes) > MOST_STROKES or points >= MOST_POINTS + MOST_OF_A_STROKE:  # the last one may go beyond
+            raise ValueError("it has more strokes than a sheet holds")
     except (InputError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise InputError(f"{path} is not a drawing of the studio: {error!s:.200}; move it elsewhere") from error
     return DrawnSheet((width, height), strokes)

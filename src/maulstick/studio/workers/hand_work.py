@@ -1,6 +1,7 @@
 """Tasks of the desk with hands: ink from drawings and from uploaded recordings, and styles from ink."""
 
 import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal
 from zipfile import ZipFile
@@ -15,7 +16,7 @@ from maulstick.storage.arrays import kind_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import write_record
 from maulstick.strokes.ink import KIND, Ink, read_ink, write_ink
-from maulstick.studio.workers.drawn_sheet import read_sheet
+from maulstick.studio.workers.drawn_sheet import read_sheet, sheet_json
 from maulstick.studio.workers.uploads import known_as
 
 DRAWING, INK, CARD, PICTURE = "drawing.json", "hand.ink.npz", "hand.json", "hand.png"
@@ -45,9 +46,16 @@ def keep_drawing(hand: Path) -> None:
 
 
 def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) -> None:
-    """Make the folder of a hand from an uploaded recording; see `Hands.take_in`."""
+    """Make the folder of a hand from an uploaded recording; see `Hands.take_in`.
+
+    A drawing of a web page that fits the studio's sheet is kept as one, so that it can be drawn on.
+    """
     with known_as(file, called):
         ink = _read(file, Path(called).suffix.lower(), pen_millimetres)
+    sheet = None
+    if Path(called).suffix.lower() == ".json":
+        with suppress(InputError):  # its ink is used all the same
+            sheet = read_sheet(file)
     if not len(ink):
         raise InputError(f"there are no strokes in {called}; choose another recording")
     try:
@@ -55,6 +63,8 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
     except OSError as error:
         raise OutputError(f"cannot write {hand}: {error.strerror}; choose another folder") from error
     try:
+        if sheet is not None:
+            atomic_write(hand / DRAWING, sheet_json(sheet.size, sheet.strokes))
         _keep(ink, hand)
     except MaulstickError:
         shutil.rmtree(hand)

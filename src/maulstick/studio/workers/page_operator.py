@@ -11,12 +11,14 @@ from typing import final
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.setup import PaintSetup
+from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_jpeg, read_picture
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.storage.arrays import Image
 from maulstick.studio.workers.messages import PAINTING, PLANNING, Held, Note, OperatorRequest, Photograph, RunProgress
+from maulstick.studio.workers.plan_pictures import keep_plan_picture
 from maulstick.studio.workers.planned_paints import display_name
 from maulstick.studio.workers.process import Line
 
@@ -50,6 +52,7 @@ class PageOperator(Operator):
         self._wants_a_look = False
         self._drawn = 0.0  # metres, before the last look
         self._moment: _Moment | None = None
+        self._photograph: Path | None = None  # by which the rest was last planned again
         self._sheet: Image | None = None  # that is not shown yet
         self._photograph_due = 0.0
 
@@ -117,14 +120,17 @@ class PageOperator(Operator):
     def show(self, photograph: Path) -> None:
         """As in `Operator`; planning comes next."""
         self.leave(photograph)
+        self._photograph = photograph
         self._strokes = None  # it may leave some out
         if (moment := self._moment) is not None:
             planning = replace(moment.progress, doing=PLANNING, strokes=None)
             self._moment = _Moment(planning, time.monotonic())
 
-    def expect_strokes(self, number: int) -> None:
+    def expect_plan(self, painting: Painting) -> None:
         """As in `Operator`."""
-        self._strokes = number
+        if self._photograph is not None:
+            keep_plan_picture(painting, self._photograph)
+        self._strokes = len(painting.strokes)
 
     def leave(self, photograph: Path) -> None:
         """As in `Operator`."""

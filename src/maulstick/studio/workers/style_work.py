@@ -9,13 +9,15 @@ from maulstick.storage.arrays import Floats, Ints
 from maulstick.storage.files import atomic_write
 
 _PX = 1024  # height of a sheet
+_PROPORTION = 1.4  # width of a map over its height
 
 
 @dataclass(frozen=True)
 class Map:
     """Map of N strokes of the hands of some styles.
 
-    names: of the styles.  whose: (N,), index of the style.  places, glyphs: see `maulstick.plots.latent_map`.
+    names: of the styles.  whose: (N,), index of the style.
+    places, glyphs: see `maulstick.plots.latent_map`; places are moved apart, so that each stroke can be pointed at.
     paths: (N, 32, 2), metres, standardised.  lengths: (N,), metres.  speeds: (N,), metres per second, the median along
     the stroke.  pressure: (N,), in [0, 1], the mean.  Speeds and pressure are NaN where they were not recorded.
     strokes: number of strokes of all hands together, of which the map may show a part.
@@ -74,6 +76,7 @@ def map_of(styles: dict[str, Path]) -> Map:
     """Map the strokes of the styles' hands. styles: their JSON files by name."""
     from maulstick.plots.latent_map import places_of  # these load torch
     from maulstick.strokes.strokes import path_lengths
+    from maulstick.studio.workers.spread import spread_apart
     from maulstick.style.store import read_style
 
     read = [read_style(path) for path in styles.values()]
@@ -86,7 +89,7 @@ def map_of(styles: dict[str, Path]) -> Map:
     return Map(
         tuple(styles),
         found.whose,
-        found.places,
+        spread_apart(found.places, _PROPORTION),
         found.glyphs,
         paths,
         path_lengths(paths),

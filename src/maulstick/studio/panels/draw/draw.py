@@ -21,9 +21,10 @@ _GOOD = 20  # strokes that the page recommends for a style
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: not used."""
     ui.add_css(_STYLE)
-    html.h1("Draw a hand")
+    html.h1("Show how you draw")
     html.p(
-        f"Draw as you always do: {_GOOD} strokes or more of the kind that you want the machine to make. "
+        f"Draw as you always do: {_GOOD} strokes or more of the kind that you want the machine to make. They are your "
+        "hand, which it learns. "
         "A pen with pressure is best; a finger or a mouse will do."
     ).classes("hint draw-hint")
     with ui.element().classes("draw"):

@@ -12,6 +12,7 @@ from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.wording import machine_name
 from maulstick.studio.workers.messages import PAINTING
+from maulstick.studio.workers.plan_pictures import plan_picture
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 
@@ -128,7 +129,7 @@ class Sheets:
         if plan:
             painting = self._folder.painting(plan)
             self._caption.text = "The drawing" if is_svg(painting) else "The plan"
-            self._show_at(self._plan, self._address(painting.with_name("preview.png")))
+            self._show_at(self._plan, self._address(plan_picture(painting)))
             source = f"/seen/{state.seen}.jpg" if plan == state.plan and state.photograph else self._left_of(plan)
             self._sheet.visible, self._bare.visible = bool(source), not source
             if source:
@@ -219,4 +220,4 @@ def _summary(estimate: Estimate) -> str:
 def _why_bare(state: State) -> str:
     if state.is_on and not (state.options.simulated or state.options.look or state.options.replan):
         return "Nobody looks: there is no camera"
-    return "Nothing was seen yet"
+    return "There is no picture of the sheet yet"

@@ -145,6 +145,7 @@ class _Setting:
 
     def _choose(self) -> None:
         self._status, self._unfilled = None, True
+        self._begun.text = self._mix.text = ""  # they are about what was chosen before
         self._reading.show(self.plan)
         self._follow()
         self.on_choice()

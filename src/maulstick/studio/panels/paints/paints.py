@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 from nicegui import background_tasks, events, html, ui
 
 from maulstick.colour.mixing import Recipe
+from maulstick.colour.srgb import light_of
 from maulstick.errors import MaulstickError
 from maulstick.painting.painting import hex_colour
 from maulstick.studio.panels.paints.tray import build_tray
@@ -164,7 +166,7 @@ def _recipe(studio: Studio, paint: PlannedPaint, recipe: Recipe) -> None:
     given = hex_colour(recipe.colour)
     with ui.element().classes("beside").props(f'role="img" aria-label="Wanted {paint.hex}, this gives {given}"'):
         for text, colour in (("wanted", paint.hex), ("this gives", given)):
-            with html.div().style(f"background: {colour}; color: {_legible_on(colour)}"):
+            with html.div().style(f"background: {colour}; color: {legible_on(colour)}"):
                 ui.label(text)
     with ui.label(_verdict(recipe)):
         ui.tooltip(f"CIEDE2000 {recipe.error:.1f}")
@@ -203,6 +205,8 @@ def _ordinal(number: int) -> str:
     return "first" if number == 1 else f"{number}{ending}"
 
 
-def _legible_on(colour: str) -> str:
-    red, green, blue = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
-    return "#000" if 0.299 * red + 0.587 * green + 0.114 * blue > 140 else "#fff"
+def legible_on(colour: str) -> str:
+    """Return black or white, whichever has the higher contrast on the colour, ``#rrggbb``: at least 4.58 (WCAG 2.2)."""
+    red, green, blue = light_of(np.array([int(colour[place : place + 2], 16) for place in (1, 3, 5)]) / 255)
+    luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    return "#000" if (luminance + 0.05) ** 2 > 1.05 * 0.05 else "#fff"

@@ -45,6 +45,8 @@ class PlanCard:
                 html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
             self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
+            if plan.request.options.text:
+                ui.label(_words(plan.request)).classes("hint words")
             ui.label(_summary(plan.request)).classes("hint")
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
@@ -150,6 +152,11 @@ class PlanCard:
             raise InputError(f"{name} is being painted; stop the machine first")
         trashed = plans.throw_away(self.plan)
         offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(trashed))
+
+
+def _words(request: PlanRequest) -> str:
+    """Return what a plan was asked for in words, and whether a picture counts beside them."""
+    return f"“{request.options.text}”" + ("" if request.picture is None else ", beside the picture")
 
 
 def _summary(request: PlanRequest) -> str:

@@ -18,6 +18,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
+from maulstick.studio.wording import WORDS_LABEL
 
 _DEFAULT = PlanOptions()
 DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
@@ -38,6 +39,7 @@ _FIRST_VALUES = {
     "drawing": _DEFAULT.drawing,
     "effort": _DEFAULT.steps,
 }
+_SHOW_NEWEST = """setTimeout(() => document.querySelector(".plans .plan")?.scrollIntoView({ block: "nearest" }), 100)"""
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
 
@@ -49,11 +51,13 @@ class PlanForm:
         self._studio = studio
         kept = app.storage.client.setdefault("plan", dict(_FIRST_VALUES))  # while a person is at other panels
         with ui.element().classes("sheet"):
-            html.h2("What")
+            html.h2("What to paint")
             self._picture = PictureChoice(studio, self._follow)
-            self._text = ui.input("Or say in words what to paint").bind_value(kept, "text").props("maxlength=300")
+            self._text = ui.input(WORDS_LABEL).bind_value(kept, "text").props("maxlength=300")
+            self._both = html.p("They count beside the picture; choose “No picture” to have them alone.")
+            self._both.classes("hint")
         with ui.element().classes("sheet"):
-            html.h2("With what")
+            html.h2("How to paint it")
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
@@ -72,12 +76,12 @@ class PlanForm:
             html.h2("What matters")
             self._weights = weight_sliders({name: float(name == "tone") for name in PICTURE_TERMS})
             self._arrange = Slider("As the hand arranges", 1, 0.25, _DEFAULT.arrange)
-            self._effort = ui.select(_EFFORTS, label="How long").bind_value(kept, "effort")
+            self._effort = ui.select(_EFFORTS, label="How carefully").bind_value(kept, "effort")
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
         self._is_arranged = False
-        for choice in (self._kind, self._enough):
+        for choice in (self._kind, self._enough, self._text):
             choice.on_value_change(self._follow)
         shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
         self._follow()
@@ -85,6 +89,7 @@ class PlanForm:
     def _follow(self) -> None:
         """Show what means something beside what is chosen."""
         one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
+        self._both.visible = of_picture and bool(str(self._text.value or "").strip())
         self._paints.visible, self._ink.visible = not one_ink, one_ink
         self._drawing.visible = one_ink and of_picture
         self._enough.visible = one_ink and of_picture and self._style.value != _FREE
@@ -114,15 +119,16 @@ class PlanForm:
         self._go.disable()  # or a double click would plan it twice
         ui.timer(_PAUSE, self._go.enable, once=True)
         ui.notify(f"{plan.name} is being planned", type="positive")
+        ui.run_javascript(_SHOW_NEWEST)
 
     def _request(self) -> PlanRequest:
         """Return the request that the form describes. Raises InputError for a value that cannot be used."""
         text = str(self._text.value or "").strip() or None
         picture = self._picture.path
         if picture is None and text is None:
-            raise InputError("there is nothing to paint yet; bring a picture, or write a text")
+            raise InputError("there is nothing to paint yet; bring a picture, or say in words what to paint")
         if text is not None and find_spec("open_clip") is None:
-            raise InputError("this studio cannot read texts, for CLIP is not installed; bring a picture")
+            raise InputError("this studio cannot read words, for CLIP is not installed; take them out, use a picture")
         strokes: int | Literal["auto"] = AUTO
         if not self._takes_enough:
             strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)

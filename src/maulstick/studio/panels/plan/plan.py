@@ -17,9 +17,10 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
     ui.add_css(_STYLE)
     html.h1("Plan a painting")
-    html.p("Choose a picture and a hand. Watch the strokes find their places, and stop whenever you like it.").classes(
-        "hint"
-    )
+    html.p(
+        "Choose a picture, and a hand: somebody's way of drawing. Watch the strokes find their places, "
+        "and stop whenever you like it."
+    ).classes("hint")
     with ui.element().classes("desk"):
         with ui.element().classes("side"):
             PlanForm(studio, query.get("style", ""))

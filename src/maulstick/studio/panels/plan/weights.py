@@ -12,9 +12,9 @@ from maulstick.studio.widgets.slider import Slider
 TERM_LABELS = {
     "tone": "Light and dark",
     "edges": "Outlines",
-    "likeness": "What is in it",
+    "likeness": "What can be recognised",
     "sketch": "Like a sketch of it",
-    "text": "The text",
+    "text": "The words",
 }
 """Labels of the terms of the loss, by name."""
 

@@ -24,7 +24,7 @@ def show_compared(studio: Studio, names: Sequence[str]) -> ui.element:
             html.h2("How different they are")
             shown_later("Comparing their strokes …", lambda: styles.differences_of(names), _differences)
         with html.section().classes("sheet"):
-            html.h2("All their strokes, like beside like")
+            html.h2("All their strokes, sorted by likeness")
             html.p(AS_TURNED).classes("hint")
             shown_later("Finding out which strokes are alike …", lambda: styles.map_of(names), StrokeMap)
     return back

@@ -12,7 +12,7 @@ from maulstick.studio.workers.style_work import Map
 WIDE, HIGH = 1400, 1000
 """Size of the map's drawing, in its own units."""
 
-_CLOSE = 1.3  # size of the largest stroke over its share of the map; above 1 since most strokes are smaller
+_CLOSE = 1.15  # size of the largest stroke over its share of the map; above 1 since most strokes are smaller
 _LARGEST = 125.0  # units: the largest stroke at most
 _MARGIN = 30.0  # units around the map
 _LARGE_WIDE, _LARGE_HIGH, _LARGE_MARGIN = 600, 300, 40  # units of the drawing of the chosen stroke
@@ -65,8 +65,9 @@ def map_svg(found: Map) -> str:
     room = np.array([WIDE, HIGH]) - size - 2 * _MARGIN
     centres = found.places * room + np.array([WIDE, HIGH]) / 2
     near = neighbours(centres)
+    spot = min(size, _least_distance(centres)) / 2  # so that none lies on another
     spots = [
-        f'<circle data-stroke="{number}" cx="{x:.1f}" cy="{y:.1f}" r="{size / 2:.1f}"/>'
+        f'<circle data-stroke="{number}" cx="{x:.1f}" cy="{y:.1f}" r="{spot:.1f}"/>'
         for number, (x, y) in enumerate(centres)
     ]
     strokes = [
@@ -94,6 +95,12 @@ def neighbours(centres: Floats) -> Ints:
         nearest = np.where(lies_there, distances, np.inf).argmin(axis=1)
         found[:, column] = np.where(lies_there.any(axis=1), nearest, found[:, column])
     return found
+
+
+def _least_distance(centres: Floats) -> float:
+    apart = np.linalg.norm(centres[None] - centres[:, None], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    return float(apart.min())
 
 
 def large_svg(path: Floats, whose: int) -> str:

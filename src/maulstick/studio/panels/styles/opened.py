@@ -37,7 +37,7 @@ def show_opened(studio: Studio, name: str) -> ui.element:
                 lambda path: sheet_picture(path, f"Strokes by the hand {name}, and below them strokes drawn like them"),
             )
         with html.section().classes("sheet"):
-            html.h2("Its strokes, like beside like")
+            html.h2("Its strokes, sorted by likeness")
             shown_later("Finding out which strokes are alike …", lambda: styles.map_of([name]), StrokeMap)
     return back
 

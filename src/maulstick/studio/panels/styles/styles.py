@@ -68,7 +68,7 @@ class StylesPanel:
         with ui.element().classes("line chosen"):
             self._compare = ui.button("Compare", icon="compare", on_click=lambda: _look_at(self._ticked))
             self._told = ui.label().classes("hint").props('role="status"')
-            ui.button("Draw a hand", icon="draw", on_click=lambda: ui.navigate.to("/")).props("outline")
+            ui.button("Draw your own", icon="draw", on_click=lambda: ui.navigate.to("/")).props("outline")
         sheets: dict[str, ui.element] = {}
         with ui.element().classes("cards"):
             for entry in map(styles.entry, styles.names()):
