@@ -75,6 +75,12 @@ class PictureEdit:
         """Return the picture (H, W, 3), sRGB in [0, 1], with these corrections, (h, w, 3)."""
         return self.toned(self.cut(self.turned(picture)))
 
+    def shape(self, picture: tuple[int, ...]) -> tuple[int, int]:
+        """Return the shape (h, w) of what it leaves of a picture of this shape (H, W, ...)."""
+        height, width = picture[:2] if self.rotate % 180 == 0 else picture[1::-1]
+        (top, bottom), (left, right) = self._edges(height, width)
+        return bottom - top, right - left
+
     def turned(self, picture: Pixels) -> Pixels:
         """Return the picture (H, W, 3) turned and straightened."""
         if self.rotate:
@@ -83,9 +89,7 @@ class PictureEdit:
 
     def cut(self, picture: Pixels) -> Pixels:
         """Return what the crop keeps of a picture (H, W, 3)."""
-        (left, right), (top, bottom) = (
-            _kept(self.crop[axis], self.crop[axis + 2], picture.shape[1 - axis]) for axis in (0, 1)
-        )
+        (top, bottom), (left, right) = self._edges(*picture.shape[:2])
         return picture[top:bottom, left:right]
 
     def toned(self, picture: Pixels) -> Pixels:
@@ -95,6 +99,11 @@ class PictureEdit:
         if self.contrast != 1:
             picture = (_GREY + np.float32(self.contrast) * (picture - np.float32(_GREY))).clip(0, 1)
         return picture.astype(np.float32, copy=False)
+
+    def _edges(self, height: int, width: int) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Return the first row that the crop keeps and the one after the last, and of columns the same."""
+        left, top, right, bottom = self.crop
+        return _kept(top, bottom, height), _kept(left, right, width)
 
 
 def _kept(first: float, last: float, length: int) -> tuple[int, int]:
