@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
+from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import encode_png, lay_out
+from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.windows import Mural, Windows, enlarged
 from maulstick.storage.arrays import Image as Picture

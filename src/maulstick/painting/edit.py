@@ -53,7 +53,7 @@ class PictureEdit:
 
     def __post_init__(self) -> None:
         if self.rotate not in TURNS or isinstance(self.rotate, bool):
-            raise InputError.of_choice(option("rotate"), self.rotate, map(str, TURNS))
+            raise InputError.of_range(option("rotate"), self.rotate, "0, 90, 180 or 270")
         _check_number("straighten", self.straighten, -MOST_STRAIGHTENED, MOST_STRAIGHTENED)
         if not _is_crop(self.crop):
             raise InputError(

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
+from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
 from maulstick.planning.room import Room, room_of
 from maulstick.storage.arrays import Image

@@ -1,9 +1,9 @@
 """How near a painting comes to a picture, over the picture's area."""
 
 from maulstick.painting.edit import PictureEdit
+from maulstick.painting.fit import lay_out
 from maulstick.painting.metrics import Metrics, compare
 from maulstick.painting.painting import Painting
-from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import truth
 from maulstick.storage.arrays import Image

@@ -10,7 +10,7 @@ from pydantic import ConfigDict
 
 from maulstick.errors import InputError, option
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
-from maulstick.painting.picture import FITS
+from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
 
 MOST_SEED: Final = 2**32 - 1

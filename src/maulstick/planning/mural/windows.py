@@ -9,8 +9,9 @@ import numpy as np
 from PIL import Image as Pillow
 
 from maulstick.errors import InputError
+from maulstick.painting.fit import FITS, area_of, frame_of, lay_out, place_of
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import FITS, area_of, decode_png, frame_of, lay_out, place_of, scaled
+from maulstick.painting.picture import decode_png, scaled
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
 from maulstick.planning.room import Room, room_of

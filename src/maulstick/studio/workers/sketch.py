@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from maulstick.painting.edit import PictureEdit
-from maulstick.painting.picture import encode_jpeg, lay_out, read_picture
+from maulstick.painting.fit import lay_out
+from maulstick.painting.picture import encode_jpeg, read_picture
 from maulstick.painting.raster import Canvas, parse_margin, parse_size
 from maulstick.storage.arrays import Pixels
 

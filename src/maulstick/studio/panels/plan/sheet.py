@@ -16,7 +16,7 @@ from maulstick.studio.workers.sketch import sketch
 _OWN = "own"
 _SIZES = {size: in_words(size) for size in ("200x160mm", "160x160mm", "A5", "A4", "A3")} | {_OWN: "Another size"}
 _TURNS = {AS_SUITS: "As the picture", "standing": "Standing", "lying": "Lying"}
-_FITS = {AS_SUITS: "As suits its shape", "contain": "All of it", "cover": "Filling the sheet"}
+_FITS = {AS_SUITS: "As suits it", "contain": "All of it", "cover": "Fills the sheet"}
 _FIRST_VALUES = {"own_size": "170 by 230 mm", "turned": AS_SUITS, "fit": AS_SUITS, "margin": 0}
 
 
