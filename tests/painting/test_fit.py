@@ -108,3 +108,28 @@ def test_an_unknown_fit_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError) as caught:
         lay_out(np.zeros((2, 2, 3), np.float32), SHEET, "stretch")
     assert str(caught.value) == "there is no fit 'stretch'; there are: contain, cover"
+
+
+@given(
+    st.integers(1, 300),
+    st.integers(1, 300),
+    st.floats(0.05, 0.5),
+    st.floats(0.05, 0.5),
+    st.integers(20, 200),
+    st.floats(0.001, 0.02),
+    st.sampled_from(FITS),
+)
+def test_a_margin_is_as_wide_at_all_edges_and_the_picture_lies_in_its_middle(
+    width: int, height: int, across: float, down: float, height_px: int, margin: float, fit: str
+) -> None:
+    canvas = Canvas.of_height((across, down), height_px)
+    pixel = 1 / canvas.pixels_per_metre
+    target, (x, y, wide, high) = lay_out(np.zeros((height, width, 3), np.float32), canvas, fit, margin=margin)
+    assert min(x, y) >= margin - 1e-9
+    assert max(x + wide - across, y + high - down) <= -margin + 1e-9
+    assert (2 * x + wide, 2 * y + high) == pytest.approx((across, down), abs=1e-9)
+    if fit == "cover":
+        assert (wide, high) == pytest.approx((across - 2 * margin, down - 2 * margin))
+    inked = np.argwhere(target[..., 0] < 0.5)
+    edges = (*inked.min(axis=0), *(inked.max(axis=0) + 1))
+    assert edges == pytest.approx([each / pixel for each in (y, x, y + high, x + wide)], abs=1.5 + 1e-6)

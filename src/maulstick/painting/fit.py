@@ -18,7 +18,8 @@ def lay_out(
 ) -> tuple[Pixels, tuple[float, float, float, float]]:
     """Return the picture (H, W, 3) on the canvas, (height_px, width_px, 3), and its area (x, y, width, height).
 
-    The area is in metres and ends at whole pixels, or at the sheet's edge. `fit` is ``contain`` (the whole picture in
+    The area is in metres and ends at whole pixels, or at the sheet's edge; with a margin it lies in the sheet's middle,
+    less than a pixel from those that show it. `fit` is ``contain`` (the whole picture in
     the middle of the sheet) or ``cover`` (the whole sheet; the picture is cropped evenly on two sides).
     under: the sheet before painting, (height_px, width_px, 3), visible around the picture; white by default.
     margin: metres at each edge of the sheet that count as none of it.
@@ -50,7 +51,10 @@ def area_of(shape: tuple[int, ...], canvas: Canvas, fit: str, margin: float = 0.
     corner = frame_of(canvas, margin)[:2] * 2
     edges = zip(place_of(shape, canvas, fit, margin), corner, strict=True)
     x, y, right, bottom = ((edge - first) / canvas.pixels_per_metre for edge, first in edges)
-    return margin + x, margin + y, min(right, inner.width) - x, min(bottom, inner.height) - y
+    wide, high = min(right, inner.width) - x, min(bottom, inner.height) - y
+    if margin:  # what stays bare is alike on both sides, where whole pixels are not
+        x, y = (inner.width - wide) / 2, (inner.height - high) / 2
+    return margin + x, margin + y, wide, high
 
 
 def place_of(

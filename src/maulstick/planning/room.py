@@ -65,14 +65,14 @@ def kept_in(room: Room, trajectories: Floats, brush: Brush) -> Floats:
     own = trajectories.round(_DIGITS)
     own[..., :2] += _move(room, *_refined_extents(own, brush)).round(_DIGITS)[:, None]
     kept = own.round(_DIGITS)
-    rows, cut = np.arange(len(kept)), np.zeros((len(kept), 4))  # metres that are cut off at each edge of the room
+    cut = np.zeros((len(kept), 4))  # metres from each edge of the room, at which strokes that are too long end
+    rows = np.flatnonzero(_overhang(room, kept, brush).any(axis=1))
     while len(rows):
-        over = _overhang(room, kept[rows], brush)
-        out = over.max(axis=1) > 0
-        rows, over = rows[out], over[out]
-        cut[rows] += np.where(over > 0, over + _STEP, 0)
         edges = (np.array(room) + cut[rows] * (1, 1, -1, -1))[:, None]
         kept[rows, :, :2] = own[rows, :, :2].clip(edges[..., :2], edges[..., 2:]).round(_DIGITS)
+        over = _overhang(room, kept[rows], brush)
+        cut[rows] += np.where(over > 0, over + _STEP, 0)
+        rows = rows[over.any(axis=1)]
     return kept
 
 
