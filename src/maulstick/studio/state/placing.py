@@ -8,7 +8,7 @@ from maulstick.painting.raster import parse_margin, parse_size
 AS_SUITS: Final = "auto"
 """Turn or fit that suits the picture's shape."""
 
-_MOST_CUT = 0.2  # share of a picture that may be cut off unasked: 3:2 on 5:4 loses a sixth, a square a fifth
+_MOST_CUT = 0.18  # share of a picture that may be cut off unasked: 3:2 on 5:4 loses a sixth, a square a fifth
 _NAMED = ("A", "LETTER")  # how sizes begin that have a name, and stand
 
 
@@ -25,7 +25,7 @@ class Placing:
         """Return the placing of a picture of this shape (h, w), or of none.
 
         size: as for `parse_size`.  turned: ``standing``, ``lying`` or `AS_SUITS`.  fit: ``contain``, ``cover`` or
-        `AS_SUITS`, which fills the sheet where that cuts off less than a fifth.  margin: millimetres.
+        `AS_SUITS`, which fills the sheet where that cuts off little.  margin: millimetres.
         Raises InputError for a size or a margin that cannot be.
         """
         sheet = parse_size(size)

@@ -47,10 +47,10 @@ def _told(picture: Pixels, sheet: tuple[float, float], area: tuple[float, float,
     said = [f"A sheet of {1e3 * sheet[0]:g} by {1e3 * sheet[1]:g} mm."]
     beside, above = ((side - taken) / 2 for side, taken in zip(sheet, area[2:], strict=True))
     if np.isclose(beside, above, atol=_NONE) and beside > _NONE:
-        said.append(f"{1e3 * beside:.3g} mm of bare paper all around.")
+        said.append(f"{1e3 * beside:.0f} mm of bare paper all around.")
     else:
         ways = {"left and right": beside, "above and below": above}
-        bare = [f"{1e3 * wide:.3g} mm {way}" for way, wide in ways.items() if wide > _NONE]
+        bare = [f"{1e3 * wide:.0f} mm {way}" for way, wide in ways.items() if wide > _NONE]
         said += [f"Bare paper: {', '.join(bare)}."] if bare else []
     stretch = area[2] / area[3] * picture.shape[0] / picture.shape[1]
     cut = 1 - min(stretch, 1 / stretch)
