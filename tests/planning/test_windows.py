@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
+from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import encode_png, lay_out
+from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.windows import Mural, Windows, enlarged
 from maulstick.storage.arrays import Image as Picture
@@ -19,14 +20,14 @@ def sheet() -> Sheet:
 
 
 @pytest.mark.parametrize("fit", ["contain", "cover"])
-@pytest.mark.parametrize("finer", [1, 8])
+@pytest.mark.parametrize(("finer", "margin"), [(1, 0), (8, 0), (1, 0.02), (8, 0.0213)])
 def test_parts_of_a_mural_are_those_of_the_picture_laid_out_whole(
-    portrait: Picture, sheet: Sheet, finer: int, fit: str
+    portrait: Picture, sheet: Sheet, finer: int, margin: float, fit: str
 ) -> None:
     picture = np.repeat(np.repeat(portrait[:, :50], finer, axis=0), finer, axis=1)
-    mural = Mural(picture, sheet, Canvas(0.2, 0.15, 1000), fit)
+    mural = Mural(picture, sheet, Canvas(0.2, 0.15, 1000), fit, margin)
     under = sheet.image(mural.canvas)
-    target, _ = lay_out(mural.picture, mural.canvas, fit, under)
+    target, _ = lay_out(mural.picture, mural.canvas, fit, under, margin)
     for box in ((0, 0, 200, 150), (0, 0, 60, 150), (30, 40, 130, 120), (150, 90, 200, 150)):
         rows, columns = slice(box[1], box[3]), slice(box[0], box[2])
         assert mural.under(box) == pytest.approx(under[rows, columns], abs=FLOAT32_VALUE)

@@ -18,8 +18,10 @@ from rich.text import Text
 
 from maulstick.cli.show import check_picture, kind_in
 from maulstick.errors import InputError
+from maulstick.painting.edit import PictureEdit
+from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Painting, read_painting
-from maulstick.painting.picture import READ_PX, lay_out, read_picture
+from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write
 
@@ -59,7 +61,8 @@ def compare(
         for name, plan in named.items()
     ]
     if picture is not None and photo is not None:
-        panels.insert(0, Panel("photograph", photo.name, plans[0].area[2:], partial(_over, picture)))
+        shown = PictureEdit.of(plans[0].provenance.options).applied(picture)
+        panels.insert(0, Panel("photograph", photo.name, plans[0].area[2:], partial(_over, shown)))
     title = f"{len(plans)} paintings" + ("" if photo is None else f" of {photo.name}")
     told = "each as its own brushes leave it, all at one scale"
     note = "" if picture is None else "likeness to the photograph is measured over the picture's area"

@@ -1,4 +1,4 @@
-"""Pictures to be painted: any photograph as sRGB, and its place on the canvas."""
+"""Pictures to be painted: any photograph as sRGB."""
 
 import io
 import warnings
@@ -16,9 +16,6 @@ from maulstick.painting.formats import FORMATS, formats_of
 from maulstick.painting.raster import Canvas
 from maulstick.storage.arrays import Pixels
 from maulstick.storage.files import file_to_read
-
-FITS = ("contain", "cover")
-"""Ways to place a picture on a canvas of another shape, see `lay_out`."""
 
 Picture = str | Path | Image.Image | NDArray[np.generic]
 """What a picture may be in Python: a path, a Pillow image, or an array."""
@@ -168,47 +165,6 @@ def spread(picture: Pixels, canvas: Canvas) -> Pixels:
     """Return the picture (H, W, 3) stretched over the whole canvas, (canvas.height_px, canvas.width_px, 3)."""
     height, width = picture.shape[:2]
     return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
-
-
-def lay_out(
-    picture: Pixels, canvas: Canvas, fit: str, under: Pixels | None = None
-) -> tuple[Pixels, tuple[float, float, float, float]]:
-    """Return the picture (H, W, 3) on the canvas, (height_px, width_px, 3), and its area (x, y, width, height).
-
-    The area is in metres and ends at whole pixels, or at the sheet's edge. `fit` is ``contain`` (the whole picture in
-    the middle of the sheet) or ``cover`` (the whole sheet; the picture is cropped evenly on two sides).
-    under: the sheet before painting, (height_px, width_px, 3), visible around the picture; white by default.
-    Raises InputError for another `fit`.
-    """
-    if fit not in FITS:
-        raise InputError.of_choice("fit", fit, FITS)
-    height, width = picture.shape[:2]
-    across, down = canvas.width_px / width, canvas.height_px / height
-    if fit == "cover":
-        kept = (canvas.width_px / max(across, down), canvas.height_px / max(across, down))
-        left, top = (width - kept[0]) / 2, (height - kept[1]) / 2
-        box = (max(left, 0.0), max(top, 0.0), min(left + kept[0], width), min(top + kept[1], height))
-        return scaled(picture, (canvas.width_px, canvas.height_px), box), (0.0, 0.0, canvas.width, canvas.height)
-    left_px, top_px, right_px, bottom_px = (int(edge) for edge in place_of(picture.shape[:2], canvas, fit))
-    target = np.ones((canvas.height_px, canvas.width_px, 3), dtype=np.float32) if under is None else under.copy()
-    target[top_px:bottom_px, left_px:right_px] = scaled(
-        picture, (right_px - left_px, bottom_px - top_px), (0, 0, width, height)
-    )
-    x, y, right, bottom = (edge / canvas.pixels_per_metre for edge in (left_px, top_px, right_px, bottom_px))
-    return target, (x, y, min(right, canvas.width) - x, min(bottom, canvas.height) - y)
-
-
-def place_of(shape: tuple[int, ...], canvas: Canvas, fit: str) -> tuple[float, float, float, float]:
-    """Left, top, right, bottom edge on the canvas of a picture of this shape (h, w), pixels; whole for ``contain``."""
-    height, width = shape
-    across, down = canvas.width_px / width, canvas.height_px / height
-    if fit == "cover":
-        columns, rows = width * max(across, down), height * max(across, down)
-        left, top = (canvas.width_px - columns) / 2, (canvas.height_px - rows) / 2
-    else:
-        columns, rows = max(1, round(width * min(across, down))), max(1, round(height * min(across, down)))
-        left, top = (canvas.width_px - columns) // 2, (canvas.height_px - rows) // 2
-    return left, top, left + columns, top + rows
 
 
 def _decode(image: Image.Image, longest_px: int) -> Pixels:

@@ -20,6 +20,7 @@ from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.placement import ink_density
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.room import kept_in
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import preview, truth
@@ -65,7 +66,14 @@ def problem_of(
     spacing = _spacing(target, paper, brush, layout, options) if options.one_ink else None
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture)
     return PlanningProblem(
-        target, paper, weights, layout.canvas, brush, style, *losses_of(loss_options, reference, network)
+        target,
+        paper,
+        weights,
+        layout.canvas,
+        brush,
+        style,
+        *losses_of(loss_options, reference, network),
+        room=layout.room,
     )
 
 
@@ -157,13 +165,16 @@ def as_painting(
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
-    A stroke that is longer than the sheet goes along its edge where it would leave it by more than `OFF_SHEET`.
+    A stroke that is longer than the sheet goes along its edge where it would leave it by more than `OFF_SHEET`; where
+    the layout has a room, no mark leaves that.
     names: names of paints, by their colours as ``#rrggbb``.
     """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
     farthest = (layout.sheet.width + OFF_SHEET, layout.sheet.height + OFF_SHEET, 1)
     trajectories = as_array(planned.strokes.trajectories(style)).clip((-OFF_SHEET, -OFF_SHEET, 0), farthest)
+    if layout.room is not None:
+        trajectories = kept_in(layout.room, trajectories, brush)
     speeds = style.speeds(codes)
     speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
     used = torch.unique(planned.paint_of)

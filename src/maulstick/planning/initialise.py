@@ -87,6 +87,11 @@ class Initialiser:
 
     def _anywhere(self) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing as `first` does."""
-        strokes, spacing = self.strokes(self._problem.paper, np.ones_like(self._weights), self._options.strokes)
+        density = np.ones_like(self._weights)
+        if (room := self._problem.room) is not None:
+            left, top, right, bottom = (round(edge * self._problem.canvas.pixels_per_metre) for edge in room)
+            density[:] = 0
+            density[top:bottom, left:right] = 1
+        strokes, spacing = self.strokes(self._problem.paper, density, self._options.strokes)
         strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
         return strokes, spacing

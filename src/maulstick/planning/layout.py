@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
+from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
+from maulstick.planning.room import Room, room_of
 from maulstick.storage.arrays import Image
 
 HEIGHT_PX = 256
@@ -25,6 +26,7 @@ class Layout:
 
     under: (H, W, 3), the sheet as it is.  target: (H, W, 3), as it should be, or None where there is no picture.
     area: (x, y, width, height) of the picture on the sheet, metres.
+    room: left, top, right and lower edge, metres, of what ink must not leave, None for the whole sheet.
     """
 
     canvas: Canvas
@@ -32,6 +34,7 @@ class Layout:
     under: Image
     target: Image | None
     area: tuple[float, float, float, float]
+    room: Room | None = None
 
     def crop(self, image: Image) -> Image:
         """Return the part of an image of the canvas, (H, W, 3), that the picture covers, as a view of it."""
@@ -40,29 +43,42 @@ class Layout:
 
 
 def lay_out_for(
-    picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
+    picture: Image | None,
+    sheet: Sheet,
+    brush: Brush,
+    fit: str = "contain",
+    height_px: int | None = None,
+    margin: float = 0.0,
 ) -> Layout:
     """Lay out a picture (h, w, 3), or none, on a sheet, at the resolution to plan it in: see `canvas_for`.
 
+    margin: metres at each edge of the sheet; with one, no ink may leave the picture's area.
     Raises InputError for a sheet that is too narrow or too large in pixels.
     """
-    canvas = canvas_for(picture, sheet, brush, fit, height_px)
+    canvas = canvas_for(picture, sheet, brush, fit, height_px, margin)
     if (longest := max(canvas.width_px, canvas.height_px)) > _MOST_PX:
         raise InputError.of_range("the canvas", f"{longest} pixels long", f"at most {_MOST_PX} in one piece")
     under = sheet.image(canvas)
     if picture is None:
-        return Layout(canvas, sheet, under, None, (0.0, 0.0, sheet.width, sheet.height))
-    return Layout(canvas, sheet, under, *lay_out(picture, canvas, fit, under))
+        target, area = None, (margin, margin, sheet.width - 2 * margin, sheet.height - 2 * margin)
+    else:
+        target, area = lay_out(picture, canvas, fit, under, margin)
+    return Layout(canvas, sheet, under, target, area, room_of(area) if margin else None)
 
 
-def pixel_size(picture: Image, sheet: Sheet, fit: str) -> float:
+def pixel_size(picture: Image, sheet: Sheet, fit: str, margin: float = 0.0) -> float:
     """Return the side of a pixel of the picture (h, w, 3) on the sheet, metres."""
-    sides = sheet.height / picture.shape[0], sheet.width / picture.shape[1]
+    sides = (sheet.height - 2 * margin) / picture.shape[0], (sheet.width - 2 * margin) / picture.shape[1]
     return float(max(sides) if fit == "cover" else min(sides))
 
 
 def canvas_for(
-    picture: Image | None, sheet: Sheet, brush: Brush, fit: str = "contain", height_px: int | None = None
+    picture: Image | None,
+    sheet: Sheet,
+    brush: Brush,
+    fit: str = "contain",
+    height_px: int | None = None,
+    margin: float = 0.0,
 ) -> Canvas:
     """Return the sheet's canvas at the resolution to plan a picture (h, w, 3) in.
 
@@ -72,7 +88,7 @@ def canvas_for(
     """
     height = sheet.height
     if picture is not None:
-        height = min(picture.shape[0] * pixel_size(picture, sheet, fit), sheet.height)
+        height = min(picture.shape[0] * pixel_size(picture, sheet, fit, margin), sheet.height - 2 * margin)
     longest = max(sheet.width, sheet.height)
     if height_px is None:
         resolution = min(max(HEIGHT_PX / height, 1 / brush.finest), LONGEST_PX / longest)

@@ -27,9 +27,9 @@ _NEARLY = 1.05  # as much darker counts as the middle: a line of two pixels has 
 _STEEP = 80.0  # a difference of 1/80 makes a line three quarters dark
 
 
-def lines_for(picture: Image, sheet: Sheet, brush: Brush, fit: str) -> Image:
+def lines_for(picture: Image, sheet: Sheet, brush: Brush, fit: str, margin: float = 0.0) -> Image:
     """Return the lines of a picture (H, W, 3), as wide as the brush's thinnest on that sheet."""
-    return line_drawing(picture, 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit)))
+    return line_drawing(picture, 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit, margin)))
 
 
 def lines_on(layout: Layout, brush: Brush) -> Image:

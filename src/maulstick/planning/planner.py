@@ -131,7 +131,7 @@ class _Planning:
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
         self._stroke_canvas = StrokeCanvas(
-            strokes, problem.paper, self._canvas, problem.brush, self._style, problem.neighbours
+            strokes, problem.paper, self._canvas, problem.brush, self._style, problem.neighbours, problem.room
         )
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
@@ -223,7 +223,7 @@ class _Planning:
         self._style_weight = max(self._style_weight * exp(_STYLE_WEIGHT_GROWTH * self._stride * excess), _STYLE_WEIGHT)
         if self._lengths is not None:
             keep_lengths(strokes.codes, self._style, self._lengths)
-        strokes.keep_inside(self._style, self._canvas.width, self._canvas.height)
+        self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
 
     def _loss(self, canvas: Tensor, now: float) -> tuple[Tensor, dict[str, float]]:

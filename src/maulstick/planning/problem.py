@@ -10,6 +10,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.objectives import NetworkLoss, Objective
+from maulstick.planning.room import Room
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 
@@ -95,6 +96,7 @@ class PlanningProblem:
     device that renders.
     objectives, network_losses: the terms of the loss.
     neighbours: strokes of other plans on the same canvas.
+    room: the part of the canvas that ink must not leave, None for all of it.
     """
 
     target: Tensor | None
@@ -106,3 +108,4 @@ class PlanningProblem:
     objectives: tuple[Weighted[Objective], ...]
     network_losses: tuple[Weighted[NetworkLoss], ...] = ()
     neighbours: Neighbours = NO_NEIGHBOURS
+    room: Room | None = None

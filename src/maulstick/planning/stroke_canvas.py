@@ -12,6 +12,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import NO_NEIGHBOURS, Neighbours
+from maulstick.planning.room import Room, cut_marks, move_into
 from maulstick.planning.state import State
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
@@ -23,6 +24,7 @@ class StrokeCanvas:
     """N strokes that keep their rows, M neighbours among them that nothing changes, and the order of painting.
 
     Parameters are on the CPU, and the canvas is on the device of the paper (C, H, W).
+    room: the part of the canvas that ink must not leave, None for all of it.
     paints: (k, C), or None while every stroke has a colour of its own.  paint_of: (N,), indices of paints.
     """
 
@@ -34,14 +36,17 @@ class StrokeCanvas:
         brush: Brush,
         style: Style,
         neighbours: Neighbours = NO_NEIGHBOURS,
+        room: Room | None = None,
     ) -> None:
         self.strokes, self.style, self.paper, self._neighbours = strokes, style, paper, neighbours
         count = len(strokes) + len(neighbours.colours)
         self._order = np.arange(count)  # neighbours are the last M rows
         self.paints: Tensor | None = None
         self.paint_of = torch.zeros(len(strokes), dtype=torch.long)
-        self._brushes = Traj2Stroke.of([brush] * count)
-        self._pixels_per_metre = canvas.pixels_per_metre
+        self._brushes, self._canvas, self._room = Traj2Stroke.of([brush] * count), canvas, room
+        if room is not None:
+            self._own_brushes = Traj2Stroke.of([brush] * len(strokes))
+            self.keep_inside()
 
     @property
     def order(self) -> Ints:
@@ -61,7 +66,10 @@ class StrokeCanvas:
     def drawn(self) -> tuple[Marks, Tensor]:
         """Return marks and colours of all N + M strokes in painting order, on the device of the paper."""
         trajectories = torch.cat([self.strokes.trajectories(self.style), self._neighbours.trajectories])[self._order]
-        marks = self._brushes.marks(trajectories, self._pixels_per_metre)
+        resolution = self._canvas.pixels_per_metre
+        marks = self._brushes.marks(trajectories, resolution)
+        if self._room is not None:
+            marks = cut_marks(self._room, marks, resolution)
         moved = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
         return replace(marks, **moved), self.colours[self._order].to(self.paper.device)
 
@@ -77,6 +85,12 @@ class StrokeCanvas:
         profile = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
         return composite(self.paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
+
+    def keep_inside(self) -> None:
+        """Move each stroke by the least that keeps its path on the canvas, and its mark in the room."""
+        self.strokes.keep_inside(self.style, self._canvas.width, self._canvas.height)
+        if self._room is not None:
+            move_into(self._room, self.strokes, self.style, self._own_brushes)
 
     def by_row(self, ordered: Tensor) -> Tensor:
         """Return values in painting order, (N + M, …), by row and without neighbours, (N, …)."""

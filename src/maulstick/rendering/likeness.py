@@ -1,8 +1,9 @@
 """How near a painting comes to a picture, over the picture's area."""
 
+from maulstick.painting.edit import PictureEdit
+from maulstick.painting.fit import lay_out
 from maulstick.painting.metrics import Metrics, compare
 from maulstick.painting.painting import Painting
-from maulstick.painting.picture import lay_out
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import truth
 from maulstick.storage.arrays import Image
@@ -19,6 +20,7 @@ def measured_canvas(painting: Painting) -> Canvas:
 def likeness(painting: Painting, picture: Image) -> Metrics:
     """Return the metrics of the painting against the picture (H, W, 3), sRGB in [0, 1], over the picture's area.
 
+    The picture is the one that was planned, and is corrected as it was then, by the options in the provenance.
     They are taken at the truth: see `maulstick.rendering.preview.truth`.
     """
     canvas = measured_canvas(painting)
@@ -33,4 +35,4 @@ def likeness(painting: Painting, picture: Image) -> Metrics:
     painted = truth(painting, canvas)[top : max(bottom, top + 1), left : max(right, left + 1)]
     height, width = painted.shape[:2]
     area = Canvas(width / canvas.pixels_per_metre, height / canvas.pixels_per_metre, canvas.pixels_per_metre)
-    return compare(painted, lay_out(picture, area, "cover")[0])
+    return compare(painted, lay_out(PictureEdit.of(painting.provenance.options).applied(picture), area, "cover")[0])

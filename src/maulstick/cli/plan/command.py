@@ -12,8 +12,10 @@ from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, demo_picture, state_files
 from maulstick.painting.brush import load_pen_brush
+from maulstick.painting.edit import WHOLE, Crop
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
+_picture = partial(typer.Option, rich_help_panel="The picture")
 _objectives = partial(typer.Option, rich_help_panel="What it should be like")
 _planning = partial(typer.Option, rich_help_panel="How it is planned")
 _writing = partial(typer.Option, rich_help_panel="What is written")
@@ -70,11 +72,37 @@ def plan(
         str | None, _painting(metavar="COLOUR", help="Use one ink instead of paints: black, or #rrggbb.")
     ] = None,
     size: Annotated[
-        str, _painting(metavar="SIZE", help="Size of the sheet: 200x160mm, 8x10in, A4-landscape.")
+        str,
+        _painting(metavar="SIZE", help="Size of the sheet: 200x160mm, 8x10in, A4-landscape; A4-auto turns it to fit."),
     ] = PlanOptions.size,
     fit: Annotated[
         str, _painting(metavar="FIT", help="Show all of the picture (contain), or fill all of the sheet (cover).")
     ] = PlanOptions.fit,
+    margin: Annotated[
+        str,
+        _painting(metavar="LENGTH", help="Leave paper bare around the picture, at each edge of the sheet: 10mm."),
+    ] = PlanOptions.margin,
+    rotate: Annotated[
+        int, _picture(metavar="DEGREES", help="Turn the picture clockwise: 90, 180 or 270.")
+    ] = PlanOptions.rotate,
+    straighten: Annotated[
+        float, _picture(metavar="DEGREES", help="Turn it clockwise by up to 15, and cut off its empty corners.")
+    ] = PlanOptions.straighten,
+    crop: Annotated[
+        str | None,
+        _picture(
+            metavar="L,T,R,B",
+            show_default="all of it",
+            help="Keep what lies between these edges, left, top, right and bottom, in shares of the picture as it is "
+            "turned: 0.1,0,0.9,1.",
+        ),
+    ] = None,
+    exposure: Annotated[
+        float, _picture(metavar="STOPS", help="Make it lighter, or below 0 darker: each stop doubles its light.")
+    ] = PlanOptions.exposure,
+    contrast: Annotated[
+        float, _picture(metavar="TIMES", help="Strengthen its contrast about mid grey, or below 1 weaken it.")
+    ] = PlanOptions.contrast,
     paper: Annotated[
         str, _painting(metavar="COLOUR", help="Colour of the sheet: white, or #rrggbb.")
     ] = PlanOptions.paper,
@@ -174,6 +202,12 @@ def plan(
         paints_from=paints_from,
         size=size,
         fit=fit,
+        margin=margin,
+        rotate=rotate,
+        straighten=straighten,
+        crop=WHOLE if crop is None else _crop(crop),
+        exposure=exposure,
+        contrast=contrast,
         paper=paper,
         background=background,
         text=text,
@@ -238,6 +272,14 @@ def _weights(pairs: list[str]) -> dict[str, float]:
         except ValueError:
             raise InputError(f"--weight is {pair!r}; it must be a term and a number, as in edges=0.5") from None
     return weights
+
+
+def _crop(edges: str) -> Crop:
+    try:
+        left, top, right, bottom = (float(edge) for edge in edges.split(","))
+    except ValueError:
+        raise InputError(f"--crop is {edges!r}; it must be four shares of the picture, as in 0.1,0,0.9,1") from None
+    return left, top, right, bottom
 
 
 def _layers(numbers: str | None) -> tuple[int, ...] | None:

@@ -14,9 +14,10 @@ from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
 from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush
+from maulstick.painting.edit import PictureEdit
 from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from maulstick.painting.picture import encode_png
-from maulstick.painting.raster import Canvas
+from maulstick.painting.raster import Canvas, parse_margin
 from maulstick.planning.from_picture import as_painting, problem_of
 from maulstick.planning.layout import HEIGHT_PX, LONGEST_PX, canvas_for, lay_out_for
 from maulstick.planning.lines import lines_for
@@ -91,7 +92,7 @@ def replanned(
     """Return the painting with the unpainted strokes planned again, in their style, on the sheet as it is.
 
     painted: ids of the strokes that stay as they are.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
-    picture: (H, W, 3), the one that was planned.  steps: of the optimiser.
+    picture: (H, W, 3), the one that was planned, as it was before the plan's corrections.  steps: of the optimiser.
     Strokes that are planned again get new ids; some may be left out, unless the plan had an exact number. Paints stay.
     Raises InputError as `check_replannable` does.
     """
@@ -104,17 +105,19 @@ def replanned(
     options = painting.provenance.options
     fit, pixels = str(options.get("fit", "contain")), options.get("px")
     pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
+    margin = parse_margin(str(options.get("margin", "0mm")), (sheet.width, sheet.height))
+    picture = PictureEdit.of(options).applied(picture)
     if options.get("drawing") == "lines":
-        picture = lines_for(picture, sheet, brush, fit)
-    canvas = canvas_for(picture, sheet, brush, fit, pixels)
+        picture = lines_for(picture, sheet, brush, fit, margin)
+    canvas = canvas_for(picture, sheet, brush, fit, pixels, margin)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     pixels = max(1, min(pixels, in_one_piece))
-    layout = lay_out_for(picture, sheet, brush, fit, pixels)
+    layout = lay_out_for(picture, sheet, brush, fit, pixels, margin)
     palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
     exact = options.get("exact") is True
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
-    bare, drawing = lay_out_for(picture, painting.sheet, brush, fit, pixels), options.get("drawing", "both")
+    bare, drawing = lay_out_for(picture, painting.sheet, brush, fit, pixels, margin), options.get("drawing", "both")
     with_lines = drawing == "both"
     supply = InkSupply.of(bare, brush, style, palette[0], with_lines=with_lines) if settings.one_ink else None
     device = choose_device("auto").device

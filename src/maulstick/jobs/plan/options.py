@@ -9,8 +9,9 @@ from typing import Final, Literal
 from pydantic import ConfigDict
 
 from maulstick.errors import InputError, option
-from maulstick.painting.picture import FITS
-from maulstick.painting.raster import parse_size
+from maulstick.painting.edit import WHOLE, Crop, PictureEdit
+from maulstick.painting.fit import FITS
+from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
 
 MOST_SEED: Final = 2**32 - 1
 """Largest seed that all generators of random numbers take."""
@@ -45,8 +46,10 @@ class PlanOptions:
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
     paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
     paints_from: a CSV file of paints to use unmixed instead.
-    size: of the sheet, as in ``200x160mm`` or ``A4``.  paper: its colour.
+    size: of the sheet, as in ``200x160mm`` or ``A4``, or as ``A4-auto``, turned as the picture.  paper: its colour.
     fit: ``contain`` shows all of the picture, ``cover`` fills all of the sheet.
+    margin: paper left bare at each edge of the sheet, as in ``10mm``; with one, no ink leaves the picture's area.
+    rotate, straighten, crop, exposure, contrast: corrections of the picture, see `PictureEdit`.
     background: a photograph of the sheet, with what is painted on it so far.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
@@ -78,6 +81,12 @@ class PlanOptions:
     paints_from: Path | None = None
     size: str = "200x160mm"
     fit: str = "contain"
+    margin: str = "0mm"
+    rotate: int = 0
+    straighten: float = 0.0
+    crop: Crop = WHOLE
+    exposure: float = 0.0
+    contrast: float = 1.0
     paper: str = "white"
     background: Path | None = None
     text: str | None = None
@@ -112,7 +121,14 @@ class PlanOptions:
         _check_whole("seed", self.seed, 0, MOST_SEED)
         if self.px is not None:
             _check_whole("px", self.px, _FEWEST_PX, _MOST_PX)
-        parse_size(self.size)
+        parse_margin(self.margin, parse_sheet(self.size, None))
+        if self.background is not None and is_turned_by_picture(self.size):
+            raise InputError(
+                f"{option('background')} shows how the sheet lies, and {option('size')} {self.size} turns it as the "
+                "picture; leave out -auto"
+            )
+        object.__setattr__(self, "crop", tuple(self.crop))
+        PictureEdit.of(vars(self))
         if self.fit not in FITS:
             raise InputError.of_choice("fit", self.fit, FITS)
         if self.device not in DEVICES:
@@ -143,6 +159,11 @@ class PlanOptions:
         for name, weight in self.weights.items():
             if not isinstance(weight, int | float) or not isfinite(weight):
                 raise InputError.of_range(f"the weight of {name}", repr(weight), "a number")
+
+    @property
+    def edit(self) -> PictureEdit:
+        """Corrections of the picture."""
+        return PictureEdit.of(vars(self))
 
     @property
     def mixed_paints(self) -> int | None:

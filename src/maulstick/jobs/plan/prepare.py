@@ -14,9 +14,10 @@ from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.edit import NO_EDIT
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
 from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
-from maulstick.painting.raster import Canvas, parse_size
+from maulstick.painting.raster import Canvas, parse_margin, parse_sheet
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of, with_metrics
@@ -27,6 +28,7 @@ from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.room import check_room
 from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.storage.arrays import Image
@@ -143,22 +145,24 @@ def prepare(
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
     options, device = request.options, choose_device(request.options.device)
-    brush, sheet = brush or load_brush(options.brush), _sheet(options)
+    brush, picture = brush or load_brush(options.brush), _picture(request, image)
+    sheet = _sheet(options, picture)
+    margin = parse_margin(options.margin, (sheet.width, sheet.height))
     if options.pressure is not None:
         brush = brush.held_at(options.pressure)
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
-    picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
     if options.drawing == "lines":
         if picture is None:
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
-        picture = lines_for(picture, sheet, brush, options.fit)
-    mural = _mural(options, picture, sheet, brush)
+        picture = lines_for(picture, sheet, brush, options.fit, margin)
+    mural = _mural(options, picture, sheet, brush, margin)
     if mural is None:
-        layout = lay_out_for(picture, sheet, brush, options.fit, options.px)
+        layout = lay_out_for(picture, sheet, brush, options.fit, options.px, margin)
     else:
         layout = mural.overview(LONGEST_PX)
+    check_room(layout.room, brush)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     settings, supply = _settings(options, tubes), None
     if settings.one_ink:
@@ -201,15 +205,26 @@ def prepare(
     )
 
 
-def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush) -> Mural | None:
+def _picture(request: PlanRequest, image: Image | None) -> Image | None:
+    """Return the picture as the options correct it, or None where there is only a text or a look."""
+    picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
+    if picture is not None:
+        return request.options.edit.applied(picture)
+    for name, value in vars(request.options.edit).items():
+        if value != getattr(NO_EDIT, name):
+            raise InputError(f"{option(name)} corrects a picture, and there is none; name one, or leave it out")
+    return None
+
+
+def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush, margin: float) -> Mural | None:
     """Return the mural of a canvas that is too large to be planned in one piece, or None."""
-    canvas = canvas_for(picture, sheet, brush, options.fit, options.px)
+    canvas = canvas_for(picture, sheet, brush, options.fit, options.px, margin)
     if max(canvas.width_px, canvas.height_px) <= LONGEST_PX:
         return None
     if picture is None or options.text is not None:
         px = option("px")
         raise InputError(f"a text is planned in one piece, of at most {LONGEST_PX} pixels; choose a smaller {px}")
-    return Mural(picture, sheet, canvas, options.fit)
+    return Mural(picture, sheet, canvas, options.fit, margin)
 
 
 def _settings(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSettings:
@@ -231,8 +246,8 @@ def _enough(supply: InkSupply | None) -> int:
     return min(supply.enough, MOST_AUTO)
 
 
-def _sheet(options: PlanOptions) -> Sheet:
-    width, height = parse_size(options.size)
+def _sheet(options: PlanOptions, picture: Image | None) -> Sheet:
+    width, height = parse_sheet(options.size, None if picture is None else picture.shape)
     if options.background is None:
         return Sheet(width=width, height=height, paper=parse_colour(options.paper))
     canvas = Canvas(width, height, min(_SHEET_PX / height, _WIDEST_SHEET_PX / width))

@@ -9,10 +9,12 @@ import numpy as np
 from PIL import Image as Pillow
 
 from maulstick.errors import InputError
+from maulstick.painting.fit import FITS, area_of, frame_of, lay_out, place_of
 from maulstick.painting.painting import Sheet
-from maulstick.painting.picture import FITS, decode_png, lay_out, place_of, scaled
+from maulstick.painting.picture import decode_png, scaled
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
+from maulstick.planning.room import Room, room_of
 from maulstick.storage.arrays import Floats, Image, Ints
 
 Box = tuple[int, int, int, int]
@@ -26,12 +28,14 @@ class Mural:
     """A picture (h, w, 3) on a sheet, as `lay_out` lays it out, but never all of it at full resolution.
 
     canvas: the sheet's, at the resolution to plan in.  fit: ``contain`` or ``cover``. Raises InputError for another.
+    margin: metres at each edge of the sheet; with one, no ink may leave the picture's area.
     """
 
     picture: Image
     sheet: Sheet
     canvas: Canvas
     fit: str = "contain"
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         if self.fit not in FITS:
@@ -42,7 +46,8 @@ class Mural:
         width, height = self.sheet.width, self.sheet.height
         canvas = Canvas(width, height, min(longest_px / max(width, height), self.canvas.pixels_per_metre))
         under = self.sheet.image(canvas)
-        return Layout(canvas, self.sheet, under, *lay_out(self.picture, canvas, self.fit, under))
+        target, area = lay_out(self.picture, canvas, self.fit, under, self.margin)
+        return Layout(canvas, self.sheet, under, target, area, self._room(canvas, (0, 0)))
 
     def part(self, box: Box) -> Canvas:
         """Return the canvas of the box alone."""
@@ -61,7 +66,11 @@ class Mural:
         """Return the sheet as it should be within the box, (H, W, 3)."""
         target = self.under(box)
         left, top, right, bottom = (round(edge) for edge in self._place)
-        shown = max(left, box[0]), max(top, box[1]), min(right, box[2]), min(bottom, box[3])
+        free = frame_of(self.canvas, self.margin)
+        shown = (
+            *(max(left, free[0], box[0]), max(top, free[1], box[1])),
+            *(min(right, free[2], box[2]), min(bottom, free[3], box[3])),
+        )
         if shown[0] < shown[2] and shown[1] < shown[3]:
             rows, columns = slice(shown[1] - box[1], shown[3] - box[1]), slice(shown[0] - box[0], shown[2] - box[0])
             target[rows, columns] = _drawn(self.picture, self._place, shown)
@@ -71,7 +80,16 @@ class Mural:
         """Return the layout of the box alone, all of which counts as picture."""
         canvas = self.part(box)
         area = (0.0, 0.0, canvas.width, canvas.height)
-        return Layout(canvas, self.sheet, self.under(box), self.target(box), area)
+        return Layout(canvas, self.sheet, self.under(box), self.target(box), area, self._room(self.canvas, box[:2]))
+
+    def _room(self, canvas: Canvas, corner: tuple[int, int]) -> Room | None:
+        """Return the room of the sheet on a canvas, from a corner of that in pixels; None without a margin."""
+        if not self.margin:
+            return None
+        x, y, width, height = area_of(self.picture.shape[:2], canvas, self.fit, self.margin)
+        return room_of(
+            (x - corner[0] / canvas.pixels_per_metre, y - corner[1] / canvas.pixels_per_metre, width, height)
+        )
 
     @cached_property
     def _photograph(self) -> Image | None:
@@ -79,7 +97,7 @@ class Mural:
 
     @property
     def _place(self) -> tuple[float, float, float, float]:
-        return place_of(self.picture.shape[:2], self.canvas, self.fit)
+        return place_of(self.picture.shape[:2], self.canvas, self.fit, self.margin)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import final
 from nicegui import Event
 from PIL import Image
 
+from maulstick.errors import InputError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
 from maulstick.storage.files import atomic_write
@@ -14,6 +15,7 @@ from maulstick.storage.folders import whole_folder
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.workers.desk import Desk
 
+_SMALL = "small.jpg"
 _SMALL_PX = 480  # longest side of a thumbnail
 _PORTRAIT = "portrait"
 
@@ -34,6 +36,18 @@ class Gallery:
     def path(self, name: str) -> Path:
         """Return the file of a picture, which need not exist. Raises InputError for an invalid name."""
         return picture_of(self._folder.of("pictures", name))
+
+    def small(self, name: str) -> Path:
+        """Return the file of a picture's thumbnail. Raises InputError for an invalid name."""
+        return self.path(name).with_name(_SMALL)
+
+    def shape(self, name: str) -> tuple[int, int]:
+        """Return height and width of a picture, pixels, by the head of its file. Raises InputError where it is gone."""
+        try:
+            with Image.open(self.path(name)) as picture:
+                return picture.height, picture.width
+        except OSError as error:
+            raise InputError(f"the picture {name} is there no more; bring it again") from error
 
     async def keep(self, brought: Path, called: str) -> str:
         """Store a picture and return its name here. Raises InputError for what is no picture, or too large a one."""
@@ -60,7 +74,7 @@ def keep_picture(brought: Path, folder: Path) -> None:
         atomic_write(made / "picture.png", encode_png(picture))
         with Image.open(made / "picture.png") as small:
             small.thumbnail((_SMALL_PX, _SMALL_PX))
-            small.save(made / "small.jpg", quality=85)
+            small.save(made / _SMALL, quality=85)
 
 
 def picture_of(folder: Path) -> Path:

@@ -7,7 +7,7 @@ from nicegui import events, html, ui
 
 
 class Slider:
-    """Slider from 0 to `most`, in steps, below its label.
+    """Slider from `least` to `most`, in steps, below its label.
 
     on_change: called after a person lets go of the slider, or also while they move it where `live` is true.
     """
@@ -20,12 +20,13 @@ class Slider:
         value: float,
         on_change: Callable[[], object] = lambda: None,
         *,
+        least: float = 0.0,
         live: bool = False,
     ) -> None:
-        self.value, self._most, self._on_change = value, most, on_change
+        self.value, self._least, self._most, self._on_change = value, least, most, on_change
         with html.label().classes("weight") as self.element:
             ui.label(label)
-            self._range = html.input_(type="range", min=0, max=most, step=step)
+            self._range = html.input_(type="range", min=least, max=most, step=step)
             self._range.props["^value"] = value  # where it begins; as a property, Vue would keep putting it back there
             event = "input" if live else "change"
             self._range.on(event, self._moved, js_handler="(event) => emit(Number(event.target.value))", throttle=0.1)
@@ -40,5 +41,5 @@ class Slider:
     def _moved(self, event: events.GenericEventArguments) -> None:
         sent = event.args
         if isinstance(sent, int | float) and isfinite(sent):
-            self.value = min(max(float(sent), 0.0), self._most)
+            self.value = min(max(float(sent), self._least), self._most)
             self._on_change()

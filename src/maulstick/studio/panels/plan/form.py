@@ -11,11 +11,11 @@ from maulstick.errors import InputError, MaulstickError, option
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import BRUSHES
-from maulstick.painting.raster import parse_size
+from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
+from maulstick.studio.panels.plan.sheet import SheetChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.wording import WORDS_LABEL
@@ -53,18 +53,19 @@ class PlanForm:
         with ui.element().classes("sheet"):
             html.h2("What to paint")
             self._picture = PictureChoice(studio, self._follow)
+            self._editor = PictureEditor(kept, self._follow)
             self._text = ui.input(WORDS_LABEL).bind_value(kept, "text").props("maxlength=300")
             self._both = html.p("They count beside the picture; choose “No picture” to have them alone.")
             self._both.classes("hint")
+        with ui.element().classes("sheet"):
+            html.h2("On what")
+            self._sheet = SheetChoice(studio, kept, self._picture, self._editor)
         with ui.element().classes("sheet"):
             html.h2("How to paint it")
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
-                self._size = ui.select({size: in_words(size) for size in SHEET_SIZES}, label="Sheet").bind_value(
-                    kept, "size"
-                )
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
                 self._ink = ui.color_input("The ink").bind_value(kept, "ink")
@@ -88,6 +89,8 @@ class PlanForm:
 
     def _follow(self) -> None:
         """Show what means something beside what is chosen."""
+        self._editor.open(self._picture.name)
+        self._sheet.follow()
         one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
         self._both.visible = of_picture and bool(str(self._text.value or "").strip())
         self._paints.visible, self._ink.visible = not one_ink, one_ink
@@ -134,8 +137,7 @@ class PlanForm:
             strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
         if self._hand_size.value is None:
             raise InputError.of_range(option("hand_size"), "nothing", "a number of times")
-        size, ink = str(self._size.value), str(self._ink.value) if self._kind.value == "ink" else None
-        parse_size(size)
+        placing, ink = self._sheet.placing(), str(self._ink.value) if self._kind.value == "ink" else None
         paints = None
         if ink is not None:
             parse_colour(ink)
@@ -145,7 +147,10 @@ class PlanForm:
         options = PlanOptions(
             text=text,
             weights={} if picture is None else weights if text is not None else check_weights(weights),
-            size=size,
+            size=placing.size,
+            fit=placing.fit,
+            margin=placing.margin,
+            **({} if picture is None else vars(self._editor.edit)),
             strokes=strokes,
             paints=paints,
             ink=ink,

@@ -26,6 +26,11 @@ class PictureChoice:
         shown_by(self._group, studio.gallery.changed, self._show)
 
     @property
+    def name(self) -> str | None:
+        """Name of the chosen picture, or None."""
+        return self._chosen
+
+    @property
     def path(self) -> Path | None:
         """File of the chosen picture, or None."""
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
