@@ -63,7 +63,7 @@ _PAGE: Final = Wording(
         Remedy.WITHOUT_REPLAN: "go on without a camera",
         Remedy.WITHOUT_DRAWING: "leave out how a drawing is read",
         Remedy.SAME_DRAWING_OR_RESTART: f"choose those again, or “{RESTART_LABEL}”",
-        Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
+        Remedy.HOLD_PRESSURE: "plan it again with this machine chosen under Plan, or choose another machine",
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",
