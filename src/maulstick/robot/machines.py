@@ -11,7 +11,7 @@ from maulstick.robot.robot import Robot
 REAL_SPECS: Final = "grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
 """Specs of the machines that `machine` makes, as examples for people."""
 
-SPECS: Final = f"sim, sim:real, {REAL_SPECS}"
+SPECS: Final = f"sim, sim:pens, sim:real, {REAL_SPECS}"
 """The same, and those of the simulated easel."""
 
 FILE: Final = "hpgl"

@@ -15,6 +15,7 @@ class PaintRequest:
     restart: begin again on a new sheet; the journal of the earlier run is kept elsewhere.
     robot: a machine of one's own, instead of the one that the options name.
     from_pen: the first time that a pen is put in, counted from 1; as from_stroke.
+    asks_for_one_pen: whether the operator is asked for the pen of a painting in one paint, too, before it is begun.
     """
 
     painting: Path
@@ -24,3 +25,4 @@ class PaintRequest:
     restart: bool = False
     robot: Robot | None = None
     from_pen: int | None = None
+    asks_for_one_pen: bool = False

@@ -126,16 +126,18 @@ class Run:
     async def begin(self, plan: str, options: PaintOptions, *, restart: bool = False) -> None:
         """Paint a plan from its first stroke. restart: on a new sheet, where it was begun before.
 
-        Raises InputError where a machine is busy, or paints are not mixed.
+        Raises InputError where a machine is busy, or paints for a real one are not mixed.
         """
-        await self._start(PaintRequest(self._painting(plan), options, restart=restart), None)
+        painting = self._painting(plan)
+        await self._start(PaintRequest(painting, options, restart=restart, asks_for_one_pen=True), None)
 
     async def resume(self, plan: str, options: PaintOptions, is_painted: bool | None) -> None:
         """Go on where it stopped, with its earlier options where `options` leave them out; raises as `begin`.
 
         is_painted: whether the unfinished stroke is on the paper.
         """
-        await self._start(PaintRequest(self._painting(plan), options, resume=True), is_painted)
+        painting = self._painting(plan)
+        await self._start(PaintRequest(painting, options, resume=True, asks_for_one_pen=True), is_painted)
 
     def stop(self) -> str:
         """Stop the machine at once and lift its pen, whatever it does; return what was stopped, for people."""
@@ -195,8 +197,8 @@ class Run:
         plan = request.painting.parent.name
         request.options.check()
         self._check_free()
-        if missing := await self._mixing.missing(plan):
-            raise InputError(_unmixed_fault(plan, missing, len(await self._mixing.paints(plan)) == 1))
+        if not request.options.simulated and (missing := await self._mixing.missing(plan)):
+            raise InputError(_unmixed_fault(plan, missing))
         self._check_free()  # another page may have been quicker
         self._begin("starting", request, paint_in_process, is_painted)
 
@@ -264,8 +266,6 @@ class Run:
         self.changed.emit()
 
 
-def _unmixed_fault(plan: str, missing: list[PlannedPaint], is_pen: bool) -> str:
-    if is_pen:
-        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Paints"
+def _unmixed_fault(plan: str, missing: list[PlannedPaint]) -> str:
     more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
     return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Paints"
