@@ -66,7 +66,7 @@ def test_the_easel_asks_for_pens_as_the_plotter_it_stands_for_and_nothing_has_to
     put_plan(tmp_path, "real", SIX)
     asked = paint(tmp_path, "rehearsed", PaintOptions(robot="sim:pens"))
     assert asked == [
-        f"put in the marker with {pen}; it draws for about 1 min" for pen in ("paint 1 (red)", "paint 2 (blue)")
+        f"put in the marker with {pen}; it draws for less than 1 min" for pen in ("paint 1 (red)", "paint 2 (blue)")
     ]
     with FakeGrbl(pace=100.0) as device:
         assert paint(tmp_path, "real", PaintOptions(robot=f"grbl:{device.port}", easel=plotter)) == asked
@@ -114,7 +114,7 @@ def test_a_check_says_in_which_order_pens_come_and_how_long_each_draws(tmp_path:
     turns = asyncio.run(check())
     assert [turn.paint for turn in turns] == [UNEVEN.paints[turn.index] for turn in turns]
     minutes = {turn.index: in_minutes(turn.seconds) for turn in turns}
-    assert minutes == {0: "about 1 min", 1: "about 3 min"}
+    assert minutes == {0: "less than 1 min", 1: "about 3 min"}
     names = ("paint 1 (red)", "paint 2 (blue)")
     assert paint(tmp_path, "uneven", PaintOptions(robot="sim:pens")) == [
         f"put in the marker with {names[turn.index]}; it draws for {minutes[turn.index]}" for turn in turns

@@ -224,7 +224,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             options = PaintOptions(robot=f"grbl:{device.port}", easel=easel)
             await run.begin("six", options)
             await until(run, lambda: bool(run.state.question))
-            assert run.state.question == "put in the marker with paint 1 (red); it draws for about 1 min"
+            assert run.state.question == "put in the marker with paint 1 (red); it draws for less than 1 min"
             assert run.doing == "painting six: waits for you"
             assert events(painting, "begin") == []
             link = tmp_path / "plotter"
@@ -241,7 +241,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             assert run._process is not None
             run._process.tell(Done(first))  # as if that had been under way
             await asyncio.sleep(0.5)
-            assert run.state.question == "put in the marker with paint 2 (blue); it draws for about 1 min"
+            assert run.state.question == "put in the marker with paint 2 (blue); it draws for less than 1 min"
             assert len(events(painting, "end")) == 3
             run.stop()
             assert await outcome(run) == "You stopped it. The pen is lifted."

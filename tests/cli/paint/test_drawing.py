@@ -134,7 +134,7 @@ def test_each_layer_is_asked_for_by_its_name_and_colour(tmp_path: Path, monkeypa
         ran = run("paint", file, "--robot", f"grbl:{device.port}")
     assert ran.code == 0, ran.stderr
     asked = [
-        line.removesuffix(" (it draws for about 1 min); s and Enter stop")
+        line.removesuffix(" (it draws for less than 1 min); s and Enter stop")
         for line in ran.stderr.splitlines()
         if line.startswith("put in")
     ]

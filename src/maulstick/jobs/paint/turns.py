@@ -50,4 +50,4 @@ def timed(actions: Sequence[Action], limits: Limits, place: Floats) -> list[Acti
 
 def in_minutes(seconds: float) -> str:
     """Return a duration for people, in whole minutes and never too short: ``about 4 min``."""
-    return f"about {max(1, ceil(seconds / 60))} min"
+    return "less than 1 min" if seconds < 60 else f"about {ceil(seconds / 60)} min"
