@@ -88,7 +88,7 @@ def test_one_pen_is_asked_for_once_before_a_plotter_starts_though_nobody_ticked_
             while not run.state.question:
                 assert run.is_busy, run.state.sentence
                 await asyncio.sleep(0.02)
-            assert run.state.question.startswith("put in the marker with paint 1 (red); it draws for about ")
+            assert run.state.question.startswith("put in the marker with paint 1 (red); it draws for less than 1 min")
             assert events(painting, "begin") == []
             run.done(run.state.question_number)
             assert await answered(run) == []

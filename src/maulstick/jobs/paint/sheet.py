@@ -12,7 +12,6 @@ from maulstick.jobs.paint.journals import new_journal
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
-from maulstick.jobs.paint.turns import timed
 from maulstick.jobs.paintable import is_svg, strokes_sum
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress
@@ -97,7 +96,6 @@ def paint_sheet(
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
         if request.resume and sheet.home is None and robot.counts_steps:
             actions = [_where_it_stands(setup.easel, robot, actions[0].paint), *actions]
-        actions = timed(actions, robot.limits, robot.place)
         tally = Tally(setup.plan)
         place = _workplace(setup, robot, journal, operator, tally)
         try:

@@ -1,14 +1,14 @@
 """Turns of the paints in a run: the order in which they are taken up, and how long each one draws."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from math import ceil
 
 from maulstick.painting.painting import Paint, Painting
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import Action, Prompt
+from maulstick.robot.routine import Action
 from maulstick.storage.arrays import Floats
 
 
@@ -29,23 +29,6 @@ def turns_of(actions: Sequence[Action], painting: Painting, limits: Limits, plac
     timed = zip(actions, seconds_of(actions, limits, place).tolist(), strict=True)
     runs = groupby(timed, key=lambda each: each[0].paint)
     return tuple(Turn(index, painting.paints[index], sum(seconds for _, seconds in run)) for index, run in runs)
-
-
-def timed(actions: Sequence[Action], limits: Limits, place: Floats) -> list[Action]:
-    """Return the actions, in which each prompt for a full pen knows the seconds until the next one.
-
-    place: (3,), of the tip, metres.
-    """
-    saying: list[Action] = []
-    left = 0.0
-    for action, seconds in zip(reversed(actions), reversed(seconds_of(actions, limits, place).tolist()), strict=True):
-        left += seconds
-        if isinstance(action, Prompt) and action.renews:
-            saying.append(replace(action, seconds=left))
-            left = 0.0
-        else:
-            saying.append(action)
-    return saying[::-1]
 
 
 def in_minutes(seconds: float) -> str:

@@ -171,7 +171,8 @@ class _Setting:
         if status is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
             self._form.fill(status.options)
         elif status is None and self._unfilled:
-            self._form.begin(self._machine_for(plan), paints > 1)  # one pen is in the holder, and a drawing is for pens
+            machine = self._machine_for(plan) if self._touches == before else None
+            self._form.begin(machine, paints > 1)  # one paint is a pen, and a drawing is for pens
         self._unfilled = self._unfilled and bool(fault)
         self._begun.text = fault or _begun_text(status)
         self._missing = len(missing)
