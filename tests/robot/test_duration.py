@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from maulstick.robot.duration import drawn_metres, seconds_of
+from maulstick.robot.duration import drawn_metres, seconds_of, timed
 from maulstick.robot.limits import Limits
 from maulstick.robot.routine import Action, Draw, Motion, Prompt
 from maulstick.robot.timing import Profile
@@ -74,3 +74,29 @@ def test_no_actions_take_no_time_and_draw_nothing() -> None:
     assert seconds_of([], PRESSES, np.zeros(3)).tolist() == []
     assert seconds_of([Prompt("wait", 0)], PRESSES, np.zeros(3)).tolist() == [0.0]
     assert drawn_metres([Prompt("wait", 0)]) == 0.0
+
+
+@given(any_actions())
+def test_prompts_for_a_tool_know_all_seconds_until_the_next_one(actions: list[Action]) -> None:
+    place = np.array([0.05, 0.05, 0.02])
+    known = timed(actions, LIFTS, place)
+    seconds = seconds_of(actions, LIFTS, place)
+    asked = [index for index, action in enumerate(known) if isinstance(action, Prompt)]
+    for index, after in zip(asked, [*asked, len(actions)][1:], strict=True):
+        prompt = known[index]
+        assert isinstance(prompt, Prompt)
+        assert (prompt.seconds or 0.0) == pytest.approx(seconds[index:after].sum())
+    assert [action for action in known if not isinstance(action, Prompt)] == [
+        action for action in actions if not isinstance(action, Prompt)
+    ]
+
+
+def test_a_pause_counts_neither_as_a_new_pen_nor_as_its_end() -> None:
+    path = np.array([[0.0, 0, 0], [0.1, 0, 0]])
+    stroke = Draw(0, 0, Motion(path, np.full(2, 0.1), 0.01, 0.01))
+    pen, pause, _, _ = timed([Prompt("pen", 0), Prompt("wait", 0, renews=False), stroke, stroke], LIFTS, np.zeros(3))
+    assert isinstance(pen, Prompt)
+    assert isinstance(pause, Prompt)
+    assert pen.seconds is not None
+    assert pen.seconds > 2.0
+    assert pause.seconds is None

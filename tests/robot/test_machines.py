@@ -4,8 +4,10 @@ import sys
 import pytest
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.robot.machines import SPECS, machine
+from maulstick.robot.easel import Easel, Pen
+from maulstick.robot.machines import SPECS, machine, only_lifts
 from maulstick.robot.robot import Robot
+from tests.support.robot.fake_grbl import FakeGrbl
 
 
 @pytest.mark.parametrize("spec", ["", ":", "robot", "grble:/dev/ttyUSB0", "GRBL:/dev/ttyUSB0", "10.0.0.1"])
@@ -41,3 +43,21 @@ def test_naming_machines_loads_none_of_what_drives_them() -> None:
     names = f"[name for name in {heavy} if name in sys.modules]"
     code = f"import sys, maulstick.robot.machines, maulstick.robot.execute; print({names})"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_the_kinds_that_only_lift_their_pen_are_those_whose_limits_say_so() -> None:
+    pen = Pen(up=200, down=700)
+    servo = Easel(corner=(0, 0.04, 0), right=(1, 0, 0), down=(0, -1, 0), pen=pen)
+    with FakeGrbl() as plotter:
+        grbl = machine(f"grbl:{plotter.port}", servo)
+        with grbl.connected():
+            assert only_lifts("grbl:/dev/ttyUSB0") is not grbl.limits.varies_pressure
+    for spec in ("axidraw", "xarm:192.0.2.1", "lite6:192.0.2.1", "franka:192.0.2.1", "ur:192.0.2.1"):
+        assert only_lifts(spec) is not machine(spec, None).limits.varies_pressure
+    assert only_lifts("hpgl")
+    assert not only_lifts("sim:real")
+
+
+def test_a_kind_that_there_is_not_is_refused() -> None:
+    with pytest.raises(InputError, match="there is no machine 'plotter'; there are: axidraw, "):
+        only_lifts("plotter")

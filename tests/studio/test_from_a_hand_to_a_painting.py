@@ -61,6 +61,8 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
 
     expect(tab.get_by_role("heading", name="Mix the paints")).to_be_visible()
     tab.goto(studio.url + "/paint?plan=my-sunset")
+    tab.get_by_label("Machine", exact=True).click()
+    tab.get_by_role("option", name="AxiDraw").click()
     tab.get_by_role("button", name="Start painting").click()
     expect(tab.get_by_text("must be mixed first; tick what is mixed under Mix")).to_be_visible(timeout=_PATIENCE)
     assert not journal_of(path).exists()

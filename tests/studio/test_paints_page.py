@@ -60,11 +60,14 @@ def test_tubes_are_changed_in_a_small_table_and_recipes_follow(
     assert (studio.folder / "tubes.csv").read_text() == "name,colour\n<b>my blue</b>,#0000ff\n"
 
 
-def test_a_plan_in_one_ink_has_one_tick(studio: RunningStudio, page: Callable[..., Page]) -> None:
+def test_a_plan_in_one_ink_has_nothing_to_tick_since_the_machine_asks_for_its_pen(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
     put_plan(studio.folder, "line", mixed=False)
     shown = page("/paints")
-    shown.get_by_role("checkbox", name="The pen is in the holder").click()
     expect(shown.get_by_text("Everything is ready to paint.")).to_be_visible()
+    expect(shown.get_by_text("Goes into the pen holder when the machine asks for it.")).to_be_visible()
+    expect(shown.get_by_role("checkbox")).to_have_count(0)
 
 
 def test_without_a_plan_one_is_told_where_paints_come_from(page: Callable[..., Page]) -> None:

@@ -174,7 +174,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     expect(opened.get_by_text("hand size is 0.001; it must be from 0.02 to 50")).to_be_visible()
     opened.get_by_label("Hand size").fill("0.4")
     arranged.press("ArrowLeft")
-    choose("Brush", "fineliner")
+    choose("Brush or pen", "fineliner")
     choose("How carefully", "Fine, and slowly")
     opened.get_by_role("button", name="Plan it").click()
     notes = card(opened).get_by_role("list", name="Notes")

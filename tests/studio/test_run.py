@@ -89,6 +89,12 @@ async def confirm_where_it_stands(run: Run) -> None:
     run.done(run.state.question_number)
 
 
+async def put_in(run: Run, pen: str) -> None:
+    """Answer the request for a pen, which begins so."""
+    await until(run, lambda: run.state.question.startswith(f"put in the {pen}"))
+    run.done(run.state.question_number)
+
+
 def stroke(run: Run) -> int:
     """Return the number of the present stroke, 0 before the first."""
     return 0 if run.state.progress is None else run.state.progress.stroke
@@ -173,16 +179,13 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
 def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_path: Path) -> None:
     put_plan(tmp_path, "lines")
     put_plan(tmp_path, "six", SIX, mixed=False)
-    put_plan(tmp_path, "pen", mixed=False)
 
     async def paint() -> None:
         async with opened(tmp_path) as run:
             with pytest.raises(
                 InputError, match=r"paint 1 \(red\) and 1 more of six must be mixed first; tick what is mixed"
             ):
-                await run.begin("six", SIM)
-            with pytest.raises(InputError, match="pen is drawn in one ink; put the pen into the holder first"):
-                await run.begin("pen", SIM)
+                await run.begin("six", PaintOptions(robot="axidraw"))
             with pytest.raises(InputError, match="the plan 'none' is not finished"):
                 await run.begin("none", SIM)
             with pytest.raises(InputError, match="is no name"):
@@ -224,7 +227,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             options = PaintOptions(robot=f"grbl:{device.port}", easel=easel)
             await run.begin("six", options)
             await until(run, lambda: bool(run.state.question))
-            assert run.state.question == "put in the marker with paint 1 (red)"
+            assert run.state.question == "put in the marker with paint 1 (red); it draws for less than 1 min"
             assert run.doing == "painting six: waits for you"
             assert events(painting, "begin") == []
             link = tmp_path / "plotter"
@@ -241,7 +244,7 @@ def test_a_plotter_waits_for_its_pens_and_is_driven_by_nobody_else(tmp_path: Pat
             assert run._process is not None
             run._process.tell(Done(first))  # as if that had been under way
             await asyncio.sleep(0.5)
-            assert run.state.question == "put in the marker with paint 2 (blue)"
+            assert run.state.question == "put in the marker with paint 2 (blue); it draws for less than 1 min"
             assert len(events(painting, "end")) == 3
             run.stop()
             assert await outcome(run) == "You stopped it. The pen is lifted."
@@ -263,6 +266,7 @@ def test_a_plotter_is_stopped_in_the_middle_of_a_stroke(tmp_path: Path, easel: P
     async def paint() -> None:
         async with opened(tmp_path) as run:
             await run.begin("lines", PaintOptions(robot=f"grbl:{device.port}", easel=easel))
+            await put_in(run, "marker")
             await until(run, lambda: device.servo == PEN.down and len(events(painting, "begin")) == 2)
             run.stop()
             run.stop()  # as somebody does who is frightened
@@ -281,6 +285,7 @@ def test_the_machines_own_button_pauses_it_and_the_page_shows_it(tmp_path: Path)
     async def paint() -> None:
         async with opened(tmp_path) as run:
             await run.begin("lines", PaintOptions(robot=f"axidraw:{device.port}"))
+            await put_in(run, "marker")
             await until(run, lambda: stroke(run) >= 2)
             device.button = True
             await until(run, lambda: run.doing.startswith("paused lines"))
@@ -338,6 +343,7 @@ def test_when_the_studio_is_killed_the_plotter_stops_with_its_pen_lifted_and_the
                 assert status.painted == painted
                 await run.resume("lines", PaintOptions(), None if status.unfinished is None else False)
                 await confirm_where_it_stands(run)
+                await put_in(run, "marker")
                 assert await outcome(run) == "lines is painted."
 
         device.pace = 200.0

@@ -1,6 +1,7 @@
 """Durations of a routine's actions, and how much is drawn in them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +23,23 @@ def seconds_of(actions: Sequence[Action], limits: Limits, place: Floats) -> Floa
 def drawn_metres(actions: Sequence[Action]) -> float:
     """Return the metres of stroke among the actions."""
     return sum(action.motion.length for action in actions if isinstance(action, Draw))
+
+
+def timed(actions: Sequence[Action], limits: Limits, place: Floats) -> list[Action]:
+    """Return the actions, in which each prompt for a full tool knows the seconds until the next one.
+
+    place: (3,), of the tip, metres.
+    """
+    known: list[Action] = []
+    left = 0.0
+    for action, seconds in zip(reversed(actions), reversed(seconds_of(actions, limits, place).tolist()), strict=True):
+        left += seconds
+        if isinstance(action, Prompt) and action.renews:
+            known.append(replace(action, seconds=left or None))
+            left = 0.0
+        else:
+            known.append(action)
+    return known[::-1]
 
 
 def _seconds(motions: Sequence[Motion], limits: Limits, place: Floats) -> Floats:

@@ -11,8 +11,25 @@ from maulstick.robot.robot import Robot
 REAL_SPECS: Final = "grbl:/dev/ttyUSB0, axidraw, axidraw:/dev/ttyACM0, xarm:IP, lite6:IP, franka:IP, ur:IP"
 """Specs of the machines that `machine` makes, as examples for people."""
 
-SPECS: Final = f"sim, sim:real, {REAL_SPECS}"
+SPECS: Final = f"sim, sim:pens, sim:real, {REAL_SPECS}"
 """The same, and those of the simulated easel."""
+
+FILE: Final = "hpgl"
+"""Kind of any pen plotter that is not driven, but draws a file: none that `machine` makes."""
+
+_LIFT_ONLY = ("grbl", "axidraw", FILE)  # a Grbl counts as one with a servo, since its easel is not known yet
+
+
+def only_lifts(spec: str) -> bool:
+    """Return whether machines of a kind only lift their pen, as far as that is known before one is connected.
+
+    spec: of a machine, or only the kind that it begins with. Raises InputError where there is no such kind.
+    """
+    kind = spec.partition(":")[0]
+    kinds = ("sim", *_MACHINES, FILE)
+    if kind not in kinds:
+        raise InputError.of_choice("machine", spec, kinds)
+    return kind in _LIFT_ONLY
 
 
 def machine(spec: str, easel: Easel | None) -> Robot:

@@ -74,12 +74,16 @@ class TrayVisit:
 
 @dataclass(frozen=True)
 class Prompt:
-    """Action of the operator, with the tip above a place `aside`; where it `renews`, the tool is full afterwards."""
+    """Action of the operator, with the tip above a place `aside`; where it `renews`, the tool is full afterwards.
+
+    seconds: for which the tool then draws, until the next prompt that renews it; None where that is not known.
+    """
 
     message: str
     paint: int
     renews: bool = True
     aside: Point | None = None
+    seconds: float | None = None
 
 
 Action = Draw | TrayVisit | Prompt
@@ -146,6 +150,12 @@ def routine(
         actions.append(draw)
     check_room(ways_of(actions), easel, limits)
     return actions
+
+
+def prompt_for(painting: Painting, paint: int) -> Prompt:
+    """Return the prompt that asks for the pen or the brush of a paint."""
+    wanted = painting.paints[paint]
+    return Prompt(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
 
 
 def ways_of(actions: Sequence[Action]) -> list[Way]:
@@ -238,8 +248,7 @@ def _taking_up(
     """Return what has to be done before a paint can be used; used: whether a tool of unknown load may be dirty."""
     wanted = painting.paints[paint]
     if tray is None:
-        ask = Prompt(f"put in the {wanted.brush} with the paint {wanted.label}", paint)
-        return [ask] if len(painting.paints) > 1 else []
+        return [prompt_for(painting, paint)] if len(painting.paints) > 1 else []
     asked: list[Prompt] = []
     visits: list[Visit] = ["dip"]
     held = None if load.paint is None else painting.paints[load.paint].brush

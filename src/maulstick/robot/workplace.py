@@ -7,6 +7,7 @@ import numpy as np
 
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting.painting import Painting
+from maulstick.robot.duration import timed
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal
@@ -58,7 +59,11 @@ class Workplace:
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
     ) -> PaintLoad:
-        """Carry out the actions until `enough`; returns the load at the end, and raises as `execute` does."""
+        """Carry out the actions until `enough`; returns the load at the end, and raises as `execute` does.
+
+        Prompts for a tool say how long it then draws.
+        """
+        actions = timed(actions, self.robot.limits, self.robot.place)
         return execute(actions, self.robot, self.journal, self.ask, self.watch, self.pause, load, enough, self.pace)
 
     def moved_to(self, easel: Easel) -> "Workplace":

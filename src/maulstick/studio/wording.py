@@ -3,9 +3,11 @@
 from typing import Final
 
 from maulstick.errors import MaulstickError, Remedy, Wording
+from maulstick.robot.machines import FILE
 
 MACHINES: Final = {
     "sim": "Simulated easel, as fast as it can",
+    "sim:pens": "Simulated easel, pens put in by you",
     "sim:real": "Simulated easel, at an arm's pace",
     "grbl": "Pen plotter with Grbl",
     "axidraw": "AxiDraw",
@@ -15,6 +17,13 @@ MACHINES: Final = {
     "ur": "Universal Robots arm",
 }
 """Names of machines for people, by the kind that a spec begins with."""
+
+PLANNED_FOR: Final = {
+    "": "None yet: to look at",
+    **{kind: name for kind, name in MACHINES.items() if not kind.startswith("sim")},
+    FILE: "Another pen plotter, by a file",
+}
+"""Names of the machines that a plan can be for, by kind."""
 
 DETAILS_LABEL = "Speed, sheet and camera"
 """Label of the part of the form that is closed at first."""
@@ -32,6 +41,13 @@ def machine_name(spec: str) -> str:
     if spec in MACHINES:
         return MACHINES[spec]
     return f"{MACHINES.get(kind, kind)} at {address}"
+
+
+def planned_for(spec: str) -> str:
+    """Return the name of a machine that a plan is for, within a sentence, out of its spec or its kind."""
+    kind = spec.partition(":")[0]
+    name = PLANNED_FOR.get(kind, machine_name(spec))
+    return name[0].lower() + name[1:] if name.startswith(("Pen ", "Another ")) else name
 
 
 def error_text(error: MaulstickError) -> str:
@@ -66,7 +82,7 @@ _PAGE: Final = Wording(
         Remedy.WITHOUT_REPLAN: "go on without a camera",
         Remedy.WITHOUT_DRAWING: "leave out how a drawing is read",
         Remedy.SAME_DRAWING_OR_RESTART: f"choose those again, or “{RESTART_LABEL}”",
-        Remedy.HOLD_PRESSURE: "choose another machine, or a plan whose brush is a pen",
+        Remedy.HOLD_PRESSURE: "plan it again with this machine chosen under Plan, or choose another machine",
         Remedy.SLOW_DOWN: f"slow all strokes down: write {{millimetres}} under “{DETAILS_LABEL}”",
         Remedy.CALIBRATE_TOUCH: f"bring its easel file under “{DETAILS_LABEL}”",
         Remedy.NAME_PORT: "connect its USB cable and power, or choose its port",

@@ -133,7 +133,11 @@ def test_each_layer_is_asked_for_by_its_name_and_colour(tmp_path: Path, monkeypa
         answers(monkeypatch, "\n\n")
         ran = run("paint", file, "--robot", f"grbl:{device.port}")
     assert ran.code == 0, ran.stderr
-    asked = [line.removesuffix("; s and Enter stop") for line in ran.stderr.splitlines() if line.startswith("put in")]
+    asked = [
+        line.removesuffix(" (it draws for less than 1 min); s and Enter stop")
+        for line in ran.stderr.splitlines()
+        if line.startswith("put in")
+    ]
     assert asked == [
         "put in the fineliner 0.5 mm with the paint red #ff0000, and press Enter",
         "put in the fineliner 0.5 mm with the paint blue #0000ff, and press Enter",

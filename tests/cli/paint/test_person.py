@@ -26,6 +26,19 @@ def test_a_machine_with_pens_asks_for_each_and_paints_when_enter_is_pressed(
     assert sorted(painted(painting)) == ALL
 
 
+def test_the_simulated_easel_asks_for_pens_where_it_stands_for_a_machine_that_does(
+    painting: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers(monkeypatch, "\n\n")
+    ran = run("paint", painting, "--robot", "sim:pens")
+    asked = [line for line in ran.stderr.splitlines() if line.startswith("put in")]
+    assert asked == [
+        f"put in the marker with the paint {hue}, and press Enter (it draws for less than 1 min); s and Enter stop"
+        for hue in HEXES
+    ]
+    assert sorted(painted(painting)) == ALL
+
+
 def test_where_nobody_changes_pens_nothing_is_drawn(
     painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,7 +13,7 @@ from tests.support.robot.small_paintings import line, painting_of
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--robot", "simulator"], "there is no machine 'simulator'; there are: sim, sim:real, grbl:"),
+        (["--robot", "simulator"], "there is no machine 'simulator'; there are: sim, sim:pens, sim:real, grbl:"),
         (["--robot", "sim:fast"], "there is no machine 'sim:fast'"),
         (["--robot", "plotter"], "there is no machine 'plotter'"),
         (["--robot", "grbl"], "'grbl' does not say where the machine is"),

@@ -19,6 +19,7 @@ from maulstick.cli.wording import stopped
 from maulstick.errors import InputError, MachineError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
+from maulstick.jobs.paint.turns import in_minutes
 from maulstick.painting.painting import Painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
@@ -119,7 +120,8 @@ class TerminalOperator(Operator):
         self._asking = True
         try:
             with self.interruptible(), self._keyboard:
-                self.say(f"{action.message}, and press Enter; s and Enter stop")
+                draws = "" if action.seconds is None else f" (it draws for {in_minutes(action.seconds)})"
+                self.say(f"{action.message}, and press Enter{draws}; s and Enter stop")
                 answer = sys.stdin.readline()
             if not answer:
                 raise InputError(f"nobody is there to {action.message}; run it in a terminal")

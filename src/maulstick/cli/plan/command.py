@@ -61,6 +61,14 @@ def plan(
         float | None,
         _painting(metavar="P", show_default="varied", help="Hold the brush at one pressure, 0 to 1, for a plotter."),
     ] = None,
+    robot: Annotated[
+        str | None,
+        _painting(
+            metavar="MACHINE",
+            help="Machine that will paint: one that only lifts its pen (axidraw, grbl, hpgl) holds the brush at one "
+            "pressure.",
+        ),
+    ] = None,
     paints: Annotated[
         int | None,
         _painting(metavar="N", show_default="12", help="Number of paints to mix from the picture's colours."),
@@ -197,6 +205,7 @@ def plan(
         arrange=arrange,
         brush=brush,
         pressure=pressure,
+        robot=robot,
         paints=paints,
         ink=ink,
         paints_from=paints_from,

@@ -16,6 +16,7 @@ class PaintRequest:
     robot: a machine of one's own, instead of the one that the options name.
     from_pen: the first time that a pen is put in, counted from 1; as from_stroke.
     home: folder that may be moved before the painting is gone on with; None is the painting's own.
+    asks_for_one_pen: whether the operator is asked for the pen of a painting in one paint, too, before it is begun.
     """
 
     painting: Path
@@ -26,3 +27,4 @@ class PaintRequest:
     robot: Robot | None = None
     from_pen: int | None = None
     home: Path | None = None
+    asks_for_one_pen: bool = False

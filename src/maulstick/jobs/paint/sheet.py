@@ -20,7 +20,7 @@ from maulstick.robot.logbook import Tally
 from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.room import check_accepted
-from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine, ways_of
+from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, prompt_for, routine, ways_of
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Floats
 
@@ -90,6 +90,8 @@ def paint_sheet(
             journal.revise(request.painting, painted=first)
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
+        pen = [prompt_for(setup.plan, 0)] if request.asks_for_one_pen and _is_one_pen(setup, sheet) else []
+        actions = [*pen, *actions]
         if sheet.number > 1 and not done:
             actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
         if request.resume and sheet.home is None and robot.counts_steps:
@@ -101,6 +103,8 @@ def paint_sheet(
                 if replanning is None or eye is None:
                     load = place.do(actions, sheet.load)
                     return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
+                if pen:
+                    place.do([*pen])
                 replanning.paint(setup.plan, place, eye, operator)
                 return PaintSheet(sheet.number + 1, home=home)
         finally:
@@ -108,6 +112,11 @@ def paint_sheet(
                 _log(tally, setup, request.painting, operator)
             else:
                 operator.leave(setup.simulation.write_photograph(request.painting))
+
+
+def _is_one_pen(setup: PaintSetup, sheet: PaintSheet) -> bool:
+    """Return whether one pen draws all, so that the routine never asks for it, and nobody has put it in yet."""
+    return len(setup.plan.paints) == 1 and setup.tray is None and sheet.load.paint is None
 
 
 def _note(operator: Operator, setup: PaintSetup, first: bool) -> None:
@@ -171,8 +180,9 @@ def _where_it_stands(easel: Easel, robot: Robot, paint: int) -> Prompt:
 
 
 def _ask(setup: PaintSetup, operator: Operator, prompt: Prompt) -> None:
-    """Ask the operator; a simulation changes and refills its pens by itself."""
-    if setup.simulation is None or not prompt.renews:
+    """Ask the operator; a simulation changes and refills its pens by itself, unless it is one that asks."""
+    simulation = setup.simulation
+    if simulation is None or simulation.asks or not prompt.renews:
         operator.ask(prompt)
-    else:
-        setup.simulation.ask(prompt)
+    if simulation is not None and prompt.renews:
+        simulation.ask(prompt)

@@ -22,21 +22,27 @@ from maulstick.storage.files import atomic_write
 
 _FINE = 6000  # pixels per metre of the simulated sheet: two across the thinnest line, that of a fineliner
 _MOST_PX = 2048  # longest side of the simulated sheet, which bounds memory and time
-_PACES = {"sim": (float("inf"), WEIGHTLESS), "sim:real": (1.0, ARM)}
+_ASKS = "sim:pens"
+_PACES = {"sim": (float("inf"), WEIGHTLESS), _ASKS: (float("inf"), ARM), "sim:real": (1.0, ARM)}
 """Pace, in times of real time, and limits of each simulated machine."""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """A simulated easel for a painting, and the painting."""
+    """A simulated easel for a painting, and the painting.
+
+    asks: whether it asks the operator for each pen, as a machine without a tray does; else it changes them by itself.
+    """
 
     robot: SimulatedEasel
     painting: Painting
+    asks: bool
 
     @classmethod
     def of(cls, spec: str, painting: Painting, easel: Easel | None, tray: Tray | None) -> "Simulation":
-        """Return the machine that the spec names: ``sim``, or ``sim:real`` with an arm's limits and in real time.
+        """Return the machine that the spec names.
 
+        ``sim``; ``sim:pens`` with an arm's limits, which asks for its pens; ``sim:real`` with those, in real time.
         The sheet lies where the easel says, and the easel may narrow the limits.
         """
         if spec not in _PACES:
@@ -57,7 +63,7 @@ class Simulation:
             limits=limits if easel is None or easel.limits is None else limits.narrowed(easel.limits),
         )
         robot.hold(painting.paints[0].colour)
-        return cls(robot, painting)
+        return cls(robot, painting, spec == _ASKS)
 
     @property
     def note(self) -> str | None:
@@ -70,7 +76,7 @@ class Simulation:
         )
 
     def ask(self, action: Prompt) -> None:
-        """Change or refill the pen as prompted, which no operator has to do here."""
+        """Change or refill the pen as prompted."""
         self.robot.hold(self.painting.paints[action.paint].colour)
 
     def camera(self, tags: TagFrame) -> SimulatedCamera:

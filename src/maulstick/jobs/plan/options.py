@@ -12,6 +12,7 @@ from maulstick.errors import InputError, option
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
+from maulstick.robot.machines import only_lifts
 
 MOST_SEED: Final = 2**32 - 1
 """Largest seed that all generators of random numbers take."""
@@ -32,6 +33,7 @@ MOST_STROKES: Final = 100_000
 """Strokes of one plan; more would fill the memory of a usual computer."""
 
 _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
+_USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
@@ -44,6 +46,8 @@ class PlanOptions:
     strokes: at most so many; exactly so many with `exact`; ``auto``, as many as one ink needs in a hand, up to 10,000.
     style: a name, or the path of a JSON file.  hand_size: times the size of its strokes.  brush: as style.
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
+    robot: the machine that will paint, as `paint` takes it or only its kind, as in ``axidraw``; one that only lifts its
+    pen holds the brush at one pressure, 0.5 unless `pressure` says another.
     paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
     paints_from: a CSV file of paints to use unmixed instead.
     size: of the sheet, as in ``200x160mm`` or ``A4``, or as ``A4-auto``, turned as the picture.  paper: its colour.
@@ -76,6 +80,7 @@ class PlanOptions:
     hand_size: float = 1.0
     brush: str = "round"
     pressure: float | None = None
+    robot: str | None = None
     paints: int | None = None
     ink: str | None = None
     paints_from: Path | None = None
@@ -145,6 +150,8 @@ class PlanOptions:
         if self.pressure is not None and not (isinstance(self.pressure, int | float) and 0 <= self.pressure <= 1):
             allowed = "from 0, just touching, to 1, as deep as the brush goes"
             raise InputError.of_range(option("pressure"), self.pressure, allowed)
+        if self.robot is not None:
+            only_lifts(self.robot)
         if self.text is not None and not self.text.strip():
             shown = "say what the painting should show, as in 'a sailing boat at dusk'"
             raise InputError(f"{option('text')} is empty; {shown}")
@@ -172,6 +179,13 @@ class PlanOptions:
             return None
         usual = _USUAL_PAINTS if self.strokes == AUTO else min(_USUAL_PAINTS, self.strokes)
         return self.paints if self.paints is not None else usual
+
+    @property
+    def held_pressure(self) -> float | None:
+        """Pressure at which the brush is held; None where it varies."""
+        if self.pressure is None and self.robot is not None and only_lifts(self.robot):
+            return _USUAL_PRESSURE
+        return self.pressure
 
     @property
     def names_clip(self) -> bool:

@@ -44,6 +44,7 @@ class Prepared:
 
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
     device: what plans, and a note on it for people.  supply: of one ink, in a hand.
+    is_held: whether the brush is held at one pressure since the machine only lifts its pen.
     """
 
     request: PlanRequest
@@ -59,6 +60,7 @@ class Prepared:
     network: Callable[[], Network]
     device: Choice
     supply: InkSupply | None
+    is_held: bool
 
     @property
     def tones(self) -> Tones | None:
@@ -69,6 +71,11 @@ class Prepared:
     def notes(self) -> list[str]:
         """Sentences for people on what may be other than they expect."""
         notes = [self.device.note]
+        if self.is_held:
+            notes.append(
+                f"this machine only lifts its pen, so the brush {self.brush.name} is held at one pressure, "
+                f"{self.request.options.held_pressure:g}, and draws lines of {2e3 * self.brush.widest:.2g} mm"
+            )
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
                 notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
@@ -145,11 +152,9 @@ def prepare(
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
     options, device = request.options, choose_device(request.options.device)
-    brush, picture = brush or load_brush(options.brush), _picture(request, image)
-    sheet = _sheet(options, picture)
+    whole, picture = brush or load_brush(options.brush), _picture(request, image)
+    brush, sheet = _held(whole, options), _sheet(options, picture)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
-    if options.pressure is not None:
-        brush = brush.held_at(options.pressure)
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.strokes != AUTO and len(tubes) > options.strokes:
         raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
@@ -202,6 +207,7 @@ def prepare(
         network,
         device,
         supply,
+        is_held=options.pressure is None and whole.pressure_matters and not brush.pressure_matters,
     )
 
 
@@ -214,6 +220,14 @@ def _picture(request: PlanRequest, image: Image | None) -> Image | None:
         if value != getattr(NO_EDIT, name):
             raise InputError(f"{option(name)} corrects a picture, and there is none; name one, or leave it out")
     return None
+
+
+def _held(brush: Brush, options: PlanOptions) -> Brush:
+    """Return the brush, held where the options or their machine say so. Raises InputError where it leaves no mark."""
+    pressure = options.held_pressure
+    if pressure is None or (options.pressure is None and not brush.pressure_matters):
+        return brush
+    return brush.held_at(pressure)
 
 
 def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush, margin: float) -> Mural | None:

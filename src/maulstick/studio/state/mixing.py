@@ -94,10 +94,15 @@ class Mixing:
         return self._advised[plan][1]
 
     async def missing(self, plan: str) -> list[PlannedPaint]:
-        """Return the paints that must still be mixed before the plan can be painted; those of a drawing are pens."""
+        """Return the paints that must still be mixed before the plan can be painted.
+
+        Those of a drawing are pens, and so is one that is alone: the machine asks for them.
+        """
         if is_svg(self._folder.painting(plan)):
             return []
         paints, mixed = await self.paints(plan), self.mixed(plan)
+        if len(paints) == 1:
+            return []
         return [paint for paint in paints if paint.strokes and paint.label not in mixed]
 
     def mixed(self, plan: str) -> frozenset[str]:

@@ -126,7 +126,7 @@ class Run:
     async def begin(self, plan: str, options: PaintOptions, *, restart: bool = False) -> None:
         """Paint a plan from its first stroke. restart: on a new sheet, where it was begun before.
 
-        Raises InputError where a machine is busy, or paints are not mixed.
+        Raises InputError where a machine is busy, or paints for a real one are not mixed.
         """
         await self._start(self._request(plan, options, restart=restart), None)
 
@@ -191,7 +191,8 @@ class Run:
         self, plan: str, options: PaintOptions, *, resume: bool = False, restart: bool = False
     ) -> PaintRequest:
         """Return the request, whose journal lets the studio's folder be moved."""
-        return PaintRequest(self._painting(plan), options, resume=resume, restart=restart, home=self._folder.root)
+        painting, home = self._painting(plan), self._folder.root
+        return PaintRequest(painting, options, resume=resume, restart=restart, home=home, asks_for_one_pen=True)
 
     def _check_free(self) -> None:
         if self.is_busy:
@@ -201,8 +202,8 @@ class Run:
         plan = request.painting.parent.name
         request.options.check()
         self._check_free()
-        if missing := await self._mixing.missing(plan):
-            raise InputError(_unmixed_fault(plan, missing, len(await self._mixing.paints(plan)) == 1))
+        if not request.options.simulated and (missing := await self._mixing.missing(plan)):
+            raise InputError(_unmixed_fault(plan, missing))
         self._check_free()  # another page may have been quicker
         self._begin("starting", request, paint_in_process, is_painted)
 
@@ -270,8 +271,6 @@ class Run:
         self.changed.emit()
 
 
-def _unmixed_fault(plan: str, missing: list[PlannedPaint], is_pen: bool) -> str:
-    if is_pen:
-        return f"{plan} is drawn in one ink; put the pen into the holder first, and tick that under Mix"
+def _unmixed_fault(plan: str, missing: list[PlannedPaint]) -> str:
     more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
     return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Mix"

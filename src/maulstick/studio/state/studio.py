@@ -10,6 +10,7 @@ from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.run import Run
+from maulstick.studio.state.settings import Settings
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
 from maulstick.studio.state.svgs import Svgs
@@ -21,6 +22,7 @@ class Studio:
     """State of the studio; made in the server's event loop.
 
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
+    settings: what was chosen last.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
     by_hand: machine that a person sets up.
     """
@@ -30,7 +32,7 @@ class Studio:
         self.drawing = Drawing(folder, self.desk)
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
-        self.plans = Plans(folder)
+        self.plans, self.settings = Plans(folder), Settings(folder)
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -45,6 +47,7 @@ class Studio:
     async def close(self) -> None:
         """Stop the machine, write what is unsaved, and end all processes."""
         await asyncio.gather(self.by_hand.close(), self.run.close())
+        self.settings.write()
         await self.drawing.close()
         await asyncio.to_thread(self.plans.close)
         self.desk.close()

@@ -11,6 +11,7 @@ from typing import final
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.setup import PaintSetup
+from maulstick.jobs.paint.turns import in_minutes
 from maulstick.painting.painting import Painting
 from maulstick.painting.picture import encode_jpeg, read_picture
 from maulstick.robot.execute import PaintProgress
@@ -104,6 +105,8 @@ class PageOperator(Operator):
         self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
         message = action.message.replace(f"the paint {paint.label}", display_name(paint, action.paint))
+        if action.seconds is not None:
+            message += f"; it draws for {in_minutes(action.seconds)}"
         self._line.say(OperatorRequest(self._question, message))
         while not (self._done.wait(_GLANCE) or self.stopped):
             pass

@@ -15,6 +15,9 @@ from maulstick.studio.wording import MACHINES
 SHORT_MENU = "outlined popup-content-class=short-menu"
 """Properties of a select whose menu opens downwards, and not up under the frame."""
 
+USUAL_MACHINE = "sim:real"
+"""Machine that is chosen where nobody has named one."""
+
 _AT_A_PORT = ("grbl", "axidraw")
 _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
 _EASEL_S_OWN = "easel"
@@ -36,7 +39,7 @@ class OptionsForm:
         self._tray_file = studio.folder.root / "tray.json"
         self._easel_files: dict[str, Path] = {}
         with first:
-            self._machine = ui.select(MACHINES, label="Machine", value="sim:real", on_change=self.fit)
+            self._machine = ui.select(MACHINES, label="Machine", value=USUAL_MACHINE, on_change=self.fit)
             self._machine.props(SHORT_MENU)
             self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
             self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
@@ -70,22 +73,28 @@ class OptionsForm:
         if not self._port.is_deleted:
             self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
 
-    def dip(self, dips: bool) -> None:
-        """Set whether the brush is dipped into the tray, for a plan that has no options yet."""
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the chosen machine is a simulated easel."""
+        return str(self._machine.value).startswith("sim")
+
+    def begin(self, machine: str | None, dips: bool) -> None:
+        """Show what is usual for a plan that has no options yet.
+
+        machine: its spec, or only its kind; None leaves the one that is chosen, as does one that only takes a file.
+        dips: whether the brush is dipped into the tray.
+        """
         self._tray_file = self._studio.folder.root / "tray.json"
         self._tray.value = dips
+        if machine is not None:
+            self._show_machine(machine)
         self.fit()
 
     def fill(self, options: PaintOptions) -> None:
         """Show the options of an earlier run."""
         self._tray_file = options.tray or self._studio.folder.root / "tray.json"
         self._tray.value = options.tray is not None
-        kind, _, address = options.machine.partition(":")
-        self._machine.value = options.machine if options.simulated else kind
-        if kind in _AT_A_PORT and address:
-            self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
-        elif not options.simulated:
-            self._address.value = address
+        self._show_machine(options.machine)
         self._speed.value = None if options.speed in (None, 1e-3 * _FASTEST) else 1e3 * options.speed
         self._offer_easels("" if options.easel is None else self._easel_of(options.easel))
         self.fit()
@@ -112,6 +121,17 @@ class OptionsForm:
             camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
             picture=picture if looks else None,
         )
+
+    def _show_machine(self, spec: str) -> None:
+        kind, _, address = spec.partition(":")
+        shown = spec if kind == "sim" else kind
+        if shown not in MACHINES:
+            return
+        self._machine.value = shown
+        if kind in _AT_A_PORT and address:
+            self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
+        elif kind not in _AT_A_PORT and kind != "sim":
+            self._address.value = address
 
     def _machine_spec(self) -> str:
         """Return the machine with its address, as for ``--robot``. Raises InputError where the address is missing."""

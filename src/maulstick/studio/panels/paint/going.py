@@ -8,6 +8,7 @@ from nicegui import background_tasks, html, ui
 from maulstick.errors import MaulstickError
 from maulstick.jobs.paint.estimate import Estimate
 from maulstick.jobs.paintable import is_svg
+from maulstick.studio.panels.paint.turns import TurnList
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.wording import machine_name
@@ -101,6 +102,7 @@ class Sheets:
     def __init__(self, studio: Studio) -> None:
         self._run, self._folder = studio.run, studio.folder
         self._outcome = ui.label().classes("outcome").props('role="status"')
+        self._turns = TurnList()
         with ui.element().classes("pair") as self._pair:
             with html.figure():
                 self._plan = html.img().props('alt="What is painted"').classes("picture")
@@ -147,6 +149,7 @@ class Sheets:
         state = self._run.state
         self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state)
         self._outcome.visible = bool(self._outcome.text)
+        self._turns.show(state.estimate if state.is_on or (self._outcome.text and state.progress is None) else None)
         self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
 
     def _left_of(self, plan: str) -> str:

@@ -11,7 +11,7 @@ from maulstick.jobs.paint.status import PaintStatus
 from maulstick.jobs.paintable import is_svg
 from maulstick.studio.panels.paint.by_hand import ByHandForm
 from maulstick.studio.panels.paint.drawings import Drawings
-from maulstick.studio.panels.paint.form import SHORT_MENU, OptionsForm
+from maulstick.studio.panels.paint.form import SHORT_MENU, USUAL_MACHINE, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
 from maulstick.studio.panels.paint.reading import ReadingForm
 from maulstick.studio.state.studio import Studio
@@ -63,6 +63,7 @@ class _Setting:
         self._touches = 0  # number of changes that a person made in the form
         self._studio, self._run = studio, studio.run
         self._status: PaintStatus | None = None
+        self._missing = 0  # number of paints that are not mixed yet
         self._unfilled = True
         self._was_busy = True
         self.on_choice: Callable[[], None] = lambda: None
@@ -122,6 +123,7 @@ class _Setting:
 
     def _touch(self) -> None:
         self._touches += 1
+        self._show_buttons()
         self.on_touch()
 
     @property
@@ -174,14 +176,22 @@ class _Setting:
         if status is not None and is_other and self._touches == before:  # nobody has chosen anything meanwhile
             self._form.fill(status.options)
         elif status is None and self._unfilled:
-            self._form.dip(paints > 1)  # the one pen is in the holder, and a drawing is for pens
+            machine = self._machine_for(plan) if self._touches == before else None
+            self._form.begin(machine, paints > 1)  # one paint is a pen, and a drawing is for pens
         self._unfilled = self._unfilled and bool(fault)
         self._begun.text = fault or _begun_text(status)
-        self._mix.text = _to_be_mixed(len(missing), paints)
+        self._missing = len(missing)
         self._mix.props["href"] = f"/paints?plan={plan}"
         self._show_buttons()
 
+    def _machine_for(self, plan: str) -> str | None:
+        """Return the machine that a plan is for; None where it is for none, and a person has chosen one here."""
+        planned = self._studio.plans.plans.get(plan)
+        machine = self._studio.settings.choices.machine if planned is None else planned.request.options.robot
+        return machine or (None if self._touches else USUAL_MACHINE)
+
     def _show_buttons(self) -> None:
+        self._mix.text = "" if self._form.is_simulated else _to_be_mixed(self._missing)
         status, there = self._status, bool(self.plan)
         goes_on = status is not None and not status.is_over
         self._none.visible, self._plan.visible = not there, there
@@ -237,10 +247,8 @@ def _begun_text(status: PaintStatus | None) -> str:
     return f"It was begun: {status.painted} of {_counted(status.strokes, 'stroke')} are painted."
 
 
-def _to_be_mixed(missing: int, paints: int) -> str:
-    if not missing:
-        return ""
-    return "Put the pen into the holder first" if paints == 1 else f"Mix {_counted(missing, 'paint')} first"
+def _to_be_mixed(missing: int) -> str:
+    return f"Mix {_counted(missing, 'paint')} first" if missing else ""
 
 
 def _counted(number: int, what: str) -> str:

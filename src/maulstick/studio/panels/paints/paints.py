@@ -25,7 +25,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     ui.add_css(_STYLE)
     html.h1("Mix the paints")
     html.p(
-        "Mix each colour, compare it with the swatch here, and tick it. Painting begins once all are ticked."
+        "Mix each colour, compare it with the swatch here, and tick it. A real machine begins once all are ticked."
     ).classes("hint")
     with ui.element().classes("desk"):
         with ui.element().classes("wide"):
@@ -110,15 +110,12 @@ class _Paints:
         with self._cards:
             for paint, recipe in zip(paints, recipes, strict=True):
                 tick = _card(self._studio, plan, paint, recipe, alone=len(paints) == 1)
-                self._ticks.append((paint.label, tick))
+                if tick is not None:
+                    self._ticks.append((paint.label, tick))
 
     def _count_them(self, paints: int, missing: int) -> None:
         self._count.text = (
-            "Everything is ready to paint."
-            if not missing
-            else f"{paints - missing} of {paints} are mixed."
-            if paints > 1
-            else "The pen is still missing."
+            "Everything is ready to paint." if not missing else f"{paints - missing} of {paints} are mixed."
         )
         self._bar.visible = paints > 1
         self._bar.value = (paints - missing) / max(paints, 1)
@@ -132,8 +129,11 @@ class _Paints:
         await self._studio.mixing.tick_all(self._plan.value)
 
 
-def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone: bool) -> ui.checkbox:
-    """Build the card of a paint. alone: the paint is the only one, most likely the ink of a pen."""
+def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone: bool) -> ui.checkbox | None:
+    """Build the card of a paint; return its tick, None where the machine asks for it.
+
+    alone: the paint is the only one, most likely the ink of a pen.
+    """
     with html.article().classes("sheet paint").props(f'aria-label="Paint {paint.number}"'):
         swatch = html.div().classes("swatch").style(f"background: {paint.hex}")
         with swatch.props(f'role="img" aria-label="The colour {paint.hex}"'):
@@ -141,18 +141,18 @@ def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone:
         html.h2(paint.display_name[0].upper() + paint.display_name[1:])
         html.p(f"{paint.hex} · {_usage(paint)}").classes("figure hint")
         html.p(_place(studio, paint)).classes("hint")
-        if not alone:
-            if paint.is_named and not studio.mixing.has_own_tubes:
-                html.p("As it is in its tube.")
-            else:
-                _recipe(studio, paint, recipe)
-        text = "The pen is in the holder" if alone else "This one is mixed"
+        if alone:
+            return None
+        if paint.is_named and not studio.mixing.has_own_tubes:
+            html.p("As it is in its tube.")
+        else:
+            _recipe(studio, paint, recipe)
 
         async def tick(event: events.ValueChangeEventArguments[bool | None]) -> None:
             if event.value != (paint.label in studio.mixing.mixed(plan)):  # a person did it, not `_Paints`
                 await studio.mixing.tick(plan, paint.label, bool(event.value))
 
-        return ui.checkbox(text, on_change=tick).props("size=lg").classes("tick")
+        return ui.checkbox("This one is mixed", on_change=tick).props("size=lg").classes("tick")
 
 
 def _recipe(studio: Studio, paint: PlannedPaint, recipe: Recipe) -> None:

@@ -13,10 +13,12 @@ from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.brushes import brush_in_words
 from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
+from maulstick.studio.wording import planned_for
 from maulstick.studio.workers.planner import TARGET, order_frame
 
 _FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}
@@ -166,11 +168,13 @@ def _summary(request: PlanRequest) -> str:
     hand = f"{options.style} at {options.hand_size:g} times its size" if options.hand_size != 1 else options.style
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
     colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
-    parts = [hand, options.brush, strokes, colours, in_words(options.size)]
+    parts = [hand, brush_in_words(options.brush), strokes, colours, in_words(options.size)]
     if options.drawing != usual.drawing:
         parts.append(DRAWN[options.drawing].lower())
     if options.arrange != usual.arrange:
         parts.append(f"{options.arrange:.0%} as the hand arranges")
+    if options.robot is not None:
+        parts.append(f"for {planned_for(options.robot)}")
     return ", ".join(parts)
 
 

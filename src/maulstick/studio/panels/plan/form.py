@@ -1,24 +1,28 @@
 """Form for a new plan: picture or text, hand, brush, paints, strokes, size, and weights of the loss."""
 
+from collections.abc import Container
 from contextlib import suppress
 from importlib.util import find_spec
-from typing import Literal
+from typing import Any, Literal
 
 from nicegui import app, html, ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, MaulstickError, option
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.brush import BRUSHES
+from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
-from maulstick.studio.panels.plan.sheet import SheetChoice
+from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
+from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.brushes import USUAL_PEN, brushes_for, draws_one_width, is_pen
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
-from maulstick.studio.wording import WORDS_LABEL
+from maulstick.studio.wording import PLANNED_FOR, WORDS_LABEL
 
 _DEFAULT = PlanOptions()
 DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
@@ -26,19 +30,6 @@ DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones a
 
 _FREE = "free"  # the style of nobody's hand
 _EFFORTS = {150: "A sketch, quickly", _DEFAULT.steps: "As usual", 1500: "Fine, and slowly"}  # by steps of the optimiser
-_FIRST_VALUES = {
-    "text": "",
-    "hand_size": _DEFAULT.hand_size,
-    "brush": _DEFAULT.brush,
-    "size": _DEFAULT.size,
-    "kind": "paints",
-    "paints": _DEFAULT.mixed_paints,
-    "ink": "#000000",
-    "strokes": _DEFAULT.strokes,
-    "enough": False,
-    "drawing": _DEFAULT.drawing,
-    "effort": _DEFAULT.steps,
-}
 _SHOW_NEWEST = """setTimeout(() => document.querySelector(".plans .plan")?.scrollIntoView({ block: "nearest" }), 100)"""
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
@@ -49,7 +40,13 @@ class PlanForm:
 
     def __init__(self, studio: Studio, style: str) -> None:
         self._studio = studio
-        kept = app.storage.client.setdefault("plan", dict(_FIRST_VALUES))  # while a person is at other panels
+        first = {"text": "", **_offered(studio.settings.choices)}
+        self._kept = kept = app.storage.client.setdefault("plan", first)  # while a person is at other panels
+        with ui.element().classes("sheet"):
+            html.h2("For which machine")
+            self._machine = ui.select(PLANNED_FOR, label="Machine").bind_value(kept, "machine")
+            self._lifts = html.p("It only lifts its pen, so it draws with a pen, or with a brush held at one pressure.")
+        self._lifts.classes("hint")
         with ui.element().classes("sheet"):
             html.h2("What to paint")
             self._picture = PictureChoice(studio, self._follow)
@@ -65,7 +62,7 @@ class PlanForm:
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
-                self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
+                self._brush = ui.select({}, label="Brush or pen").classes("whole")
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
                 self._ink = ui.color_input("The ink").bind_value(kept, "ink")
@@ -75,8 +72,9 @@ class PlanForm:
                 self._enough = ui.checkbox("As many strokes as the picture needs").bind_value(kept, "enough")
         with ui.element().classes("sheet"):
             html.h2("What matters")
-            self._weights = weight_sliders({name: float(name == "tone") for name in PICTURE_TERMS})
-            self._arrange = Slider("As the hand arranges", 1, 0.25, _DEFAULT.arrange)
+            weights = {name: kept["weights"].get(name, 0.0) for name in PICTURE_TERMS}
+            self._weights = weight_sliders(weights, self._keep)
+            self._arrange = Slider("As the hand arranges", 1, 0.25, kept["arrange"], self._keep)
             self._effort = ui.select(_EFFORTS, label="How carefully").bind_value(kept, "effort")
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
@@ -84,8 +82,45 @@ class PlanForm:
         self._is_arranged = False
         for choice in (self._kind, self._enough, self._text):
             choice.on_value_change(self._follow)
-        shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style))
+        self._offer_brushes(kept["brush"])
+        self._machine.on_value_change(self._change_machine)
+        self._brush.on_value_change(self._take_colour)
+        shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style or kept["style"]))
         self._follow()
+        for field in self._fields():
+            field.on_value_change(self._keep)
+
+    def _fields(self) -> tuple[ValueElement[Any], ...]:
+        numbers = (self._hand_size, self._paints, self._strokes, self._enough, self._effort)
+        choices = (self._machine, self._style, self._brush, self._kind, self._ink, self._drawing)
+        return (*choices, *numbers, *self._sheet.fields)
+
+    def _keep(self) -> None:
+        """Keep all that is chosen, for this page while a person is at other panels, and for those opened later."""
+        self._kept |= {"style": self._style.value, "brush": self._brush.value, "arrange": self._arrange.value}
+        self._kept["weights"] = {name: slider.value for name, slider in self._weights.items()}
+        self._studio.settings.keep(self._kept)
+
+    def _offer_brushes(self, chosen: object) -> None:
+        """Offer what the machine can draw with: the chosen one of it, or else the usual one."""
+        offered = brushes_for(str(self._machine.value))
+        self._brush.set_options(offered, value=chosen if chosen in offered else _DEFAULT.brush)
+        self._lifts.visible = any(map(is_pen, offered))
+
+    def _change_machine(self) -> None:
+        """Offer what this machine draws with: a pen where it only lifts one, and no pen where it does not."""
+        before = str(self._brush.value)
+        self._offer_brushes(before)
+        if self._lifts.visible and not draws_one_width(before) and USUAL_PEN in self._brush.options:
+            self._brush.value = USUAL_PEN
+        elif is_pen(before) and not self._lifts.visible:
+            self._kind.value = "paints"
+
+    def _take_colour(self) -> None:
+        """Draw in the ink of the pen that is chosen."""
+        pen = str(self._brush.value)
+        if is_pen(pen):
+            self._kind.value, self._ink.value = "ink", load_pen(pen).colour
 
     def _follow(self) -> None:
         """Show what means something beside what is chosen."""
@@ -155,6 +190,7 @@ class PlanForm:
             paints=paints,
             ink=ink,
             brush=str(self._brush.value),
+            robot=str(self._machine.value) or None,
             style=str(self._style.value),
             hand_size=self._hand_size.value,
             drawing=str(self._drawing.value) if self._drawing.visible else _DEFAULT.drawing,
@@ -162,6 +198,21 @@ class PlanForm:
             steps=int(self._effort.value or 0),
         )
         return PlanRequest(picture, options)
+
+
+def _offered(choices: Choices) -> dict[str, Any]:
+    """Return what was chosen last, and what is usual for what is no longer offered."""
+    usual = Choices()
+    offers: dict[str, Container[object]] = {
+        "machine": PLANNED_FOR,
+        "size": SIZES,
+        "turned": TURNS,
+        "fit": FITS,
+        "drawing": DRAWN,
+        "effort": _EFFORTS,
+    }
+    gone = {name for name, offered in offers.items() if getattr(choices, name) not in offered}
+    return choices.model_copy(update={name: getattr(usual, name) for name in gone}).model_dump()
 
 
 def _whole(number: ui.number, name: str, most: int) -> int:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from nicegui import background_tasks, html, ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.errors import MaulstickError
 from maulstick.studio.panels.plan.editor import PictureEditor, as_source
@@ -14,10 +15,10 @@ from maulstick.studio.wording import error_text
 from maulstick.studio.workers.sketch import sketch
 
 _OWN = "own"
-_SIZES = {size: in_words(size) for size in ("200x160mm", "160x160mm", "A5", "A4", "A3")} | {_OWN: "Another size"}
-_TURNS = {AS_SUITS: "As the picture", "standing": "Standing", "lying": "Lying"}
-_FITS = {AS_SUITS: "As suits it", "contain": "All of it", "cover": "Fills the sheet"}
-_FIRST_VALUES = {"own_size": "170 by 230 mm", "turned": AS_SUITS, "fit": AS_SUITS, "margin": 0}
+SIZES = {size: in_words(size) for size in ("200x160mm", "160x160mm", "A5", "A4", "A3")} | {_OWN: "Another size"}
+TURNS = {AS_SUITS: "As the picture", "standing": "Standing", "lying": "Lying"}
+FITS = {AS_SUITS: "As suits it", "contain": "All of it", "cover": "Fills the sheet"}
+"""Sizes, ways to turn the sheet, and ways in which a picture fits it, with their words for people."""
 
 
 class SheetChoice:
@@ -26,20 +27,19 @@ class SheetChoice:
     def __init__(self, studio: Studio, kept: dict[str, Any], picture: PictureChoice, editor: PictureEditor) -> None:
         self._studio, self._picture, self._editor = studio, picture, editor
         self._is_sketching = self._is_stale = False
-        for name, value in _FIRST_VALUES.items():
-            kept.setdefault(name, value)
         with ui.element().classes("numbers") as self.root:
-            self._size = ui.select(_SIZES, label="Sheet").bind_value(kept, "size")
-            self._turned = ui.select(_TURNS, label="Turned").bind_value(kept, "turned")
+            self._size = ui.select(SIZES, label="Sheet").bind_value(kept, "size")
+            self._turned = ui.select(TURNS, label="Turned").bind_value(kept, "turned")
             self._own = ui.input("Width by height").bind_value(kept, "own_size").classes("own-size")
             self._own.props("debounce=400 hint='in mm, cm or in: 17 by 23 cm'")
-            self._fit = ui.select(_FITS, label="How the picture fits").bind_value(kept, "fit")
+            self._fit = ui.select(FITS, label="How the picture fits").bind_value(kept, "fit")
             self._margin = ui.number("Margin, mm", min=0).bind_value(kept, "margin").props("debounce=400")
         with html.figure().classes("sketch") as self._sketch:
             self._image = html.img(alt="The picture on its sheet")
             with html.figcaption():
                 self._told = ui.label().classes("hint").props('role="status"')
-        for field in (self._size, self._turned, self._own, self._fit, self._margin):
+        self.fields: tuple[ValueElement[Any], ...] = (self._size, self._turned, self._own, self._fit, self._margin)
+        for field in self.fields:
             field.on_value_change(self.follow)
 
     def placing(self) -> Placing:
