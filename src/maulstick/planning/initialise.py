@@ -9,6 +9,7 @@ from maulstick.planning.groups import place_groups
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import detail, find_places, ink_density, start_strokes, strokes_at
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
@@ -79,7 +80,7 @@ class Initialiser:
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes as `strokes` does, in groups of the hand."""
         canvas = self._problem.canvas
-        spacing = (canvas.width * canvas.height / self._options.strokes) ** 0.5
+        spacing = (surface_of(self._problem.room, canvas) / self._options.strokes) ** 0.5
         room, scale = spacing * canvas.pixels_per_metre, canvas.pixels_per_metre
         places, rows = place_groups(as_array(target), density, count, arrangement, room, scale, self._rng)
         codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)

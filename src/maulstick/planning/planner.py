@@ -19,6 +19,7 @@ from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.room import surface_of
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
@@ -109,7 +110,7 @@ class _Planning:
         if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
             self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
-        self._spacing = (self._canvas.width * self._canvas.height / options.strokes) ** 0.5
+        self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
         self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks

@@ -8,6 +8,7 @@ import torch
 
 from maulstick.errors import InputError, option
 from maulstick.painting.brush import Brush
+from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from maulstick.storage.arrays import Floats
@@ -26,6 +27,11 @@ def room_of(area: tuple[float, float, float, float]) -> Room:
     """Return the room of an area (x, y, width, height), metres."""
     x, y, width, height = area
     return x, y, x + width, y + height
+
+
+def surface_of(room: Room | None, canvas: Canvas) -> float:
+    """Return how much of a canvas ink may lie on, square metres."""
+    return canvas.width * canvas.height if room is None else (room[2] - room[0]) * (room[3] - room[1])
 
 
 def check_room(room: Room | None, brush: Brush) -> None:

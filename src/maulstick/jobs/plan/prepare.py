@@ -28,7 +28,7 @@ from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
-from maulstick.planning.room import check_room
+from maulstick.planning.room import check_room, surface_of
 from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.storage.arrays import Image
@@ -86,10 +86,10 @@ class Prepared:
 
     def _crowded(self) -> str | None:
         """Return a sentence where so many strokes must lie much nearer each other than the hand's."""
-        arrangement, canvas = self.style.arrangement, self.layout.canvas
+        arrangement = self.style.arrangement
         if arrangement is None or not self.settings.arrange:
             return None
-        size = arrangement.size_for(self.settings.strokes, canvas.width * canvas.height)
+        size = arrangement.size_for(self.settings.strokes, surface_of(self.layout.room, self.layout.canvas))
         if size >= _CROWDED:
             return None
         options, times = self.request.options, size**-2

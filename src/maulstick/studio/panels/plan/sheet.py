@@ -52,7 +52,7 @@ class SheetChoice:
     def follow(self) -> None:
         """Show the fields that mean something, and sketch the sheet again."""
         self._own.visible = self._size.value == _OWN
-        self._turned.visible = self._fit.visible = self._sketch.visible = self._picture.name is not None
+        self._fit.visible = self._sketch.visible = self._picture.name is not None
         self._is_stale = self._picture.name is not None
         if self._is_stale and not self._is_sketching:
             self._is_sketching = True
