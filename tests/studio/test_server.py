@@ -1,5 +1,6 @@
 """Server: a port or folder in use is refused in one sentence, and Ctrl-C ends it whatever pages are open."""
 
+import os
 import signal
 import socket
 import subprocess
@@ -72,6 +73,24 @@ def test_without_its_extra_the_studio_says_what_to_install(tmp_path: Path) -> No
     assert refused.returncode == 2
     assert refused.stderr == "maulstick: the studio needs NiceGUI; run: pip install 'maulstick[studio]'\n"
     assert not (tmp_path / "studio").exists()
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_a_terminal_shows_a_tablet_the_way_in_where_it_can_come_in(tmp_path: Path, host: str) -> None:
+    ours, theirs = os.openpty()
+    words = [str(COMMAND), "studio", str(tmp_path / "studio"), "--port", "0", "--no-browser", "--host", host]
+    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs) as studio:
+        os.close(theirs)
+        told = b""
+        try:
+            while b"token=" not in told or (host == "0.0.0.0" and b"point its camera at this" not in told):
+                told += os.read(ours, 2**16)
+            studio.send_signal(signal.SIGINT)
+            assert studio.wait(PATIENCE) == 130
+        finally:
+            studio.kill()
+            os.close(ours)
+    assert ("█▀▀▀" in told.decode() or "▄▄▄▄" in told.decode()) == (host == "0.0.0.0")
 
 
 @pytest.mark.parametrize("times", [1, 2])

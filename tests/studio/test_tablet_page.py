@@ -42,7 +42,7 @@ def test_a_studio_of_this_computer_alone_says_how_a_tablet_can_come_in(
     shown = page()
     shown.get_by_role("button", name="On a tablet").click()
     dialog = shown.get_by_role("dialog")
-    expect(dialog).to_contain_text("only this computer")
+    expect(dialog).to_contain_text("Only this computer can open the studio now")
     expect(dialog).to_contain_text(f"maulstick studio {studio.folder} --host 0.0.0.0")
     assert studio.token not in shown.content()
     dialog.get_by_role("button", name="Close").click()

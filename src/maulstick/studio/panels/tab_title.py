@@ -24,14 +24,14 @@ class TabTitle:
         self._show()
 
     def _show(self) -> None:
-        news = _news(self._studio) or self._panel
+        news = news_of(self._studio) or self._panel
         title = f"{news} · Maulstick" if news else "Maulstick"
         if title != self._shown:
             self._shown = title
             ui.page_title(title)
 
 
-def _news(studio: Studio) -> str:
+def news_of(studio: Studio) -> str:
     """Return what a machine asks for, else how far it or the first plan is; "" where nothing is going on."""
     state = studio.run.state
     if state.question:

@@ -54,5 +54,5 @@ def _way_in(link: str) -> None:
 
 
 def _how_to_let_in(root: Path) -> None:
-    html.p("Only this computer can open the studio now: close it in its terminal, and start it again so.")
+    html.p("Only this computer can open the studio now: close it in its terminal, and start it again like this:")
     html.p(f"maulstick studio {shlex.quote(str(root))} --host 0.0.0.0").classes("link")

@@ -48,7 +48,10 @@ def kept_token(root: Path) -> str:
     path = root / TOKEN_FILE
     try:
         with suppress(FileNotFoundError, UnicodeDecodeError):
-            path.chmod(0o600)  # a copy of the folder may have lost that
+            if path.stat().st_uid != os.geteuid():
+                raise FileNotFoundError  # somebody else knows it
+            with suppress(PermissionError):  # of disks without permissions
+                path.chmod(0o600)  # a copy of the folder may have lost that
             if re.fullmatch(_TOKEN, token := path.read_text("ascii").strip()):
                 return token
         _write_privately(path, f"{(token := secrets.token_urlsafe(16))}\n")

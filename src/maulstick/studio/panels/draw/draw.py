@@ -23,8 +23,8 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     ui.add_css(_STYLE)
     html.h1("Show how you draw")
     html.p(
-        f"Draw as you always do: {_GOOD} strokes or more of the kind that you want the machine to make. They are your "
-        "hand, which it learns. "
+        f"Draw as you always do: {_GOOD} strokes or more of the kind that you want the machine to make. They show it "
+        "your hand: your way of drawing. "
         "A pen with pressure is best; a finger or a mouse will do."
     ).classes("hint draw-hint")
     with ui.element().classes("draw"):
