@@ -23,6 +23,10 @@ _PANELS = {
 }
 """Panels by path: name, icon, and module, whose `build` is called with the studio and the query of the link."""
 
+_TRASH = "/trash"
+_PAGES = {**_PANELS, _TRASH: ("Trash", "delete_outline", "maulstick.studio.panels.trash.trash")}
+"""Panels, and what is no step on the way to a painting."""
+
 # Esc closes an open dialog or menu first; where none is open it stops the machine. The button always stops it.
 # A request of its own works while the websocket is busy, and the websocket where no new connection can be had.
 _STOP = """<script>
@@ -60,16 +64,17 @@ def page(studio: Studio) -> None:
         _doing(studio)
         _stop(studio)
     with ui.element().classes("panel"):
-        ui.sub_pages({path: _built(path, studio, links) for path in _PANELS})
+        ui.sub_pages({path: _built(path, studio, links) for path in _PAGES})
 
 
 def _links() -> dict[str, ui.link]:
     links = {}
     with ui.element("nav").props('aria-label="Panels"').classes("panels"):
-        for path, (name, icon, _) in _PANELS.items():
+        for path, (name, icon, _) in _PAGES.items():
             with ui.link(target=path).classes("panel-link") as links[path]:
                 ui.icon(icon).props("aria-hidden=true")
                 ui.label(name)
+    links[_TRASH].classes("aside")
     return links
 
 
@@ -79,7 +84,7 @@ def _built(path: str, studio: Studio, links: dict[str, ui.link]) -> Callable[[Pa
             link.props(remove="aria-current")
             if other == path:
                 link.props('aria-current="page"')
-        name, _, module = _PANELS[path]
+        name, _, module = _PAGES[path]
         ui.page_title(f"{name} · Maulstick")
         import_module(module).build(studio, arguments.query_parameters)
 

@@ -12,6 +12,8 @@ from maulstick.studio.state.run import Run
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
 from maulstick.studio.state.svgs import Svgs
+from maulstick.studio.state.thrown import STYLES_FOLDER
+from maulstick.studio.state.trash import Trash
 from maulstick.studio.workers.desk import Desk
 
 
@@ -21,6 +23,7 @@ class Studio:
 
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
+    trash: what was thrown away.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -33,6 +36,20 @@ class Studio:
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)
+        self.trash = Trash(
+            folder,
+            self.styles,
+            {
+                "hands": self.drawing.hands.take_back,
+                "pictures": self.gallery.take_back,
+                "plans": self.plans.take_back,
+                "drawings": self.svgs.take_back,
+                "surveys": self.surveys.take_back,
+                STYLES_FOLDER: self.styles.take_back,
+                ".": lambda trashed, _: self.mixing.take_back(trashed),
+                "easels": lambda trashed, _: self.run.easels.take_back(trashed),
+            },
+        )
 
     async def close(self) -> None:
         """Stop the machine, write what is unsaved, and end all processes."""

@@ -12,6 +12,7 @@ from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
@@ -31,20 +32,21 @@ class PlanCard:
 
     def __init__(self, studio: Studio, plan: Plan) -> None:
         self.plan, self._studio = plan, studio
-        self._card = html.article().classes("sheet plan").props(f'aria-label="Plan {plan.name}"')
+        self._card = html.article().classes("sheet plan")
         with self._card:
             with ui.element().classes("line head"):
-                html.h2(plan.name)
+                with html.h2():
+                    self._title = ui.label()
                 self._phase = ui.label().classes("phase").props('role="status"')
             with ui.element().classes("compare") as self._pictures:
-                self._canvas = html.img(alt=f"The strokes of {plan.name}")
+                self._canvas = html.img()
                 self._target = html.img(alt="").classes("target")
             with html.label().classes("weight") as self._split:
                 ui.label("Picture or plan")
                 html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
             self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
-            ui.label(_summary(plan.request)).classes("hint")
+            ui.label(_summary(plan.request, studio.styles.title(plan.request.options.style))).classes("hint")
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()
@@ -67,6 +69,7 @@ class PlanCard:
         """Show the present state of the plan."""
         plan = self.plan
         finished = plan.is_painting and not plan.is_busy
+        self._show_title()
         self._phase.set_text(plan.phase.value)
         self._card.classes(remove="planning waiting", add=_PHASE_CLASSES.get(plan.phase))
         self._bar.set_value(plan.done)
@@ -102,10 +105,25 @@ class PlanCard:
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():
-                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
-        self._away = ui.button(icon="delete", on_click=self._throw_away).props(
-            f'flat aria-label="Throw {plan.name} away"'
-        )
+                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download')
+        self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat").tooltip("Rename")
+        self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat").tooltip("Throw away")
+
+    def _show_title(self) -> None:
+        title = self._studio.plans.titles().get(self.plan.name, self.plan.name)
+        if title == self._title.text:
+            return
+        self._title.set_text(title)
+        for element, name, text in (
+            (self._card, "aria-label", f"Plan {title}"),
+            (self._canvas, "alt", f"The strokes of {title}"),
+            (self._rename, "aria-label", f"Rename {title}"),
+            (self._away, "aria-label", f"Throw {title} away"),
+        ):
+            element.props[name] = text
+
+    def _ask_for_title(self) -> None:
+        ask_for_title(self.plan.title, lambda typed: self._studio.plans.retitle(self.plan, typed))
 
     def _show_notes(self) -> None:
         self._notes.visible = bool(self.plan.notes)
@@ -139,18 +157,21 @@ class PlanCard:
             self._canvas.props["src"] = source
 
     def _throw_away(self) -> None:
-        plans, name, client = self._studio.plans, self.plan.name, ui.context.client
-        if self._studio.run.state.is_on and self._studio.run.state.plan == name:
-            raise InputError(f"{name} is being painted; stop the machine first")
+        plans, title, client = self._studio.plans, self._title.text, ui.context.client
+        if self._studio.run.state.is_on and self._studio.run.state.plan == self.plan.name:
+            raise InputError(f"{title} is being painted; stop the machine first")
         trashed = plans.throw_away(self.plan)
-        offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(trashed))
+        offer_undo(client, f"{title} is in the trash", lambda: plans.take_back(trashed))
 
 
-def _summary(request: PlanRequest) -> str:
-    """Return the main options of a plan in one line, and others where they are not the usual ones."""
+def _summary(request: PlanRequest, style: str) -> str:
+    """Return the main options of a plan in one line, and others where they are not the usual ones.
+
+    style: title of its hand.
+    """
     options, usual = request.options, PlanOptions()
     mixed = options.mixed_paints
-    hand = f"{options.style} at {options.hand_size:g} times its size" if options.hand_size != 1 else options.style
+    hand = f"{style} at {options.hand_size:g} times its size" if options.hand_size != 1 else style
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
     colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
     parts = [hand, options.brush, strokes, colours, in_words(options.size)]

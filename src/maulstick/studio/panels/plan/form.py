@@ -105,15 +105,15 @@ class PlanForm:
         return bool(self._enough.visible and self._enough.value)
 
     def _show_styles(self, wanted: str) -> None:
-        names = [_FREE, *self._studio.styles.names()]
-        chosen = self._style.value if self._style.value in names else wanted if wanted in names else "loops"
-        self._style.set_options({name: "free (nobody's)" if name == _FREE else name for name in names}, value=chosen)
+        titles = {_FREE: "free (nobody's)", **self._studio.styles.titles()}
+        chosen = self._style.value if self._style.value in titles else wanted if wanted in titles else "loops"
+        self._style.set_options(titles, value=chosen)
 
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._request())
         self._go.disable()  # or a double click would plan it twice
         ui.timer(_PAUSE, self._go.enable, once=True)
-        ui.notify(f"{plan.name} is being planned", type="positive")
+        ui.notify(f"{plan.title} is being planned", type="positive")
 
     def _request(self) -> PlanRequest:
         """Return the request that the form describes. Raises InputError for a value that cannot be used."""

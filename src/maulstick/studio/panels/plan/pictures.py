@@ -6,6 +6,8 @@ from pathlib import Path
 from nicegui import events, html, ui
 
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import title_of
+from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
@@ -23,6 +25,8 @@ class PictureChoice:
         with ui.element().classes("line"):
             upload_button("Bring a picture", _ENDINGS, self._bring)
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
+            self._rename = ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat no-caps")
+            self._rename.tooltip("Another name for the chosen picture")
         shown_by(self._group, studio.gallery.changed, self._show)
 
     @property
@@ -31,32 +35,39 @@ class PictureChoice:
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
 
     def _show(self) -> None:
-        names = self._studio.gallery.names()
+        names, titles = self._studio.gallery.names(), self._studio.gallery.titles()
         self._group.clear()
         with self._group:
             for name in names:
-                self._offer(name)
+                self._offer(name, titles.get(name, name))
             if names:
-                self._offer(None)
+                self._offer(None, "No picture")
+        self._rename.visible = self._chosen in names
         self._group.visible = bool(names)
         self._portrait.visible = "portrait" not in names
 
-    def _offer(self, name: str | None) -> None:
+    def _offer(self, name: str | None, title: str) -> None:
         def choose() -> None:
             self._chosen = name
+            self._rename.visible = name is not None
             self._on_chosen()
 
-        with html.label().classes("thumb").props(f'title="{name or "No picture"}"'):
+        with html.label(title=title).classes("thumb"):
             button = html.input_(type="radio", name=f"picture-{self._group.id}").on("change", choose)
             button.props["^checked"] = name == self._chosen or None
             if name is None:
-                html.span("No picture")
+                html.span(title)
             else:
-                html.img(src=f"/picture/pictures/{name}/small.jpg", alt=name)
+                html.img(src=f"/picture/pictures/{name}/small.jpg", alt=title).props("loading=lazy")
 
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
             await self._take(self._studio.gallery.keep(file, str(event.file.name)))
+
+    def _ask_for_title(self) -> None:
+        gallery, name = self._studio.gallery, self._chosen
+        if name is not None:
+            ask_for_title(title_of(gallery.path(name).parent), lambda typed: gallery.retitle(name, typed))
 
     async def _use_portrait(self) -> None:
         await self._take(self._studio.gallery.keep_portrait())
