@@ -131,7 +131,7 @@ def test_nothing_is_taken_back_over_something_else(folder: Folder, taken_by: str
         (styles / "cat.safetensors").mkdir()
     else:
         (styles / "cat.safetensors").symlink_to("nowhere")
-    with pytest.raises(OutputError, match=r"another one has the name cat\.safetensors by now; put it back from the Trash page"):
+    with pytest.raises(OutputError, match=r"another one has the name cat\.safetensors by now; put it back"):
         folder.take_back(trashed, styles)
     assert contents(trashed) == {"cat.json": b"cat.json", "cat.safetensors": b"cat.safetensors"}
     assert [path.name for path in styles.iterdir()] == ["cat.safetensors"]

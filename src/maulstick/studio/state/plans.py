@@ -18,7 +18,7 @@ from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.titles import clean_title, retitle, title_of
+from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
@@ -194,9 +194,9 @@ class Plans:
         """Return the titles of all plans by name, told apart."""
         return self._folder.titles("plans")
 
-    def retitle(self, plan: Plan, title: str) -> None:
-        """Give a plan another title, while it is planned or painted, too. Raises InputError as `titles.retitle`."""
-        retitle(plan.folder, title)
+    def relabel(self, plan: Plan, **changes: str | bool) -> None:
+        """Change fields of a plan's `titles.Label`, while it is planned or painted, too."""
+        relabel(plan.folder, **changes)
         self.changed.emit()
 
     def throw_away(self, plan: Plan) -> Path:

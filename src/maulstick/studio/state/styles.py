@@ -123,7 +123,7 @@ class Styles:
 
     def free_name(self, title: str, but: str = "") -> str:
         """Return a name like the title that no style has. but: name that counts as free."""
-        taken = {*STYLES.paths(), STYLES.taken} - {but}
+        taken = {*STYLES.paths(), STYLES.taken or ""} - {but}
         return free_among(taken, title, STYLES.what)
 
     def name_for(self, name: str, title: str) -> str:

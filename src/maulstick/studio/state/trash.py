@@ -90,7 +90,7 @@ class Trash:
         A file of settings changes places with the present one. Raises InputError where nothing says where it was, or
         it is there no more, and OutputError where it cannot be moved.
         """
-        if thing.where not in self._take_back:
+        if thing.where is None or thing.where not in self._take_back:
             raise InputError("nothing says where that was; move it by hand, out of the folder trash")
         if not thing.is_thing and (present := self._folder.root / thing.where / thing.name).is_file():
             self._folder.throw_away(present)

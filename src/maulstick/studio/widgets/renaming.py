@@ -34,7 +34,7 @@ def ask_for_title(title: str, rename: Callable[[str], Awaitable[object] | None],
             return
         dialog.close()
 
-    with ui.context.client.layout, ui.dialog(value=True) as dialog, ui.card().classes("sheet asks rename"):
+    with ui.context.client.layout, ui.dialog(value=True) as dialog, ui.card().classes("sheet rename"):
         dialog.on("hide", dialog.delete).props["aria-label"] = f"Another name for {title}"
         html.h2(f"Another name for {title}")
         field = ui.input("New name", value=title).props(f"autofocus hide-bottom-space maxlength={MOST_LETTERS}")

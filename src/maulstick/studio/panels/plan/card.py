@@ -1,5 +1,6 @@
 """Card of a plan: its canvas while it is planned, and its painting afterwards."""
 
+from collections.abc import Callable
 from math import ceil
 
 from nicegui import html, ui
@@ -9,12 +10,14 @@ from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
+from maulstick.studio.panels.plan.note import NoteLine
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import checked_title
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
-from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.workers.planner import TARGET, order_frame
@@ -28,16 +31,24 @@ _PHASE_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
 
 
 class PlanCard:
-    """Card on the page that follows one plan."""
+    """Card on the page that follows one plan.
 
-    def __init__(self, studio: Studio, plan: Plan) -> None:
-        self.plan, self._studio = plan, studio
+    again: called with the plan where it is to be planned again.  fold: where its card is to be small.
+    """
+
+    def __init__(
+        self, studio: Studio, plan: Plan, again: Callable[[Plan], object], fold: Callable[[Plan], object]
+    ) -> None:
+        self.plan, self._studio, self._again = plan, studio, again
         self._card = html.article().classes("sheet plan")
         with self._card:
             with ui.element().classes("line head"):
                 with html.h2():
                     self._title = ui.label()
                 self._phase = ui.label().classes("phase").props('role="status"')
+                self._fold = ui.button(icon="unfold_less", on_click=lambda: fold(plan)).props("flat round dense")
+                self._fold.tooltip("Make this card small")
+            self._note = NoteLine(studio, plan)
             with ui.element().classes("compare") as self._pictures:
                 self._canvas = html.img()
                 self._target = html.img(alt="").classes("target")
@@ -65,16 +76,22 @@ class PlanCard:
         """Move the card before all others."""
         self._card.move(target_index=0)
 
+    def focus(self) -> None:
+        """Give the focus to the first button of a new card, which moves it into sight."""
+        focus(self._fold)
+
     def show(self) -> None:
         """Show the present state of the plan."""
         plan = self.plan
         finished = plan.is_painting and not plan.is_busy
         self._show_title()
+        self._note.show()
+        self._fold.visible = not plan.is_busy
         self._phase.set_text(plan.phase.value)
         self._card.classes(remove="planning waiting", add=_PHASE_CLASSES.get(plan.phase))
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
-        self._figures.set_text(_outcome(plan))
+        self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
@@ -106,6 +123,8 @@ class PlanCard:
         with self._files:
             for file, label in _FILES.items():
                 ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download')
+        self._more = ui.button("Plan again like this", icon="replay", on_click=lambda: self._again(plan))
+        self._more.props("outline").tooltip("Fill the form with the picture and the settings of this plan")
         self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat").tooltip("Rename")
         self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat").tooltip("Throw away")
 
@@ -117,13 +136,15 @@ class PlanCard:
         for element, name, text in (
             (self._card, "aria-label", f"Plan {title}"),
             (self._canvas, "alt", f"The strokes of {title}"),
+            (self._fold, "aria-label", f"Make the card of {title} small"),
             (self._rename, "aria-label", f"Rename {title}"),
             (self._away, "aria-label", f"Throw {title} away"),
         ):
             element.props[name] = text
 
     def _ask_for_title(self) -> None:
-        ask_for_title(self.plan.title, lambda typed: self._studio.plans.retitle(self.plan, typed))
+        plans = self._studio.plans
+        ask_for_title(self.plan.title, lambda typed: plans.relabel(self.plan, title=checked_title(typed)))
 
     def _show_notes(self) -> None:
         self._notes.visible = bool(self.plan.notes)
@@ -182,7 +203,7 @@ def _summary(request: PlanRequest, style: str) -> str:
     return ", ".join(parts)
 
 
-def _outcome(plan: Plan) -> str:
+def outcome(plan: Plan) -> str:
     """Return how far the plan is, why it failed, or the metrics of its painting."""
     if plan.phase is Phase.FAILED:
         return plan.why

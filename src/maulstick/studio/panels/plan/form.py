@@ -12,8 +12,10 @@ from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import BRUSHES
 from maulstick.painting.raster import parse_size
+from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
+from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.sheet_sizes import SHEET_SIZES, in_words
 from maulstick.studio.widgets.showing import shown_by
@@ -24,6 +26,7 @@ DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones a
 """What one ink draws of a picture, for people."""
 
 _FREE = "free"  # the style of nobody's hand
+_SIZES = {size: in_words(size) for size in SHEET_SIZES}
 _EFFORTS = {150: "A sketch, quickly", _DEFAULT.steps: "As usual", 1500: "Fine, and slowly"}  # by steps of the optimiser
 _FIRST_VALUES = {
     "text": "",
@@ -58,9 +61,7 @@ class PlanForm:
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brush = ui.select(list(BRUSHES.paths()), label="Brush").bind_value(kept, "brush")
-                self._size = ui.select({size: in_words(size) for size in SHEET_SIZES}, label="Sheet").bind_value(
-                    kept, "size"
-                )
+                self._size = ui.select(_SIZES, label="Sheet").bind_value(kept, "size")
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
                 self._ink = ui.color_input("The ink").bind_value(kept, "ink")
@@ -108,6 +109,24 @@ class PlanForm:
         titles = {_FREE: "free (nobody's)", **self._studio.styles.titles()}
         chosen = self._style.value if self._style.value in titles else wanted if wanted in titles else "loops"
         self._style.set_options(titles, value=chosen)
+
+    def fill(self, plan: Plan) -> None:
+        """Fill the form with the picture, the text and the options of a plan.
+
+        Raises InputError where its picture is not in the studio any more; the rest is filled in all the same.
+        """
+        options = plan.request.options
+        self._size.set_options({options.size: in_words(options.size), **_SIZES})
+        self._effort.set_options({options.steps: f"{options.steps} steps", **_EFFORTS})
+        app.storage.client["plan"].update(values_of(options, _FIRST_VALUES))
+        if options.style in self._style.options:
+            self._style.value = options.style
+        for name, slider in self._weights.items():
+            slider.set(options.weights.get(name, 0.0) if options.weights else float(name == "tone"))
+        self._arrange.set(options.arrange)
+        ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
+        self._picture.choose(plan.request.picture)
+        ui.notify(f"The form is filled as for {plan.title}. Change what you like, then “Plan it”.", type="positive")
 
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._request())

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from nicegui import events, html, ui
 
+from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import title_of
 from maulstick.studio.widgets.renaming import ask_for_title
@@ -12,6 +13,11 @@ from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
 _ENDINGS = ".jpg,.jpeg,.png,.heic,.heif,.webp,.tif,.tiff,.gif,.bmp"
+
+_SCROLL = """setTimeout(() => {
+  const group = document.getElementById("GROUP"), chosen = group.querySelector(":checked")?.parentNode;
+  if (chosen) group.scrollTop = chosen.offsetTop - group.offsetTop;
+})"""  # not scrollIntoView, which would scroll the page, too
 
 
 class PictureChoice:
@@ -24,15 +30,26 @@ class PictureChoice:
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
         with ui.element().classes("line"):
             upload_button("Bring a picture", _ENDINGS, self._bring)
+            self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat")
+            self._rename.tooltip("Rename the picture").props('aria-label="Rename the picture"')
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
-            self._rename = ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat no-caps")
-            self._rename.tooltip("Another name for the chosen picture")
         shown_by(self._group, studio.gallery.changed, self._show)
 
     @property
     def path(self) -> Path | None:
         """File of the chosen picture, or None."""
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
+
+    def choose(self, path: Path | None) -> None:
+        """Choose the picture of that file, or none. Raises InputError where it is not here any more."""
+        gallery = self._studio.gallery
+        names = {gallery.path(name): name for name in gallery.names()}
+        self._chosen = None if path is None else names.get(path)
+        self._show()
+        ui.run_javascript(_SCROLL.replace("GROUP", self._group.html_id))
+        self._on_chosen()
+        if path is not None and self._chosen is None:
+            raise InputError("the picture of that plan is not here any more; bring it again, or choose another")
 
     def _show(self) -> None:
         names, titles = self._studio.gallery.names(), self._studio.gallery.titles()

@@ -10,7 +10,7 @@ from maulstick.studio.panels.styles.opened import show_opened
 from maulstick.studio.panels.styles.shown import AS_TURNED, about, address_of, fill, sheet_picture
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.styles import MOST, DeletedStyle, Entry
-from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.style.cards import StyleCard
 
 _STYLE = Path(__file__).with_name("styles.css")
@@ -45,7 +45,7 @@ class StylesPanel:
                 self._kept[_TICKED] = list(self._looked_at)
                 way_out = show_compared(self._studio, self._looked_at)
         if not ui.context.client.sub_pages_router.is_initial_request:
-            _focus(way_out)
+            focus(way_out)
 
     def _follow(self) -> None:
         """Rebuild the gallery; leave a close look or a comparison as it is while its styles exist."""
@@ -83,7 +83,7 @@ class StylesPanel:
         ui.timer(0, lambda: self._draw(sheets), once=True)
         left = self._kept.pop(_LEFT, "")
         if left in ways_in:
-            _focus(ways_in[left])
+            focus(ways_in[left])
 
     def _deleted(self, deleted: DeletedStyle) -> ui.element:
         """Show a line about a deleted style; return its button that undoes it."""
@@ -141,8 +141,3 @@ class StylesPanel:
 
 def _look_at(names: Sequence[str]) -> None:
     ui.navigate.to(address_of(names))
-
-
-def _focus(element: ui.element) -> None:
-    """Focus the element once it is shown: the element that had the focus is gone."""
-    element.on("vnodeMounted", js_handler="(node) => node.el.focus()")
