@@ -70,7 +70,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
 
     tab.goto(studio.url + "/paint?plan=my-sunset")
     tab.get_by_role("button", name="Start painting").click()
-    expect(tab.locator(".doing")).to_have_text(re.compile("painting my-sunset: stroke"), timeout=_PATIENCE)
+    expect(tab.locator(".doing")).to_have_text(re.compile("painting My Sunset!: stroke"), timeout=_PATIENCE)
     until = time.monotonic() + _PATIENCE / 1e3
     while lines(journal_of(path)) < 3 and time.monotonic() < until:
         time.sleep(0.05)
@@ -90,7 +90,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     if again.is_visible():
         again.click()
     tab.get_by_role("button", name="Go on where it stopped").click()
-    expect(tab.get_by_text("my-sunset is painted.")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_text("My Sunset! is painted.")).to_be_visible(timeout=_PATIENCE)
     with Journal.open(journal_of(path)) as journal:
         assert journal.painted == {stroke.id for stroke in painting.strokes}
     assert path.with_name("painting-painted.png").is_file()

@@ -171,7 +171,7 @@ def stamp_of(path: Path) -> Stamp | None:
 
 def file_name(title: str, end: str) -> str:
     """Return the name of a downloaded file: the title, without what some system refuses in one, and an ending."""
-    allowed = re.sub(r'[\\/:*?"<>|]+', "-", title).strip(" .")
+    allowed = re.sub(r'[\\/:*?"<>|]+', "-", title).strip(" .-")
     while len(allowed.encode()) > _LONGEST_FILE:
         allowed = allowed[:-1]
     return f"{allowed or 'maulstick'}{end}"

@@ -122,7 +122,7 @@ class PlanCard:
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():
-                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download')
+                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download=""')
         self._more = ui.button("Plan again like this", icon="replay", on_click=lambda: self._again(plan))
         self._more.props("outline").tooltip("Fill the form with the picture and the settings of this plan")
         self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat").tooltip("Rename")

@@ -28,8 +28,11 @@ class PlanCards:
         self._grid = ui.element().classes("plans")
         with self._grid:
             self._shelf = ui.element().classes("small-plans")
-        shown_by(self._grid, studio.plans.changed, self._refresh)
-        shown_by(self._grid, studio.styles.changed, self._refresh)
+        shown_by(self._grid, studio.plans.changed, self._show)
+
+    def _show(self) -> None:
+        with self._grid:  # the card that was clicked may be gone
+            self._refresh()
 
     def _refresh(self) -> None:
         plans, titles = self._studio.plans.plans, self._studio.plans.titles()
@@ -50,8 +53,7 @@ class PlanCards:
         if plan.name in self._small:
             self._small.pop(plan.name).delete()
         if plan.name not in self._large:
-            with self._grid:
-                self._large[plan.name] = PlanCard(self._studio, plan, self._again, self._fold)
+            self._large[plan.name] = PlanCard(self._studio, plan, self._again, self._fold)
             self._large[plan.name].come_first()
         self._large[plan.name].show()
 
@@ -66,12 +68,12 @@ class PlanCards:
 
     def _open(self, plan: Plan) -> None:
         self._opened[plan.name] = True
-        self._refresh()
+        self._show()
         self._large[plan.name].focus()
 
     def _fold(self, plan: Plan) -> None:
         self._opened[plan.name] = False
-        self._refresh()
+        self._show()
         self._small[plan.name].focus()
 
 

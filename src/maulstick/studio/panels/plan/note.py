@@ -15,8 +15,8 @@ class NoteLine:
         with html.div().classes("line note"):
             self._star = ui.button(icon="star_outline", on_click=self._turn).props("flat round dense")
             self._star.tooltip("Mark this plan as one of the best")
-            self._field = ui.input(placeholder="A note on this plan").props(f"dense maxlength={MOST_OF_A_NOTE}")
-            self._field.props('aria-label="Note"').classes("note-text")
+            self._field = ui.input(placeholder="Your note on this plan").props(f"dense maxlength={MOST_OF_A_NOTE}")
+            self._field.props('aria-label="Your note"').classes("note-text")
             self._field.on("blur", self._keep).on("keydown.enter", self._keep)
         self._shown: str | None = None
 

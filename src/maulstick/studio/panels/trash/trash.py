@@ -84,7 +84,7 @@ class _Things:
 
     def _put_back(self, thing: Thrown, back: ui.button, refusal: ui.label) -> None:
         """Put a thing back; where its name is taken, say so and offer a free one."""
-        trash = self._studio.trash
+        trash, page = self._studio.trash, ui.context.client
         name = trash.free_name(thing)
         if name != thing.name and back.text != (offer := f"Put back as {name}"):
             stays = _STAYS.get(thing.where or "", _TITLE_STAYS)
@@ -94,4 +94,5 @@ class _Things:
             return
         trash.put_back(trash.thing(thing.id), name)
         self._show()  # files of settings tell nobody
-        ui.notify(f"{thing.title} is back.", type="positive")
+        with page:  # the row is gone
+            ui.notify(f"{thing.title} is back.", type="positive")
