@@ -180,7 +180,7 @@ def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_pat
                 await run.begin("six", SIM)
             with pytest.raises(InputError, match="pen is drawn in one ink; put the pen into the holder first"):
                 await run.begin("pen", SIM)
-            with pytest.raises(InputError, match="the plan 'none' is not finished"):
+            with pytest.raises(InputError, match="none is not finished; let it be planned"):
                 await run.begin("none", SIM)
             with pytest.raises(InputError, match="is no name"):
                 await run.begin("../lines", SIM)
