@@ -5,6 +5,7 @@
 name: `start`: from the command to the link.
 `page`: from its address to a page with its panel built and its socket open, a browser that has never seen it; `again`:
     the same browser once more.
+`answer`: from a request for a panel's address to the end of the server's answer, and its size in `bytes`.
 `stop`: from a click on STOP to the server's answer.
 `busy` is whether a picture of 1,000 strokes is planned meanwhile, `plans` how many finished ones are there. seconds:
     the median of so many `runs`; worst: the longest of them.
@@ -20,6 +21,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
+from urllib.request import urlopen
 
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
@@ -63,6 +65,16 @@ def pages(studio: RunningStudio, browser: Browser, busy: bool, plans: int = 0) -
             context.close()
         tell("page", first, panel=panel, busy=busy, plans=plans)
         tell("again", again, panel=panel, busy=busy, plans=plans)
+
+
+def answers(studio: RunningStudio, plans: int) -> None:
+    for panel in PANELS:
+        seconds, size = [], 0
+        for _ in range(RUNS):
+            began = time.perf_counter()
+            size = len(urlopen(studio.url + panel).read())
+            seconds.append(time.perf_counter() - began)
+        tell("answer", seconds, panel=panel, plans=plans, bytes=size)
 
 
 def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
@@ -109,6 +121,7 @@ if __name__ == "__main__":
         studio = RunningStudio(Path(root))
         tell("start", [time.perf_counter() - began])
         shown(browser.new_page(), studio.url)  # the first of all also loads the browser
+        answers(studio, plans=0)
         pages(studio, browser, busy=False)
         stops(studio, browser, busy=False)
         with planning(studio, browser):
@@ -118,6 +131,7 @@ if __name__ == "__main__":
         finish_plans(Path(root) / "many" / "studio")
         studio = RunningStudio(Path(root) / "many")
         shown(browser.new_page(), studio.url)
+        answers(studio, plans=PLANS)
         pages(studio, browser, busy=False, plans=PLANS)
         studio.close()
         browser.close()

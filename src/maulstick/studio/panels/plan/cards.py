@@ -9,6 +9,7 @@ from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import label_of
 from maulstick.studio.widgets.showing import focus, shown_by
+from maulstick.studio.workers.planner import order_frame
 
 _OPENED = "plans-opened"  # key of what a page remembers while it is open
 
@@ -106,7 +107,9 @@ class _SmallCard:
         plan, label = self.plan, label_of(self.plan.folder)
         self._picture.visible = plan.is_painting
         if plan.is_painting:
-            self._picture.props["src"] = f"/picture/plans/{plan.name}/preview.png?{plan.planned}"
+            frames = plan.frames  # the last of them shows all strokes, in a small file
+            file = f"order/{order_frame(plan.folder, frames - 1).name}" if frames else "preview.png"
+            self._picture.props["src"] = f"/picture/plans/{plan.name}/{file}?{plan.planned}"
         self._title.text = f"★ {title}" if label.starred else title
         self._outcome.text = label.note or outcome(plan) or plan.phase.value
         self._card.props["aria-label"] = f"Open {title}"
