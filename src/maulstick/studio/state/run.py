@@ -109,7 +109,7 @@ class Run:
     @property
     def title(self) -> str:
         """Title of the plan or the drawing that is painted, or was last."""
-        return self._title(self.state.plan)
+        return self._folder.title("plans", self.state.plan)
 
     def plans(self) -> dict[str, str]:
         """Return the titles of the plans and drawings that can be painted, by name, newest first."""
@@ -186,13 +186,10 @@ class Run:
         if process is not None:
             await asyncio.to_thread(process.join, _CLOSING)
 
-    def _title(self, plan: str) -> str:
-        return self._folder.titles(*PAINTED).get(plan, plan)
-
     def _painting(self, plan: str) -> Path:
         path = self._folder.painting(plan)
         if not path.is_file():
-            raise InputError(f"{self._title(plan)} is not finished; let it be planned to its end first")
+            raise InputError(f"{self._folder.title('plans', plan)} is not finished; let it be planned to its end first")
         return path
 
     def _check_free(self) -> None:
@@ -204,7 +201,9 @@ class Run:
         request.options.check()
         self._check_free()
         if missing := await self._mixing.missing(plan):
-            raise InputError(_unmixed_fault(self._title(plan), missing, len(await self._mixing.paints(plan)) == 1))
+            raise InputError(
+                _unmixed_fault(self._folder.title("plans", plan), missing, len(await self._mixing.paints(plan)) == 1)
+            )
         self._check_free()  # another page may have been quicker
         self._begin("starting", request, paint_in_process, is_painted)
 
