@@ -5,9 +5,10 @@
 name: `start`: from the command to the link.
 `page`: from its address to a page with its panel built and its socket open, a browser that has never seen it; `again`:
     the same browser once more.
+`answer`: from a request for a panel's address to the end of the server's answer, and its size in `bytes`.
 `stop`: from a click on STOP to the server's answer.
-`busy` is whether a picture of 1,000 strokes is planned meanwhile. seconds: the median of so many `runs`; worst: the
-    longest of them.
+`busy` is whether a picture of 1,000 strokes is planned meanwhile, `plans` how many finished ones are there. seconds:
+    the median of so many `runs`; worst: the longest of them.
 """
 
 import json
@@ -20,13 +21,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
+from urllib.request import urlopen
 
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from tests.studio.conftest import RunningStudio
+from tests.support.studio.plans_to_paint import put_plan
 
 RUNS = 9
+PLANS, CURVE = 20, 200  # finished plans, and points of the loss curve of each
 PANELS = ("/", "/styles", "/plan", "/paints", "/paint", "/survey")
 
 
@@ -50,7 +54,7 @@ def shown(page: Page, address: str) -> float:
     return timed(come)
 
 
-def pages(studio: RunningStudio, browser: Browser, busy: bool) -> None:
+def pages(studio: RunningStudio, browser: Browser, busy: bool, plans: int = 0) -> None:
     for panel in PANELS:
         first, again = [], []
         for _ in range(RUNS):
@@ -59,8 +63,18 @@ def pages(studio: RunningStudio, browser: Browser, busy: bool) -> None:
             first.append(shown(page, studio.url + panel))
             again.append(shown(page, studio.url + panel))
             context.close()
-        tell("page", first, panel=panel, busy=busy)
-        tell("again", again, panel=panel, busy=busy)
+        tell("page", first, panel=panel, busy=busy, plans=plans)
+        tell("again", again, panel=panel, busy=busy, plans=plans)
+
+
+def answers(studio: RunningStudio, plans: int) -> None:
+    for panel in PANELS:
+        seconds, size = [], 0
+        for _ in range(RUNS):
+            began = time.perf_counter()
+            size = len(urlopen(studio.url + panel).read())
+            seconds.append(time.perf_counter() - began)
+        tell("answer", seconds, panel=panel, plans=plans, bytes=size)
 
 
 def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
@@ -73,6 +87,15 @@ def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
 
     tell("stop", [timed(stop) for _ in range(RUNS)], busy=busy)
     page.close()
+
+
+def finish_plans(root: Path) -> None:
+    """Put finished plans into the folder of a studio, each with a loss curve of two terms."""
+    curve = [[step / CURVE, {"tone": 1 / (step + 1), "edges": 0.5 / (step + 1)}] for step in range(CURVE)]
+    for number in range(PLANS):
+        folder = put_plan(root, f"plan-{number + 1}").parent
+        story = {"metrics": ["30 strokes"], "curve": curve, "notes": []}
+        (folder / "story.json").write_text(json.dumps(story))
 
 
 @contextmanager
@@ -98,10 +121,17 @@ if __name__ == "__main__":
         studio = RunningStudio(Path(root))
         tell("start", [time.perf_counter() - began])
         shown(browser.new_page(), studio.link)  # the first of all also loads the browser
+        answers(studio, plans=0)
         pages(studio, browser, busy=False)
         stops(studio, browser, busy=False)
         with planning(studio, browser):
             pages(studio, browser, busy=True)
             stops(studio, browser, busy=True)
+        studio.close()
+        finish_plans(Path(root) / "many" / "studio")
+        studio = RunningStudio(Path(root) / "many")
+        shown(browser.new_page(), studio.url)
+        answers(studio, plans=PLANS)
+        pages(studio, browser, busy=False, plans=PLANS)
         studio.close()
         browser.close()

@@ -95,9 +95,9 @@ def plan(page: Page, url: str, out: Path) -> None:
     choose(page, "Colours", "One ink")
     page.get_by_label("Outlines").first.fill("0.5")
     page.get_by_role("button", name="Plan it").click()
-    second = page.get_by_role("article", name="Plan portrait-2", exact=True)
+    second = page.get_by_role("article", name="Plan Portrait 2", exact=True)
     expect(second.get_by_text(re.compile("^[3-5].%"))).to_be_visible(timeout=PATIENCE)
-    page.get_by_role("article", name="Plan portrait", exact=True).get_by_label("Picture or plan").fill("55")
+    page.get_by_role("article", name="Plan Portrait", exact=True).get_by_label("Picture or plan").fill("55")
     photograph(page, "plan", out)
     expect(page.get_by_role("button", name="Mix and paint")).to_have_count(2, timeout=PATIENCE)
 

@@ -204,13 +204,13 @@ def test_all_that_one_swipe_rubbed_out_is_undone_at_once_and_nothing_is_ever_pas
 
 def test_a_drawing_is_there_again_after_a_restart(folder: Folder) -> None:
     async def work(drawing: Drawing) -> None:
-        await drawing.rename("My Cat.JPG")
+        await drawing.rename("My Cat")
         drawing.add(1000, LINE)
         drawing.add(1001, LINE[:6])
 
     before = at_the_desk(folder, work)
     again = Drawing(folder, Desk())
-    assert (again.name, again.size, again.trouble) == ("my-cat", before.size, "")
+    assert (again.name, again.title, again.size, again.trouble) == ("my-cat", "My Cat", before.size, "")
     assert [stroke.text for stroke in again.strokes.values()] == [stroke.text for stroke in before.strokes.values()]
     assert not again.can_undo
 
@@ -335,7 +335,7 @@ def test_too_few_strokes_make_no_style(folder: Folder) -> None:
     hand.mkdir()
     write_ink(Ink.of([np.array([[0, 0.01, 0.01, 0.5], [1, 0.02, 0.02, 0.5]])] * 4, A6), hand / INK)
     with pytest.raises(InputError, match=r"^draw at least 5 strokes; there are 4$"):
-        learn(hand, "four")
+        learn(hand, "four", "Four")
 
 
 def test_the_picture_of_a_hand_is_as_fine_as_a_machines(folder: Folder) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from maulstick.errors import InputError, OutputError
 from maulstick.studio.state.folder import KINDS, Folder
+from maulstick.studio.state.thrown import RECORD
 
 
 @pytest.fixture
@@ -20,7 +21,8 @@ def folder(tmp_path: Path) -> Folder:
 
 
 def contents(root: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(root)): path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
+    files = [path for path in sorted(root.rglob("*")) if path.is_file() and path.name != RECORD]
+    return {str(path.relative_to(root)): path.read_bytes() for path in files}
 
 
 @pytest.mark.parametrize(
@@ -50,7 +52,8 @@ def test_any_wish_becomes_a_name_that_is_free(tmp_path_factory: pytest.TempPathF
 
 
 def test_a_wish_for_a_path_is_its_last_word(folder: Folder) -> None:
-    assert folder.free_name("plans", "../../etc/My Cat's portrait.JPG") == "my-cat-s-portrait"
+    assert folder.title_for_file("plans", "../../etc/My Cat's portrait.JPG") == "My Cat's portrait"
+    assert folder.free_name("plans", "My Cat's portrait") == "my-cat-s-portrait"
     assert folder.free_name("plans", "..") == "plan"
     assert folder.free_name("surveys", "猫") == "survey"
     assert len(folder.free_name("plans", "a" * 5000)) == 32
@@ -128,7 +131,7 @@ def test_nothing_is_taken_back_over_something_else(folder: Folder, taken_by: str
         (styles / "cat.safetensors").mkdir()
     else:
         (styles / "cat.safetensors").symlink_to("nowhere")
-    with pytest.raises(OutputError, match=r"there is a cat\.safetensors again meanwhile; rename that one first"):
+    with pytest.raises(OutputError, match=r"another one has the name cat\.safetensors by now; put it back"):
         folder.take_back(trashed, styles)
     assert contents(trashed) == {"cat.json": b"cat.json", "cat.safetensors": b"cat.safetensors"}
     assert [path.name for path in styles.iterdir()] == ["cat.safetensors"]

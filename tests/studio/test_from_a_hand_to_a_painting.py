@@ -40,15 +40,15 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     for number in range(_DRAWN):
         pressure(tab, curl(number), FORCES)
     count(tab, f"^{_DRAWN} strokes, enough for a good style$")
-    tab.get_by_label("Name of this hand").fill("anna")
+    tab.get_by_label("Name of this hand").fill("Änna")
     tab.get_by_role("button", name="Learn this hand").click()
-    expect(tab.get_by_role("heading", name="This is how anna draws")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_role("heading", name="This is how Änna draws")).to_be_visible(timeout=_PATIENCE)
     card = read_card(studio.data / "styles" / "anna.json")
-    assert (card.name, card.strokes) == ("anna", _DRAWN)
+    assert (card.name, card.title, card.strokes) == ("anna", "Änna", _DRAWN)
 
     tab.get_by_role("button", name="Plan a picture with it").click()
     bring_a_picture(tab, tmp_path)
-    expect(tab.get_by_label("Hand", exact=True)).to_have_value("anna")
+    expect(tab.get_by_label("Hand", exact=True)).to_have_value("Änna")
     tab.get_by_label("Strokes", exact=True).fill(f"{_STROKES}")
     tab.get_by_label("How many", exact=True).fill("3")
     tab.get_by_label("How carefully").click()
@@ -72,7 +72,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
 
     tab.goto(studio.url + "/paint?plan=my-sunset")
     tab.get_by_role("button", name="Start painting").click()
-    expect(tab.locator(".doing")).to_have_text(re.compile("painting my-sunset: stroke"), timeout=_PATIENCE)
+    expect(tab.locator(".doing")).to_have_text(re.compile("painting My Sunset!: stroke"), timeout=_PATIENCE)
     until = time.monotonic() + _PATIENCE / 1e3
     while lines(journal_of(path)) < 3 and time.monotonic() < until:
         time.sleep(0.05)
@@ -92,7 +92,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     if again.is_visible():
         again.click()
     tab.get_by_role("button", name="Go on where it stopped").click()
-    expect(tab.get_by_text("my-sunset is painted.")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_text("My Sunset! is painted.")).to_be_visible(timeout=_PATIENCE)
     with Journal.open(journal_of(path)) as journal:
         assert journal.painted == {stroke.id for stroke in painting.strokes}
     assert path.with_name("painting-painted.png").is_file()

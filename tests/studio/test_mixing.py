@@ -148,7 +148,7 @@ def test_a_tray_comes_goes_and_comes_back(folder: Folder) -> None:
     assert mixing.has_tray
     trashed = mixing.remove_tray()
     assert not mixing.has_tray
-    mixing.take_back_tray(trashed)
+    mixing.take_back(trashed)
     assert mixing.has_tray
 
 
@@ -161,7 +161,7 @@ def test_another_tray_and_other_tubes_leave_the_former_ones_in_the_trash(folder:
         await mixing.lay_tray("cat", RowOfWells(x=-0.06, y=0.02, step=0.04, height=-0.004, clearance=0.03, reach=0.3))
 
     asked(folder, replace)
-    tubes, tray = sorted((folder.root / "trash").glob("*/*"))
+    tubes, tray = sorted((folder.root / "trash").glob("*/t*"))
     assert tubes.read_text() == "name,colour\nochre,#c08a35\n"
     assert read_tray(tray) == TRAY
 
@@ -192,7 +192,7 @@ def test_a_row_of_wells_that_the_tip_would_hit_is_refused(folder: Folder) -> Non
 
 def test_plans_without_paints_are_not_offered(folder: Folder) -> None:
     (folder.root / "plans" / "unfinished").mkdir()
-    assert Mixing(folder, Desk()).plans() == ["cat"]
+    assert Mixing(folder, Desk()).plans() == {"cat": "cat"}
 
 
 @given(st.tuples(*[st.integers(0, 255)] * 3))

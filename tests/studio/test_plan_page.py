@@ -25,7 +25,7 @@ def bring_a_picture(page: Page, root: Path) -> None:
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Bring a picture").click()
     chooser.value.set_files(picture_to_bring(root))
-    expect(page.get_by_role("radio", name="my-sunset")).to_be_checked(timeout=_PATIENCE)
+    expect(page.get_by_role("radio", name="My Sunset!")).to_be_checked(timeout=_PATIENCE)
 
 
 def ask_for_little(page: Page) -> None:
@@ -35,7 +35,7 @@ def ask_for_little(page: Page) -> None:
     page.get_by_role("option", name="A5", exact=True).click()
 
 
-def card(page: Page, name: str = "my-sunset") -> Locator:
+def card(page: Page, name: str = "My Sunset!") -> Locator:
     return page.get_by_role("article", name=f"Plan {name}", exact=True)
 
 
@@ -55,7 +55,7 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
         expect(card(each).locator(".compare img").first).to_have_attribute(
             "src", re.compile("/live/my-sunset/[1-9]"), timeout=_PATIENCE
         )
-        expect(each.locator(".doing")).to_have_text("planning my-sunset")
+        expect(each.locator(".doing")).to_have_text("planning My Sunset!")
     card(theirs).get_by_role("button", name="What matters").click()
     outlines = card(theirs).get_by_label("Outlines")
     outlines.focus()
@@ -77,7 +77,7 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     assert card(mine).locator(".compare").evaluate("each => each.style.getPropertyValue('--split')") == "40%"
     mine.wait_for_function("[...document.querySelectorAll('.compare img')].every((each) => each.naturalWidth > 100)")
 
-    card(mine).get_by_role("button", name="Throw my-sunset away").click()
+    card(mine).get_by_role("button", name="Throw My Sunset! away").click()
     for each in (mine, theirs):
         expect(card(each)).to_have_count(0)
     mine.get_by_role("button", name="Undo").click()
@@ -88,7 +88,7 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     with mine.expect_download() as download:
         card(mine).get_by_role("button", name="Files").click()
         mine.get_by_text("For a plotter (SVG)").click()
-    assert download.value.suggested_filename == "my-sunset-painting.svg"
+    assert download.value.suggested_filename == "My Sunset!-painting.svg"
     assert b"<svg" in download.value.path().read_bytes()
 
 

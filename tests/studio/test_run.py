@@ -186,7 +186,7 @@ def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_pat
                 InputError, match=r"paint 1 \(red\) and 1 more of six must be mixed first; tick what is mixed"
             ):
                 await run.begin("six", PaintOptions(robot="axidraw"))
-            with pytest.raises(InputError, match="the plan 'none' is not finished"):
+            with pytest.raises(InputError, match="none is not finished; let it be planned"):
                 await run.begin("none", SIM)
             with pytest.raises(InputError, match="is no name"):
                 await run.begin("../lines", SIM)

@@ -33,14 +33,14 @@ def test_a_survey_is_built_answered_by_two_and_told(
     studio: RunningStudio, browser: Browser, page: Callable[..., Page], brought: list[Path]
 ) -> None:
     shown = page("/survey")
-    for file, name in zip(brought, ("ann", "bo", "as-ann", "as-bo"), strict=True):
+    for file, name in zip(brought, ("Ann", "Bo", "as Ann", "as Bo"), strict=True):
         shown.locator("input[type=file]").set_input_files(file)
         expect(shown.get_by_text(f"{name} can be chosen now.")).to_be_visible()
     shown.get_by_label("What is it called?").fill("Whose <strokes>?")
-    for number, (name, drawn) in enumerate((("<b>Ann</b>", "ann"), ("Bo", "bo")), start=1):
+    for number, (name, drawn) in enumerate((("<b>Ann</b>", "Ann"), ("Bo", "Bo")), start=1):
         shown.get_by_role("group", name=f"Hand {number}").get_by_label("Name").fill(name)
         choose(shown, f"Hand {number}", "Drawn by this person", f"{drawn} (picture)")
-        choose(shown, f"Hand {number}", "By the machine", f"as-{drawn} (picture)")
+        choose(shown, f"Hand {number}", "By the machine", f"as {drawn} (picture)")
     shown.get_by_role("button", name="Make the survey").click()
 
     shown.get_by_label("How many people?").fill("2")
@@ -70,7 +70,7 @@ def test_a_survey_is_built_answered_by_two_and_told(
     shown.get_by_role("button", name="Throw away").click()
     expect(shown.get_by_text("There is none yet.")).to_be_visible()
     shown.get_by_role("button", name="Undo").click()
-    shown.get_by_role("button", name="whose-strokes").click()
+    shown.get_by_role("button", name="Whose <strokes>?").click()
     expect(shown.get_by_text("2 links · 2 have begun · 2 have finished")).to_be_visible()
 
 

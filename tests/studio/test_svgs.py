@@ -109,7 +109,7 @@ def test_what_no_pen_draws_is_refused_in_a_sentence_and_leaves_nothing(tmp_path:
             with pytest.raises(InputError) as refused:
                 await bring(svgs, tmp_path, content)
             assert str(refused.value).startswith(told)
-            assert (svgs.cards(), run.plans()) == ({}, [])
+            assert (svgs.cards(), run.plans()) == ({}, {})
 
     asyncio.run(refuse())
     assert list((tmp_path / "studio" / "drawings").iterdir()) == []
@@ -123,9 +123,9 @@ def test_a_drawing_and_a_plan_never_have_one_name_and_come_back_from_the_trash(t
             assert await bring(svgs, tmp_path, COMB) == "my-boat-2"
             assert sorted(run.plans()) == ["my-boat", "my-boat-2"]
             trashed = await svgs.throw_away("my-boat-2")
-            assert (svgs.cards(), run.plans()) == ({}, ["my-boat"])
+            assert (svgs.cards(), run.plans()) == ({}, {"my-boat": "my-boat"})
             put_plan(tmp_path / "studio", "my-boat-2")
-            with pytest.raises(OutputError, match="there is a my-boat-2 again meanwhile"):
+            with pytest.raises(OutputError, match="another one has the name my-boat-2 by now"):
                 svgs.take_back(trashed)
             (tmp_path / "studio" / "plans" / "my-boat-2").rename(tmp_path / "elsewhere")
             svgs.take_back(trashed)
@@ -159,7 +159,7 @@ def test_a_drawing_is_checked_and_painted_without_paints_to_mix_and_goes_on_as_i
                 "choose those again, or “Start again on a new sheet”"
             )
             await run.resume(name, hatched, False)
-            assert await outcome(run) == f"{name} is painted."
+            assert await outcome(run) == "My Boat is painted."
             assert Journal.read(journal_of(svgs.file(name))).painted == set(range(card.paths))
             assert svgs.file(name).with_name("drawing-painted.png").is_file()
 
@@ -175,7 +175,7 @@ def test_a_drawing_that_was_begun_with_no_options_goes_on_with_the_usual_ones(tm
             run.stop()
             await outcome(run)
             await run.resume(name, PaintOptions(robot="sim", drawing=DrawingOptions()), True)
-            assert await outcome(run) == f"{name} is painted."
+            assert await outcome(run) == "My Boat is painted."
             assert len(Journal.read(journal_of(svgs.file(name))).painted) == ROWS
 
     asyncio.run(paint())

@@ -8,13 +8,14 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from maulstick.errors import InputError
 from maulstick.storage.library import Library
 from maulstick.storage.records import read_record
+from maulstick.storage.text import is_printable
 
 PENS: Final = Library("pen", "pens", Path(__file__).with_name("built_in_pens"))
 """Library of the pens that come with Maulstick and of the user's own."""
 
 
 def _printable(name: str) -> str:
-    if not name.isprintable():
+    if not is_printable(name):
         raise ValueError("a name must be made of printable characters")
     return name
 

@@ -53,6 +53,7 @@ class StyleCard(_Model):
 
     source: what the style was learned from, for people.  strokes: number of strokes.  sha256: of the file of arrays.
     formerly: earlier names, the latest last; None where there are none.
+    title: what a person calls it, in any script; None where that is its name.
     """
 
     version: Literal[1] = VERSION
@@ -62,6 +63,7 @@ class StyleCard(_Model):
     settings: Annotated[ExemplarSettings | TrajVAESettings, Field(discriminator="kind")]
     sha256: str
     formerly: tuple[_StyleName, ...] | None = None
+    title: str | None = None
 
 
 def read_card(path: Path) -> StyleCard:
@@ -92,9 +94,7 @@ def rename_style(name: str, new: str) -> Path:
     Raises InputError where the style is not the user's own or the name is not allowed, and OutputError where the name
     is in use or nothing can be written; the style then keeps its old name.
     """
-    old = STYLES.paths().get(name)
-    if old is None or STYLES.is_built_in(old):
-        raise InputError(f"there is no style of your own called {name!r}; those that come with Maulstick keep theirs")
+    old = _own_path(name)
     path = STYLES.own() / f"{STYLES.check_name(new)}.json"
     if new in STYLES.paths() or os.path.lexists(path):
         raise OutputError(f"there is a style {new} already; choose another name")
@@ -104,6 +104,22 @@ def rename_style(name: str, new: str) -> Path:
     write_record(card.model_copy(update={"name": new, "formerly": former}), path)
     old.unlink()
     old.with_suffix(".safetensors").unlink()
+    return path
+
+
+def title_style(name: str, title: str) -> None:
+    """Give a style of the user's own another title.
+
+    Raises InputError where the style is not the user's own, OutputError where it cannot be written.
+    """
+    path = _own_path(name)
+    write_record(read_card(path).model_copy(update={"title": title}), path)
+
+
+def _own_path(name: str) -> Path:
+    path = STYLES.paths().get(name)
+    if path is None or STYLES.is_built_in(path):
+        raise InputError(f"there is no style of your own called {name!r}; those that come with Maulstick keep theirs")
     return path
 
 

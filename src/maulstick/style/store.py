@@ -15,6 +15,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
 from maulstick.storage.records import write_record
+from maulstick.storage.text import is_printable
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
 from maulstick.style.exemplar import Exemplar, PooledHands
@@ -101,7 +102,7 @@ def load_hands() -> PooledHands:
 
 
 def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else "?" for letter in text) or "?"
+    return "".join(letter if is_printable(letter) else "?" for letter in text) or "?"
 
 
 def _arrays(content: bytes) -> Arrays:

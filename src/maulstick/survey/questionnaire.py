@@ -18,6 +18,7 @@ from maulstick.storage.arrays import Image, kind_of
 from maulstick.storage.files import atomic_write, file_to_read
 from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record, write_record
+from maulstick.storage.text import is_printable
 from maulstick.strokes.ink import KIND, read_ink
 
 LONGEST_PX: Final = 1024
@@ -30,7 +31,7 @@ _RECORD = "survey.json"
 
 
 def _printable(text: str) -> str:
-    if not text.isprintable() or text != text.strip():
+    if not is_printable(text) or text != text.strip():
         raise ValueError("it must be plain text without line breaks, and not begin or end with a space")
     return text
 

@@ -25,6 +25,10 @@ _PANELS = {
 }
 """Panels by path: name, icon, and module, whose `build` is called with the studio and the query of the link."""
 
+_TRASH = "/trash"
+_PAGES = {**_PANELS, _TRASH: ("Trash", "delete_outline", "maulstick.studio.panels.trash.trash")}
+"""Panels, and what is no step on the way to a painting."""
+
 # Esc closes an open dialog or menu first; where none is open it stops the machine. The button always stops it.
 # A request of its own works while the websocket is busy, and the websocket where no new connection can be had.
 _STOP = """<script>
@@ -84,25 +88,26 @@ def page(studio: Studio, door: Door) -> None:
                 link.props(remove="aria-current")
                 if other == path:
                     link.props('aria-current="page"')
-            title.turn_to(_PANELS[path][0] if path in _PANELS else "No such page")
+            title.turn_to(_PAGES[path][0] if path in _PAGES else "No such page")
 
-        _Panels({path: _built(path, studio, mark) for path in _PANELS}, lost=lambda: mark(""))
+        _Panels({path: _built(path, studio, mark) for path in _PAGES}, lost=lambda: mark(""))
 
 
 def _links() -> dict[str, ui.link]:
     links = {}
     with ui.element("nav").props('aria-label="Panels"').classes("panels"):
-        for path, (name, icon, _) in _PANELS.items():
+        for path, (name, icon, _) in _PAGES.items():
             with ui.link(target=path).classes("panel-link") as links[path]:
                 ui.icon(icon).props("aria-hidden=true")
                 ui.label(name)
+    links[_TRASH].classes("aside")
     return links
 
 
 def _built(path: str, studio: Studio, mark: Callable[[str], None]) -> Callable[[PageArguments], None]:
     def build(arguments: PageArguments) -> None:
         mark(path)
-        _, _, module = _PANELS[path]
+        _, _, module = _PAGES[path]
         import_module(module).build(studio, arguments.query_parameters)
 
     return build

@@ -2,12 +2,14 @@
 
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import file_name, title_of
 from maulstick.studio.workers.plan_pictures import AGAIN
 from maulstick.studio.workers.planner import TARGET
 
@@ -40,7 +42,17 @@ def order(name: str, number: int, request: Request) -> Response:
 @routes.get("/file/{kind}/{name}/{file}")
 def download(kind: str, name: str, file: str, request: Request) -> Response:
     """Send a file as a download, which no browser opens in place."""
-    return _file(request, kind, name, file if file in _DOWNLOADS.get(kind, ()) else None, save_as=f"{name}-{file}")
+    return _file(request, kind, name, file if file in _DOWNLOADS.get(kind, ()) else None, saves=True)
+
+
+@routes.get("/thrown/{id}")
+def thrown(id: str, request: Request) -> Response:
+    """Send a picture of something in the trash."""
+    studio: Studio = request.app.state.studio
+    path = studio.trash.picture(id)
+    if path is None or not _is_within(path, studio.folder.root / "trash"):
+        return Response(status_code=404)
+    return FileResponse(path, headers=_FRESH)
 
 
 @routes.get("/live/{name}/{seen}")
@@ -77,7 +89,7 @@ async def stop(request: Request) -> Response:
     return PlainTextResponse(request.app.state.studio.stop())
 
 
-def _file(request: Request, kind: str, name: str, file: str | None, save_as: str | None = None) -> Response:
+def _file(request: Request, kind: str, name: str, file: str | None, *, saves: bool = False) -> Response:
     studio: Studio = request.app.state.studio
     try:
         path = studio.folder.of(kind, name) / (file or "")
@@ -85,7 +97,13 @@ def _file(request: Request, kind: str, name: str, file: str | None, save_as: str
         return Response(status_code=404)
     if file is None or not _is_within(path, studio.folder.root / kind):
         return Response(status_code=404)
-    return FileResponse(path, filename=save_as, headers=_FRESH)
+    return FileResponse(path, headers=_FRESH | (_saved(studio.folder.of(kind, name), file) if saves else {}))
+
+
+def _saved(thing: Path, file: str) -> dict[str, str]:
+    """Return the header by which a browser saves a file of a thing under its title (RFC 6266)."""
+    titled = quote(file_name(title_of(thing), f"-{file}"), safe="")
+    return {"Content-Disposition": f"attachment; filename=\"{thing.name}-{file}\"; filename*=UTF-8''{titled}"}
 
 
 def _is_within(path: Path, folder: Path) -> bool:

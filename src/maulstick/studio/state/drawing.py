@@ -13,6 +13,7 @@ from maulstick.errors import InputError, OutputError
 from maulstick.storage.files import atomic_write
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.hands import Hands
+from maulstick.studio.state.titles import checked_title, retitle
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.drawn_sheet import (
@@ -58,7 +59,8 @@ class Drawing:
 
     Events: `changed` after its strokes or its name have changed, `added` with the id and the stroke, `removed` with
     the id, `renewed` after another sheet was opened.
-    hands: all that were drawn or uploaded.  name: of the hand that is drawn now.  size: (width, height), metres.
+    hands: all that were drawn or uploaded.  name: of the hand that is drawn now, which follows its title.
+    size: (width, height), metres.
     strokes: by id, in the order of drawing.  trouble: why it is not on disk, or "".
     """
 
@@ -75,6 +77,11 @@ class Drawing:
         self._ids = count()
         self._writing, self._turning = asyncio.Lock(), asyncio.Lock()
         self._lay(*self._last())
+
+    @property
+    def title(self) -> str:
+        """Title of the hand for people."""
+        return self._title or self.name
 
     @property
     def can_undo(self) -> bool:
@@ -126,14 +133,19 @@ class Drawing:
             await self._turn_to(await self._desk.do(read_sheet, self._folder.of("hands", name) / DRAWING), name)
 
     async def rename(self, wanted: str) -> None:
-        """Rename the hand, to a free name as near to the wanted one as possible."""
+        """Give the hand another title, and a free name as near to it as possible. Raises InputError for an empty one.
+
+        Raises OutputError where it cannot be written.
+        """
+        title = checked_title(wanted)
         async with self._turning, self._writing:
-            if wanted == self.name:
+            if title == self.title:
                 return
-            name = self._folder.free_name("hands", wanted)
+            name = self._folder.free_name("hands", title, but=self.name)
             if has_folder := self._has_folder:
                 self._path.rename(self._folder.of("hands", name))
-            self.name, self._had_folder = name, has_folder
+                retitle(self._folder.of("hands", name), title)
+            self.name, self._had_folder, self._title = name, has_folder, title
         self.changed.emit()
 
     async def throw_away(self, name: str) -> Path:
@@ -174,6 +186,7 @@ class Drawing:
 
     def _lay(self, sheet: DrawnSheet, name: str | None) -> None:
         self.name, self.size = name or self._folder.free_name("hands", "my-hand"), sheet.size
+        self._title = "" if name is None else self.hands.title(name)
         self._had_folder = name is not None
         self.strokes = {next(self._ids): stroke for stroke in sheet.strokes}
         self._points = sum(len(stroke.points) for stroke in sheet.strokes)
@@ -241,6 +254,8 @@ class Drawing:
             self.name = self._folder.free_name("hands", self.name)
         try:
             self._path.mkdir()
+            if self._title:
+                retitle(self._path, self._title)
         except OSError as error:
             raise OutputError(f"cannot write {self._path}: {error.strerror}; make room for it there") from error
         self._had_folder = True

@@ -7,7 +7,8 @@ from typing import final
 from maulstick.errors import InputError, OutputError
 from maulstick.robot.easel import read_easel, write_easel
 from maulstick.storage.library import NAME
-from maulstick.studio.state.folder import Folder, plain_name
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.titles import plain_name, title_of_file
 from maulstick.studio.workers.uploads import read_brought
 
 
@@ -28,6 +29,10 @@ class Easels:
             raise InputError.of_choice("easel", name, names)
         return self._root / f"{name}.json"
 
+    def take_back(self, trashed: Path) -> None:
+        """Move an easel back out of the trash; raises as `Folder.take_back`."""
+        self._folder.take_back(trashed, self._root)
+
     def keep(self, file: str, content: bytes) -> str:
         """Store an easel and return its name; one that came from a file of the same name before goes into the trash.
 
@@ -36,7 +41,7 @@ class Easels:
         Raises InputError where the content is no easel, OutputError where it cannot be written.
         """
         easel = read_brought(content, read_easel, "that file")
-        name = plain_name(file) or "easel"
+        name = plain_name(title_of_file(file)) or "easel"
         try:
             self._root.mkdir(exist_ok=True)
         except OSError as error:

@@ -14,8 +14,9 @@ from typing import final
 from maulstick.errors import InputError, OutputError
 from maulstick.storage.files import atomic_write, held
 from maulstick.storage.library import NAME
-
-_LONGEST, _ROOM = 40, 32  # letters of a name, and of a name before a number is added
+from maulstick.storage.records import write_record
+from maulstick.studio.state.thrown import RECORD, STYLES_FOLDER, TrashRecord
+from maulstick.studio.state.titles import free_among, numbered, title_of, title_of_file, titles_of
 
 KINDS = ("hands", "pictures", "plans", "drawings", "surveys")
 """Kinds of things in the folder, each in a folder of its own."""
@@ -65,31 +66,41 @@ class Folder:
 
     def names(self, *kinds: str) -> list[str]:
         """Return the names of all things of these kinds, oldest first."""
-        found: dict[str, int] = {}
-        for path in (path for kind in kinds for path in (self.root / kind).iterdir()):
-            if re.fullmatch(NAME, path.name):
-                with suppress(FileNotFoundError):  # it was removed meanwhile
-                    found[path.name] = path.lstat().st_mtime_ns
-        return sorted(found, key=found.__getitem__)
+        return [path.name for path in self._things(*kinds)]
 
-    def free_name(self, kind: str, wanted: str) -> str:
-        """Name like the wanted one that nothing of the kind has yet: for "My cat.JPG", my-cat or my-cat-2.
+    def titles(self, *kinds: str) -> dict[str, str]:
+        """Return the titles of all things of these kinds by name, oldest first; equal ones with the name beside."""
+        return titles_of(self._things(*kinds))
 
-        Plans and drawings have no name in common.
+    def title(self, kind: str, name: str) -> str:
+        """Return the title of a thing, with its name beside it where another has that title."""
+        return self.titles(*_sharing(kind)).get(name, name)
+
+    def title_for(self, kind: str, wanted: str) -> str:
+        """Return the wanted title, or else the kind's word, with a number where something of the kind has it."""
+        return numbered(wanted or kind[:-1], map(title_of, self._things(*_sharing(kind))))
+
+    def title_for_file(self, kind: str, file: str) -> str:
+        """Return a title for what came in a file of that name, as `title_for`."""
+        return self.title_for(kind, title_of_file(file))
+
+    def free_name(self, kind: str, title: str, but: str = "") -> str:
+        """Return a name like the title that nothing of the kind has yet: for "My cät", my-cat or my-cat-2.
+
+        Plans and drawings have no name in common.  but: name that counts as free.
         """
-        plain = plain_name(wanted)[:_ROOM].strip("-") or kind[:-1]
-        taken, number, name = set(self.names(*_sharing(kind))), 1, plain
-        while name in taken:
-            number += 1
-            name = f"{plain}-{number}"
-        return name
+        return free_among(set(self.names(*_sharing(kind))) - {but}, title, kind[:-1])
+
+    def is_free(self, kind: str, name: str) -> bool:
+        """Whether nothing has that name which something of the kind could have."""
+        return not any(os.path.lexists(self.root / each / name) for each in _sharing(kind))
 
     def incoming(self) -> Path:
         """New path for an uploaded file, until its content is checked."""
         return self.root / f"{_INCOMING}{secrets.token_hex(8)}"
 
-    def keep_former(self, *paths: Path) -> Path:
-        """Copy those of the files that exist into the trash, before others replace them.
+    def keep_former(self, *paths: Path, title: str = "") -> Path:
+        """Copy those of the files that exist into the trash, before others replace them; title as in `throw_away`.
 
         Returns the folder of the copies, which does not exist where there were no files. Raises OutputError where a
         file cannot be copied.
@@ -100,7 +111,9 @@ class Folder:
             for path in paths:
                 if path.is_file():
                     atomic_write(trashed / path.name, path.read_bytes())
-            if not any(trashed.iterdir()):
+            if any(trashed.iterdir()):
+                self._record(trashed, paths[0], title)
+            else:
                 trashed.rmdir()
         except OSError as error:
             shutil.rmtree(trashed, ignore_errors=True)
@@ -108,33 +121,51 @@ class Folder:
             raise OutputError(f"cannot copy {what} into the trash: {error.strerror or error}") from error
         return trashed
 
-    def throw_away(self, *paths: Path) -> Path:
-        """Move files or folders into the trash; return the folder there that holds them.
+    def throw_away(self, *paths: Path, title: str = "") -> Path:
+        """Move files or folders of one thing into the trash; return the folder there that holds them.
 
+        title: of the thing, where its folder does not say it.
         Raises OutputError, and leaves all of them where they are, where one cannot be moved.
         """
         trashed = self._new_trash_folder()
         trashed.mkdir()
+        self._record(trashed, paths[0], title)
         _move({path: trashed / path.name for path in paths})
         return trashed
 
-    def take_back(self, trashed: Path, where: Path) -> list[Path]:
+    def take_back(self, trashed: Path, where: Path, name: str = "") -> list[Path]:
         """Move what was thrown away back into the folder `where`; return the new paths.
 
+        name: another than it had, which is free.
         Raises OutputError where a path is taken, InputError where it was taken back already.
         """
         if not trashed.is_dir():
             raise InputError("it was taken out of the trash already; look where it was before")
-        places = {path: where / path.name for path in trashed.iterdir()}
+        there = [path for path in trashed.iterdir() if path.name != RECORD]
+        places = {path: where / (f"{name}{path.suffix}" if name else path.name) for path in there}
         for place in places.values():
             if any(os.path.lexists(where.with_name(kind) / place.name) for kind in _sharing(where.name)):
-                raise OutputError(f"there is a {place.name} again meanwhile; rename that one first")
+                raise OutputError(f"another one has the name {place.name} by now; put it back from the Trash page")
         _move(places)
+        (trashed / RECORD).unlink(missing_ok=True)
         trashed.rmdir()
         return list(places.values())
 
     def _new_trash_folder(self) -> Path:
         return self.root / "trash" / f"{time.time_ns()}-{secrets.token_hex(4)}"
+
+    def _things(self, *kinds: str) -> list[Path]:
+        found: dict[Path, int] = {}
+        for path in (path for kind in kinds for path in (self.root / kind).iterdir()):
+            if re.fullmatch(NAME, path.name):
+                with suppress(FileNotFoundError):  # it was removed meanwhile
+                    found[path] = path.lstat().st_mtime_ns
+        return sorted(found, key=found.__getitem__)
+
+    def _record(self, trashed: Path, path: Path, title: str) -> None:
+        """Write down in the trash what was at a path."""
+        where = path.parent.relative_to(self.root).as_posix() if path.is_relative_to(self.root) else STYLES_FOLDER
+        write_record(TrashRecord(where=where, title=title or title_of(path)), trashed / RECORD)
 
     def _clear_incoming(self) -> None:
         for path in self.root.glob(f"{_INCOMING}*"):
@@ -153,11 +184,6 @@ def _make_private(root: Path) -> None:
 def _sharing(kind: str) -> tuple[str, ...]:
     """Return the kinds that share their names with one."""
     return PAINTED if kind in PAINTED else (kind,)
-
-
-def plain_name(wanted: str) -> str:
-    """Turn a text, which may be a file's name, into a valid name; empty where no letter of it is allowed."""
-    return re.sub(r"[^a-z0-9]+", "-", Path(wanted).stem.lower()).strip("-")[:_LONGEST].strip("-")
 
 
 def _move(places: dict[Path, Path]) -> None:

@@ -13,11 +13,12 @@ from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import whole_folder
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.titles import retitle
 from maulstick.studio.workers.desk import Desk
 
 _SMALL = "small.jpg"
 _SMALL_PX = 480  # longest side of a thumbnail
-_PORTRAIT = "portrait"
+_PORTRAIT, _PORTRAIT_TITLE = "portrait", "Portrait"
 
 
 @final
@@ -50,16 +51,35 @@ class Gallery:
             raise InputError(f"the picture {name} is there no more; bring it again") from error
 
     async def keep(self, brought: Path, called: str) -> str:
-        """Store a picture and return its name here. Raises InputError for what is no picture, or too large a one."""
+        """Store a picture and return its name here. Raises InputError for what is no picture, or too large a one.
+
+        called: name of the file that was brought.
+        """
         async with self._keeping:
-            name = self._folder.free_name("pictures", called)
-            await self._desk.do(keep_picture, brought, self._folder.of("pictures", name))
+            title = self._folder.title_for_file("pictures", called)
+            name = self._folder.free_name("pictures", title)
+            await self._desk.do(keep_picture, brought, folder := self._folder.of("pictures", name))
+            retitle(folder, title)
         self.changed.emit()
         return name
 
+    def titles(self) -> dict[str, str]:
+        """Return the titles of all pictures by name."""
+        return self._folder.titles("pictures")
+
+    def retitle(self, name: str, title: str) -> None:
+        """Give a picture another title. Raises InputError as `titles.retitle`."""
+        retitle(self._folder.of("pictures", name), title)
+        self.changed.emit()
+
+    def take_back(self, trashed: Path, name: str = "") -> None:
+        """Move a picture back out of the trash; raises, and name, as `Folder.take_back`."""
+        self._folder.take_back(trashed, self._folder.root / "pictures", name)
+        self.changed.emit()
+
     async def keep_portrait(self) -> str:
         """Store the picture that comes with Maulstick, unless it is there; return its name."""
-        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(demo_picture(), _PORTRAIT)
+        return _PORTRAIT if _PORTRAIT in self.names() else await self.keep(demo_picture(), _PORTRAIT_TITLE)
 
 
 def keep_picture(brought: Path, folder: Path) -> None:

@@ -9,6 +9,7 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.storage.records import read_record
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.titles import retitle, title_of
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.hand_work import CARD, DRAWING, INK, HandCard, keep_drawing, learn, take_in
 
@@ -32,6 +33,14 @@ class Hands:
         """Return the folder of a hand. Raises InputError for an invalid name."""
         return self._folder.of("hands", name)
 
+    def title(self, name: str) -> str:
+        """Return the title of a hand, as it was written."""
+        return title_of(self.path(name))
+
+    def titles(self) -> dict[str, str]:
+        """Return the titles of all hands by name, told apart."""
+        return self._folder.titles("hands")
+
     def is_drawn(self, name: str) -> bool:
         """Whether the hand was drawn here, so that drawing can go on."""
         return (self.path(name) / DRAWING).is_file()
@@ -54,14 +63,16 @@ class Hands:
         called: name of the uploaded file.  pen_millimetres: length of a tracked pen from its markers to its tip.
         Raises InputError where it is no recording, or has no strokes.
         """
-        name = self._folder.free_name("hands", called)
+        title = self._folder.title_for_file("hands", called)
+        name = self._folder.free_name("hands", title)
         await self._desk.do(take_in, file, called, pen_millimetres, self.path(name))
+        retitle(self.path(name), title)
         self.changed.emit()
         return name
 
     async def learn(self, name: str, style: str) -> None:
         """Learn a style from a hand and store it with the user's styles. Raises InputError for too few strokes."""
-        await self._desk.do(learn, self.path(name), style)
+        await self._desk.do(learn, self.path(name), style, self.title(name))
 
     async def throw_away(self, name: str) -> Path:
         """Move a hand into the trash; return its place there, for `take_back`."""
@@ -69,9 +80,9 @@ class Hands:
         self.changed.emit()
         return trashed
 
-    def take_back(self, trashed: Path) -> None:
-        """Move a hand back out of the trash. Raises OutputError where another has its name by now."""
-        self._folder.take_back(trashed, self._folder.root / "hands")
+    def take_back(self, trashed: Path, name: str = "") -> None:
+        """Move a hand back out of the trash; raises, and name, as `Folder.take_back`."""
+        self._folder.take_back(trashed, self._folder.root / "hands", name)
         self.changed.emit()
 
     def _is_hand(self, path: Path) -> bool:

@@ -69,10 +69,10 @@ class Mixing:
         self._seen: dict[str, tuple[object, tuple[PlannedPaint, ...]]] = {}
         self._advised: dict[str, tuple[object, tuple[Recipe, ...]]] = {}
 
-    def plans(self) -> list[str]:
-        """Return the names of the plans that have paints, newest first."""
-        plans = self._folder.names("plans")
-        return [name for name in reversed(plans) if (self._folder.of("plans", name) / "painting.json").is_file()]
+    def plans(self) -> dict[str, str]:
+        """Return the titles of the plans that have paints, by name, newest first."""
+        plans = reversed(self._folder.titles("plans").items())
+        return {name: title for name, title in plans if (self._folder.of("plans", name) / "painting.json").is_file()}
 
     async def paints(self, plan: str) -> tuple[PlannedPaint, ...]:
         """Return the paints of a plan or a drawing. Raises InputError where there is none of that name."""
@@ -170,13 +170,13 @@ class Mixing:
         self.changed.emit()
 
     def remove_tray(self) -> Path:
-        """Move the tray's file into the trash; return its place there, for `take_back_tray`."""
+        """Move the tray's file into the trash; return its place there, for `take_back`."""
         trashed = self._folder.throw_away(self._tray)
         self.changed.emit()
         return trashed
 
-    def take_back_tray(self, trashed: Path) -> None:
-        """Move the tray's file back out of the trash."""
+    def take_back(self, trashed: Path) -> None:
+        """Move the tray's file, or that of the tubes, back out of the trash; raises as `Folder.take_back`."""
         self._folder.take_back(trashed, self._folder.root)
         self.changed.emit()
 

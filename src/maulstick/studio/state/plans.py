@@ -18,6 +18,7 @@ from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
@@ -62,6 +63,11 @@ class Plan:
         self.notes: tuple[str, ...] = ()
         self.why = ""
         self._began: tuple[float, float] | None = None
+
+    @property
+    def title(self) -> str:
+        """Title for people."""
+        return title_of(self.folder)
 
     @property
     def done(self) -> float:
@@ -137,16 +143,18 @@ class Plans:
         busy = [plan for plan in self.plans.values() if plan.is_busy]
         if not busy:
             return ""
-        return f"planning {busy[0].name}" if len(busy) == 1 else f"planning {len(busy)} pictures"
+        return f"planning {self.titles()[busy[0].name]}" if len(busy) == 1 else f"planning {len(busy)} pictures"
 
     def add(self, request: PlanRequest) -> Plan:
         """Add a plan, and begin it at once or when others are finished."""
-        wanted = request.picture.parent.name if request.picture is not None else request.options.text or "plan"
-        name = self._folder.free_name("plans", wanted)
+        picture, text = request.picture, request.options.text or ""
+        title = self._folder.title_for("plans", clean_title(text) if picture is None else title_of(picture.parent))
+        name = self._folder.free_name("plans", title)
         plan = Plan(name, self._folder.of("plans", name), request)
         with as_output_error(plan.folder):
             plan.folder.mkdir()
         plan.write_request()
+        retitle(plan.folder, title)
         self.plans[name] = plan
         self._next()
         return plan
@@ -169,7 +177,7 @@ class Plans:
     def go_on(self, plan: Plan) -> None:
         """Go on with a plan that was stopped or failed. Raises InputError where it was begun on paper."""
         if journal_of(plan.folder / "painting.json").exists():
-            raise InputError(f"{plan.name} was begun on paper, so its strokes must stay; plan the picture once more")
+            raise InputError(f"{plan.title} was begun on paper, so its strokes must stay; plan the picture once more")
         if not plan.is_busy:
             plan.phase = Phase.WAITING
             self._next()
@@ -182,18 +190,27 @@ class Plans:
             self._processes[plan.name].tell(Weigh(weights))
             plan.stepped.emit()
 
+    def titles(self) -> dict[str, str]:
+        """Return the titles of all plans by name, told apart."""
+        return self._folder.titles("plans")
+
+    def relabel(self, plan: Plan, **changes: str | bool) -> None:
+        """Change fields of a plan's `titles.Label`, while it is planned or painted, too."""
+        relabel(plan.folder, **changes)
+        self.changed.emit()
+
     def throw_away(self, plan: Plan) -> Path:
         """Move a plan into the trash; return its place there. Raises InputError while it is planned."""
         if plan.is_busy:
-            raise InputError(f"{plan.name} is being planned; stop it first")
+            raise InputError(f"{plan.title} is being planned; stop it first")
         trashed = self._folder.throw_away(plan.folder)
         del self.plans[plan.name]
         self.changed.emit()
         return trashed
 
-    def take_back(self, trashed: Path) -> None:
-        """Move a plan back out of the trash."""
-        for path in self._folder.take_back(trashed, self._folder.root / "plans"):
+    def take_back(self, trashed: Path, name: str = "") -> None:
+        """Move a plan back out of the trash; raises, and name, as `Folder.take_back`."""
+        for path in self._folder.take_back(trashed, self._folder.root / "plans", name):
             if (plan := _read_plan(path.name, path)) is not None:
                 self.plans[path.name] = plan
         self.changed.emit()

@@ -100,16 +100,21 @@ class Run:
         if not state.is_on:
             return ""
         if state.question:
-            return f"painting {state.plan}: waits for you"
+            return f"painting {self.title}: waits for you"
         if state.phase != "painting" or state.progress is None:
-            return f"{state.phase} {state.plan}"
+            return f"{state.phase} {self.title}"
         of = "" if state.progress.strokes is None else f" of {state.progress.strokes}"
-        return f"{'paused' if state.held else 'painting'} {state.plan}: stroke {state.progress.stroke}{of}"
+        return f"{'paused' if state.held else 'painting'} {self.title}: stroke {state.progress.stroke}{of}"
 
-    def plans(self) -> list[str]:
-        """Return the names of the plans and drawings that can be painted, newest first."""
-        names = self._folder.names(*PAINTED)
-        return [name for name in reversed(names) if self._folder.painting(name).is_file()]
+    @property
+    def title(self) -> str:
+        """Title of the plan or the drawing that is painted, or was last."""
+        return self._folder.title("plans", self.state.plan)
+
+    def plans(self) -> dict[str, str]:
+        """Return the titles of the plans and drawings that can be painted, by name, newest first."""
+        titles = reversed(self._folder.titles(*PAINTED).items())
+        return {name: title for name, title in titles if self._folder.painting(name).is_file()}
 
     async def status(self, plan: str) -> PaintStatus | None:
         """Return how far a plan is painted, or None where it was not begun. Raises InputError as `status_of`."""
@@ -184,7 +189,7 @@ class Run:
     def _painting(self, plan: str) -> Path:
         path = self._folder.painting(plan)
         if not path.is_file():
-            raise InputError(f"the plan {plan!r} is not finished; let it be planned to its end first")
+            raise InputError(f"{self._folder.title('plans', plan)} is not finished; let it be planned to its end first")
         return path
 
     def _request(
@@ -196,14 +201,14 @@ class Run:
 
     def _check_free(self) -> None:
         if self.is_busy:
-            raise InputError(f"a machine is busy with {self.state.plan}; wait until it has finished, or stop it")
+            raise InputError(f"a machine is busy with {self.title}; wait until it has finished, or stop it")
 
     async def _start(self, request: PaintRequest, is_painted: bool | None) -> None:
         plan = request.painting.parent.name
         request.options.check()
         self._check_free()
         if not request.options.simulated and (missing := await self._mixing.missing(plan)):
-            raise InputError(_unmixed_fault(plan, missing))
+            raise InputError(_unmixed_fault(self._folder.title("plans", plan), missing))
         self._check_free()  # another page may have been quicker
         self._begin("starting", request, paint_in_process, is_painted)
 
@@ -245,7 +250,7 @@ class Run:
             case Note(sentence=sentence):
                 self._change(notes=(*state.notes, sentence)[-_MOST_NOTES:])
             case Ended(why=None):
-                self._end(f"{state.plan} is painted.", fault=False)
+                self._end(f"{self.title} is painted.", fault=False)
             case Ended(why="", lifted=lifted):
                 self._end(f"You stopped it. {_PEN[lifted]}", fault=not lifted)
             case Ended(why=why) if state.phase == "starting":
@@ -271,6 +276,6 @@ class Run:
         self.changed.emit()
 
 
-def _unmixed_fault(plan: str, missing: list[PlannedPaint]) -> str:
+def _unmixed_fault(title: str, missing: list[PlannedPaint]) -> str:
     more = "" if len(missing) == 1 else f" and {len(missing) - 1} more"
-    return f"{missing[0].display_name}{more} of {plan} must be mixed first; tick what is mixed under Mix"
+    return f"{missing[0].display_name}{more} of {title} must be mixed first; tick what is mixed under Mix"

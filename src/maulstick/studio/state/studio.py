@@ -14,6 +14,8 @@ from maulstick.studio.state.settings import Settings
 from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
 from maulstick.studio.state.svgs import Svgs
+from maulstick.studio.state.thrown import STYLES_FOLDER
+from maulstick.studio.state.trash import Trash
 from maulstick.studio.workers.desk import Desk
 
 
@@ -24,7 +26,7 @@ class Studio:
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
     settings: what was chosen last.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
-    by_hand: machine that a person sets up.
+    by_hand: machine that a person sets up.  trash: what was thrown away.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -38,6 +40,20 @@ class Studio:
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)
         self.by_hand = ByHand(self.run.easels)
+        self.trash = Trash(
+            folder,
+            self.styles,
+            {
+                "hands": self.drawing.hands.take_back,
+                "pictures": self.gallery.take_back,
+                "plans": self.plans.take_back,
+                "drawings": self.svgs.take_back,
+                "surveys": self.surveys.take_back,
+                STYLES_FOLDER: self.styles.take_back,
+                ".": lambda trashed, _: self.mixing.take_back(trashed),
+                "easels": lambda trashed, _: self.run.easels.take_back(trashed),
+            },
+        )
 
     def stop(self) -> str:
         """Stop every machine at once and lift its pen; return what was stopped, for people."""

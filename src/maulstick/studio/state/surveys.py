@@ -9,6 +9,7 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.survey_draft import Draft
+from maulstick.studio.state.titles import clean_title, retitle, title_of
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.survey_results import SurveyReport, survey_report
 from maulstick.survey.answers import Answers, Participant
@@ -23,6 +24,7 @@ _DRAWINGS = {
 """Files that can be shown in a survey, by kind, with their names for people."""
 
 _SMALL = {"picture.png": "small.jpg"}  # thumbnails for the page
+_MOST_LETTERS = 120  # of the title that participants read, as `build` takes it
 _PAUSE = 1.0  # seconds between two refreshes for answers: many may come at once
 
 
@@ -42,26 +44,44 @@ class Surveys:
         names = reversed(self._folder.names("surveys"))
         return [name for name in names if (self._folder.of("surveys", name) / "survey.json").is_file()]
 
+    def titles(self) -> dict[str, str]:
+        """Return the titles of all surveys by name, newest first, told apart."""
+        titles = self._folder.titles("surveys")
+        return {name: titles[name] for name in self.names() if name in titles}
+
+    def own_title(self, name: str) -> str:
+        """Return the title of a survey, as it was written. Raises InputError where there is no such survey."""
+        return title_of(self._of(name))
+
+    def retitle(self, name: str, title: str) -> None:
+        """Give a survey another title on the page; participants go on reading the one that it was made with.
+
+        Raises InputError as `titles.retitle`, and where there is no such survey.
+        """
+        retitle(self._of(name), title)
+        self.changed.emit()
+
     def drawings(self) -> dict[str, str]:
         """Return the drawings that can be shown in a survey: their keys, and their names for people."""
         return {
-            f"{kind}/{name}/{file}": f"{name} ({called})"
+            f"{kind}/{name}/{file}": f"{title} ({called})"
             for kind, files in _DRAWINGS.items()
-            for name in reversed(self._folder.names(kind))
+            for name, title in reversed(self._folder.titles(kind).items())
             for file, called in files.items()
             if (self._folder.of(kind, name) / file).is_file()
         }
 
     async def make(self, draft: Draft) -> str:
         """Make the survey and return its name. Raises InputError where something is still missing."""
-        title = str(draft.title).strip()
+        title = clean_title(str(draft.title), _MOST_LETTERS)
         if not title:
             raise InputError("the survey has no title yet; give it one, participants will read it")
         match, opinions = draft.match(self._path), draft.opinions(self._path)
         if match is None and opinions is None:
             raise InputError("the survey asks nothing yet; choose drawings for at least one of its two parts")
         name = self._folder.free_name("surveys", title)
-        await self._desk.do(build, self._folder.of("surveys", name), title, match, opinions)
+        await self._desk.do(build, folder := self._folder.of("surveys", name), title, match, opinions)
+        retitle(folder, title)
         self.changed.emit()
         return name
 
@@ -96,9 +116,9 @@ class Surveys:
         self.changed.emit()
         return trashed
 
-    def take_back(self, trashed: Path) -> None:
-        """Move a survey back out of the trash. Raises OutputError where another has its name by now."""
-        self._folder.take_back(trashed, self._folder.root / "surveys")
+    def take_back(self, trashed: Path, name: str = "") -> None:
+        """Move a survey back out of the trash; raises, and name, as `Folder.take_back`."""
+        self._folder.take_back(trashed, self._folder.root / "surveys", name)
         self.changed.emit()
 
     def _refresh_pages(self) -> None:

@@ -10,6 +10,7 @@ from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError
 from maulstick.storage.records import read_record
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.titles import retitle, title_of
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.svg_work import CARD, SvgCard, keep_svg, read_svg
 
@@ -40,16 +41,23 @@ class Svgs:
             return None
 
     async def keep(self, brought: Path, called: str) -> str:
-        """Store an SVG and return its name here. Raises InputError as `read_drawing`."""
+        """Store an SVG and return its name here. called: name of its file. Raises InputError as `read_drawing`."""
         async with self._keeping:
-            name = self._folder.free_name("drawings", called)
+            title = self._folder.title_for_file("drawings", called)
+            name = self._folder.free_name("drawings", title)
             await self._desk.do(keep_svg, brought, called, self.file(name))
+            retitle(self.file(name).parent, title)
         self.changed.emit()
         return name
 
     async def read(self, name: str, options: DrawingOptions) -> None:
         """Read an SVG by other options, which are kept with it. Raises InputError as `read_drawing`."""
-        await self._desk.do(read_svg, self.file(name), name, options)
+        await self._desk.do(read_svg, file := self.file(name), title_of(file.parent), options)
+        self.changed.emit()
+
+    def retitle(self, name: str, title: str) -> None:
+        """Give an SVG another title, while it is painted, too. Raises InputError as `titles.retitle`."""
+        retitle(self.file(name).parent, title)
         self.changed.emit()
 
     async def throw_away(self, name: str) -> Path:
@@ -58,7 +66,7 @@ class Svgs:
         self.changed.emit()
         return trashed
 
-    def take_back(self, trashed: Path) -> None:
-        """Move an SVG back out of the trash. Raises OutputError where another has its name by now."""
-        self._folder.take_back(trashed, self._folder.root / "drawings")
+    def take_back(self, trashed: Path, name: str = "") -> None:
+        """Move an SVG back out of the trash; raises, and name, as `Folder.take_back`."""
+        self._folder.take_back(trashed, self._folder.root / "drawings", name)
         self.changed.emit()

@@ -1,4 +1,4 @@
-"""Refreshing of what is on a page after changes of the studio's state."""
+"""Refreshing of what is on a page after changes of the studio's state, and the focus of what is new."""
 
 from collections.abc import Callable
 
@@ -21,3 +21,8 @@ def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> 
     root._handle_delete = handle_delete  # type: ignore[method-assign]
     event.subscribe(again, unsubscribe_on_delete=False)
     refresh()
+
+
+def focus(element: Element) -> None:
+    """Give a new element the focus once it is shown: the element that had it is gone."""
+    element.on("vnodeMounted", js_handler="(node) => node.el.focus()")

@@ -71,10 +71,13 @@ def take_in(file: Path, called: str, pen_millimetres: float | None, hand: Path) 
         raise
 
 
-def learn(hand: Path, style: str) -> None:
-    """Learn a style from a hand's ink and store it with the user's styles. Raises InputError for too few strokes."""
+def learn(hand: Path, style: str, title: str) -> None:
+    """Learn a style from a hand's ink and store it with the user's styles, with the hand's title.
+
+    Raises InputError for too few strokes.
+    """
     from maulstick.strokes.strokes import Strokes
-    from maulstick.style.cards import FEWEST, STYLES
+    from maulstick.style.cards import FEWEST, STYLES, title_style
     from maulstick.style.exemplar import Exemplar  # these load torch
     from maulstick.style.hand import Hand
     from maulstick.style.store import load_hands, write_style
@@ -86,7 +89,8 @@ def learn(hand: Path, style: str) -> None:
         there = "there is 1" if len(ink) == 1 else f"there are {len(ink) or 'none'}"
         raise InputError(f"draw at least {FEWEST} strokes; {there}")
     seen = Hand.of(Strokes.of(ink))
-    write_style(Exemplar.fit(STYLES.check_name(style), seen, load_hands()), f"the hand {hand.name}", STYLES.own())
+    write_style(Exemplar.fit(STYLES.check_name(style), seen, load_hands()), f"the hand {title}", STYLES.own())
+    title_style(style, title)
 
 
 def _read(file: Path, suffix: str, pen_millimetres: float | None) -> Ink:

@@ -10,6 +10,7 @@ from maulstick.studio.panels.draw.learned import learn_hand
 from maulstick.studio.panels.draw.others import OtherHands
 from maulstick.studio.panels.draw.sheet_form import choose_sheet
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.pen import DrawingSheet
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import error_text
@@ -37,7 +38,7 @@ class _Sheet:
 
     def __init__(self, studio: Studio) -> None:
         self._studio, self._drawing, self._client = studio, studio.drawing, ui.context.client
-        self._shown_name = self._refusal = ""
+        self._shown_title = self._refusal = ""
         self._build_tools()
         self._table = ui.element().classes("table")
         self._build_learning()
@@ -56,7 +57,7 @@ class _Sheet:
         with ui.element().classes("learning"):
             self._count = ui.label().classes("count figure").props('role="status"')
             self._progress = ui.linear_progress(0, show_value=False, size=".4rem").props("rounded aria-hidden=true")
-            self._name = ui.input("Name of this hand").props("outlined maxlength=40")
+            self._name = ui.input("Name of this hand").props(f"outlined maxlength={MOST_LETTERS}")
             self._name.on("blur", self._rename).on("keydown.enter", self._rename)
             self._learn = ui.button("Learn this hand", icon="school", on_click=self._learn_it)
             self._trouble = ui.label().classes("trouble").props('role="alert"')
@@ -81,9 +82,9 @@ class _Sheet:
         self._undo.set_enabled(drawing.can_undo)
         self._redo.set_enabled(drawing.can_redo)
         self._complain(self._refusal)
-        if drawing.name != self._shown_name:  # else somebody may be typing
-            self._shown_name = drawing.name
-            self._name.set_value(drawing.name)
+        if drawing.title != self._shown_title:  # else somebody may be typing
+            self._shown_title = drawing.title
+            self._name.set_value(drawing.title)
 
     def _complain(self, refusal: str) -> None:
         """Show next to the sheet why something was refused on this page, and what is wrong on all; "" for nothing."""
@@ -93,8 +94,8 @@ class _Sheet:
         self._trouble.set_visibility(bool(troubles))
 
     async def _rename(self) -> None:
-        await self._drawing.rename(self._name.value or self._drawing.name)
-        self._name.set_value(self._drawing.name)
+        await self._drawing.rename(self._name.value or self._drawing.title)
+        self._name.set_value(self._drawing.title)
 
     async def _learn_it(self) -> None:
         drawing = self._drawing

@@ -9,29 +9,30 @@ from maulstick.style.cards import STYLES
 
 
 async def learn_hand(studio: Studio, name: str, client: Client) -> None:
-    """Learn a style with the hand's name, which replaces the user's style of that name, and show it to a client.
+    """Learn a style with the hand's title, which replaces the user's style of that title, and show it to a client.
 
     Raises InputError where the hand has too few strokes, or its name belongs to a style that comes with Maulstick.
     """
-    styles = studio.styles
-    old = STYLES.paths().get(STYLES.check_name(name))
-    if old is not None and STYLES.is_built_in(old):
-        raise InputError(f"a style that comes with Maulstick is called {name}; give this hand another name")
-    replaces = await styles.renew(name, lambda: studio.drawing.hands.learn(name, name))
+    styles, hands = studio.styles, studio.drawing.hands
+    style = styles.name_for(name, hands.title(name))
+    old = STYLES.paths().get(style)
+    if style == STYLES.taken or (old is not None and STYLES.is_built_in(old)):
+        raise InputError(f"a style that comes with Maulstick is called {style}; give this hand another name")
+    replaces = await styles.renew(style, lambda: hands.learn(name, style))
     with client.layout:  # the page may show another panel by now
-        _show(name, f"/sheet/{(await styles.sheet(name)).name}", replaces=replaces)
+        _show(style, styles.titles()[style], f"/sheet/{(await styles.sheet(style)).name}", replaces=replaces)
 
 
-def _show(name: str, sheet: str, replaces: bool) -> None:
+def _show(name: str, title: str, sheet: str, replaces: bool) -> None:
     with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks learned"):
-        dialog.props(f'aria-label="This is how {name} draws"').on("hide", dialog.delete)
+        dialog.on("hide", dialog.delete).props["aria-label"] = f"This is how {title} draws"
 
         def go(where: str) -> None:
             dialog.close()
             ui.navigate.to(where)
 
-        html.h2(f"This is how {name} draws")
-        html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {name}").classes("picture")
+        html.h2(f"This is how {title} draws")
+        html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {title}").classes("picture")
         ui.label(AS_TURNED).classes("hint")
         if replaces:
             ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(

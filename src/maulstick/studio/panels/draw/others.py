@@ -41,21 +41,23 @@ class OtherHands:
     def _show(self) -> None:
         self._cards.clear()
         with self._cards:
+            titles = self._drawing.hands.titles()
             for name in self._drawing.hands.names():
                 if name != self._drawing.name:
-                    self._card(name)
+                    self._card(name, titles.get(name, name))
 
-    def _card(self, name: str) -> None:
+    def _card(self, name: str, title: str) -> None:
         hands = self._drawing.hands
         card = hands.card(name)
-        with html.article().classes("sheet").props(f'aria-label="{name}"'):
+        with html.article().classes("sheet") as article:
+            article.props["aria-label"] = title
             if card is None:
                 ui.label("no picture yet").classes("picture none")
             else:
                 drawn = (hands.path(name) / PICTURE).stat().st_mtime_ns  # else a browser may show an older one
-                picture = html.img(src=f"/picture/hands/{name}/{PICTURE}?{drawn}", alt=f"What {name} drew")
+                picture = html.img(src=f"/picture/hands/{name}/{PICTURE}?{drawn}", alt=f"What {title} drew")
                 picture.classes("picture").props("loading=lazy")
-            ui.label(name).classes("name")
+            ui.label(title).classes("name")
             ui.label("not read yet" if card is None else _summary(card)).classes("hint")
             trouble = _trouble()
             with ui.element().classes("line"):
@@ -63,8 +65,8 @@ class OtherHands:
                     ui.button("Draw on", icon="draw", on_click=lambda: self._drawing.open(name))
                 learn = ui.button("Learn").props("outline")
                 learn.on_click(lambda: self._learn(name, learn, trouble))
-                throw = ui.button(icon="delete", on_click=lambda: self._throw_away(name)).props("flat")
-                throw.props(f'aria-label="Throw {name} away"').tooltip("Throw away")
+                throw = ui.button(icon="delete", on_click=lambda: self._throw_away(name, title)).props("flat")
+                throw.tooltip("Throw away").props["aria-label"] = f"Throw {title} away"
 
     async def _learn(self, name: str, button: ui.button, trouble: ui.label) -> None:
         trouble.set_text("")
@@ -76,9 +78,9 @@ class OtherHands:
         finally:
             button.props(remove="loading")
 
-    async def _throw_away(self, name: str) -> None:
+    async def _throw_away(self, name: str, title: str) -> None:
         trashed = await self._drawing.throw_away(name)
-        offer_undo(self._client, f"{name} is in the trash.", lambda: self._drawing.hands.take_back(trashed))
+        offer_undo(self._client, f"{title} is in the trash.", lambda: self._drawing.hands.take_back(trashed))
 
     async def _take_in(self, upload: events.UploadEventArguments) -> None:
         called = Path(upload.file.name).name
@@ -92,7 +94,7 @@ class OtherHands:
             return
         finally:
             self._bring.props(remove="loading")
-        ui.notify(f"{called} is here as {name}.", type="positive")
+        ui.notify(f"{called} is here as {self._drawing.hands.titles()[name]}.", type="positive")
 
 
 def _trouble() -> ui.label:

@@ -7,6 +7,8 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.painting.painting import Sheet
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import title_of
+from maulstick.studio.widgets.renaming import rename_button
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.workers.svg_work import PICTURE, SvgCard
@@ -34,24 +36,25 @@ class Drawings:
         self._appear()
 
     def _show(self) -> None:
-        cards = self._studio.svgs.cards()
+        cards, titles = self._studio.svgs.cards(), self._studio.run.plans()
         self._count = len(cards)
         self._cards.clear()
         with self._cards:
             for name, card in cards.items():
-                self._build(name, card)
+                self._build(name, titles.get(name, name), card)
         self._appear()
 
     def _appear(self) -> None:
         self.root.visible = self._count > 0 and not self._studio.run.state.is_on
 
-    def _build(self, name: str, card: SvgCard) -> None:
-        seen = self._studio.svgs.file(name).with_name(PICTURE).stat().st_mtime_ns
-        with html.article().classes("sheet drawing").props(f'aria-label="Drawing {name}"') as article:
-            html.h2(name)
-            html.img(src=f"/picture/drawings/{name}/{PICTURE}?{seen}", alt=f"{name} as a pen draws it").classes(
-                "picture"
-            )
+    def _build(self, name: str, title: str, card: SvgCard) -> None:
+        svgs = self._studio.svgs
+        seen = svgs.file(name).with_name(PICTURE).stat().st_mtime_ns
+        with html.article().classes("sheet drawing") as article:
+            article.props["aria-label"] = f"Drawing {title}"
+            html.h2(title)
+            picture = html.img(src=f"/picture/drawings/{name}/{PICTURE}?{seen}", alt=f"{title} as a pen draws it")
+            picture.classes("picture").props("loading=lazy")
             html.p(facts(card)).classes("hint figure")
             if card.notes:
                 with html.ul().classes("hint notes").props('aria-label="Notes"'):
@@ -63,16 +66,17 @@ class Drawings:
                     ui.label("Chosen").classes("hint")
                 else:
                     choose = ui.button("Paint this one", on_click=lambda: self._on_chosen(name)).props("outline")
-                    choose.props(f'aria-label="Paint {name}"')
-                away = ui.button(icon="delete", on_click=lambda: self._throw_away(name))
-                away.props(f'flat aria-label="Throw {name} away"')
+                    choose.props["aria-label"] = f"Paint {title}"
+                rename_button(title_of(svgs.file(name).parent), lambda typed: svgs.retitle(name, typed))
+                away = ui.button(icon="delete", on_click=lambda: self._throw_away(name, title)).props("flat")
+                away.tooltip("Throw away").props["aria-label"] = f"Throw {title} away"
 
-    async def _throw_away(self, name: str) -> None:
+    async def _throw_away(self, name: str, title: str) -> None:
         svgs, run, client = self._studio.svgs, self._studio.run, ui.context.client
         if run.is_busy and run.state.plan == name:
-            raise InputError(f"{name} is being painted; stop the machine first")
+            raise InputError(f"{title} is being painted; stop the machine first")
         trashed = await svgs.throw_away(name)
-        offer_undo(client, f"{name} is in the trash", lambda: svgs.take_back(trashed))
+        offer_undo(client, f"{title} is in the trash", lambda: svgs.take_back(trashed))
 
 
 def facts(card: SvgCard) -> str:

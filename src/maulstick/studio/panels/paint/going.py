@@ -52,7 +52,7 @@ class Controls:
         if not state.is_on:
             self._show_answer(None)
             return
-        self._title.text = f"{state.plan} · {machine_name(state.options.machine)}"
+        self._title.text = f"{self._run.title} · {machine_name(state.options.machine)}"
         self._question.visible, self._message.text = bool(state.question), f"Please {state.question}."
         self._show_answer(state.question_number if state.question else None)
         self._silent.visible = state.silent
@@ -147,7 +147,7 @@ class Sheets:
 
     def _show_outcome(self) -> None:
         state = self._run.state
-        self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state)
+        self._outcome.text = "" if state is self._past and not self._run.is_busy else _outcome(state, self._run.title)
         self._outcome.visible = bool(self._outcome.text)
         self._turns.show(state.estimate if state.is_on or (self._outcome.text and state.progress is None) else None)
         self._outcome.classes(add="fault" if state.fault else "", remove="" if state.fault else "fault")
@@ -203,9 +203,9 @@ def _left(seconds: float) -> str:
     return f"about {ceil(seconds / 60)} min left" if seconds > 90 else f"{ceil(seconds)} s left"
 
 
-def _outcome(state: State) -> str:
+def _outcome(state: State, title: str) -> str:
     if state.phase == "checking":
-        return f"Checking whether {state.plan} can be painted …"
+        return f"Checking whether {title} can be painted …"
     if state.phase != "ended":
         return ""
     if state.estimate is not None and state.estimate.strokes and state.progress is None and not state.fault:

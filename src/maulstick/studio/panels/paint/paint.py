@@ -50,6 +50,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     setting.on_choice, setting.on_touch = show, sheets.forget_outcome
     shown_by(setting.root, studio.run.changed, show)
     shown_by(setting.root, studio.svgs.changed, show)
+    shown_by(setting.root, studio.plans.changed, show)
 
 
 class _Setting:
@@ -71,7 +72,7 @@ class _Setting:
         self.root = html.section().classes("sheet")
         with self.root:
             html.h2("What to paint, and with what")
-            self._plan = ui.select([], label="Plan or drawing", on_change=self._choose).props(SHORT_MENU)
+            self._plan = ui.select({}, label="Plan or drawing", on_change=self._choose).props(SHORT_MENU)
             self._plan.on("update:model-value", lambda: self.on_touch(), args=[])
             self._none = html.p("There is nothing to paint yet: plan a painting, or bring a drawing.").classes("hint")
             with ui.element().classes("line"):
@@ -141,7 +142,7 @@ class _Setting:
 
     def _offer(self) -> None:
         plans = self._run.plans()
-        fallback = self._run.state.plan if self._run.state.plan in plans else plans[0] if plans else None
+        fallback = self._run.state.plan if self._run.state.plan in plans else next(iter(plans), None)
         self._plan.set_options(plans, value=self._plan.value if self._plan.value in plans else fallback)
         self._show_buttons()
 

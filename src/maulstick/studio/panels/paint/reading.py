@@ -98,7 +98,7 @@ class ReadingForm:
         self._angle.visible = self._hand.visible = self._hatch.value is not None
 
     def _offer_hands(self, chosen: str | None = None) -> None:
-        names = self._studio.styles.names()
         value = str(self._hand.value or "") if chosen is None else chosen
-        hands = {"": "Straight lines", **{name: f"Strokes of {name}" for name in names}}
+        strokes = {name: f"Strokes of {title}" for name, title in self._studio.styles.titles().items()}
+        hands = {"": "Straight lines", **strokes}
         self._hand.set_options(hands, value=value if value in hands else "")

@@ -45,7 +45,7 @@ class _Paints:
         self._root = ui.element().classes("wanted")
         with self._root:
             with ui.element().classes("line"):
-                self._plan = ui.select([], label="The painting", on_change=self._show).props("outlined")
+                self._plan = ui.select({}, label="The painting", on_change=self._show).props("outlined")
                 self._all = ui.button("All are mixed", icon="done_all", on_click=self._tick_all).props("outline")
                 self._count = ui.label().classes("count").props('role="status"')
                 self._paint = ui.button("Paint it now", icon="precision_manufacturing", on_click=self._go_and_paint)
@@ -61,7 +61,7 @@ class _Paints:
     def _offer(self) -> None:
         """List the plans that there are."""
         plans = self._studio.mixing.plans()
-        value = self._plan.value if self._plan.value in plans else plans[0] if plans else None
+        value = self._plan.value if self._plan.value in plans else next(iter(plans), None)
         self._plan.set_options(plans, value=value)
         self._show()
 

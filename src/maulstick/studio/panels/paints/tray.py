@@ -29,7 +29,7 @@ def build_tray(studio: Studio) -> None:
 
     def remove() -> None:
         trashed = studio.mixing.remove_tray()
-        offer_undo(said.client, "The tray is removed.", lambda: studio.mixing.take_back_tray(trashed))
+        offer_undo(said.client, "The tray is removed.", lambda: studio.mixing.take_back(trashed))
 
     with html.section().classes("sheet").props('aria-label="The tray"'):
         html.h2("The tray")

@@ -1,5 +1,6 @@
 """Card of a plan: its canvas while it is planned, and its painting afterwards."""
 
+from collections.abc import Callable
 from math import ceil
 
 from nicegui import html, ui
@@ -10,12 +11,15 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
+from maulstick.studio.panels.plan.note import NoteLine
 from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import checked_title, file_name
 from maulstick.studio.widgets.brushes import brush_in_words
+from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
-from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.wording import planned_for
@@ -30,17 +34,26 @@ _PHASE_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
 
 
 class PlanCard:
-    """Card on the page that follows one plan."""
+    """Card on the page that follows one plan.
 
-    def __init__(self, studio: Studio, plan: Plan) -> None:
-        self.plan, self._studio = plan, studio
-        self._card = html.article().classes("sheet plan").props(f'aria-label="Plan {plan.name}"')
+    again: called with the plan where it is to be planned again.  fold: where its card is to be small.
+    """
+
+    def __init__(
+        self, studio: Studio, plan: Plan, again: Callable[[Plan], object], fold: Callable[[Plan], object]
+    ) -> None:
+        self.plan, self._studio, self._again = plan, studio, again
+        self._card = html.article().classes("sheet plan")
         with self._card:
             with ui.element().classes("line head"):
-                html.h2(plan.name)
+                with html.h2():
+                    self._title = ui.label()
                 self._phase = ui.label().classes("phase").props('role="status"')
+                self._fold = ui.button(icon="unfold_less", on_click=lambda: fold(plan)).props("flat round dense")
+                self._fold.tooltip("Make this card small")
+            self._note = NoteLine(studio, plan)
             with ui.element().classes("compare") as self._pictures:
-                self._canvas = html.img(alt=f"The strokes of {plan.name}")
+                self._canvas = html.img()
                 self._target = html.img(alt="").classes("target")
             with html.label().classes("weight") as self._split:
                 ui.label("Picture or plan")
@@ -49,7 +62,7 @@ class PlanCard:
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
             if plan.request.options.text:
                 ui.label(_words(plan.request)).classes("hint words")
-            ui.label(_summary(plan.request)).classes("hint")
+            ui.label(_summary(plan.request, studio.styles.title(plan.request.options.style))).classes("hint")
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()
@@ -68,15 +81,22 @@ class PlanCard:
         """Move the card before all others."""
         self._card.move(target_index=0)
 
+    def focus(self) -> None:
+        """Give the focus to the first button of a new card, which moves it into sight."""
+        focus(self._fold)
+
     def show(self) -> None:
         """Show the present state of the plan."""
         plan = self.plan
         finished = plan.is_painting and not plan.is_busy
+        self._show_title()
+        self._note.show()
+        self._fold.visible = not plan.is_busy
         self._phase.set_text(plan.phase.value)
         self._card.classes(remove="planning waiting", add=_PHASE_CLASSES.get(plan.phase))
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
-        self._figures.set_text(_outcome(plan))
+        self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
@@ -107,15 +127,34 @@ class PlanCard:
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():
-                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download="{plan.name}-{file}"')
+                ui.item(label).props(f'href="/file/plans/{plan.name}/{file}" download=""')
             ui.item("Save as …", on_click=self._save_as)
-        self._away = ui.button(icon="delete", on_click=self._throw_away).props(
-            f'flat aria-label="Throw {plan.name} away"'
-        )
+        self._more = ui.button("Plan again like this", icon="replay", on_click=lambda: self._again(plan))
+        self._more.props("outline").tooltip("Fill the form with the picture and the settings of this plan")
+        self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat").tooltip("Rename")
+        self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat").tooltip("Throw away")
+
+    def _show_title(self) -> None:
+        title = self._studio.plans.titles().get(self.plan.name, self.plan.name)
+        if title == self._title.text:
+            return
+        self._title.set_text(title)
+        for element, name, text in (
+            (self._card, "aria-label", f"Plan {title}"),
+            (self._canvas, "alt", f"The strokes of {title}"),
+            (self._fold, "aria-label", f"Make the card of {title} small"),
+            (self._rename, "aria-label", f"Rename {title}"),
+            (self._away, "aria-label", f"Throw {title} away"),
+        ):
+            element.props[name] = text
+
+    def _ask_for_title(self) -> None:
+        plans = self._studio.plans
+        ask_for_title(self.plan.title, lambda typed: plans.relabel(self.plan, title=checked_title(typed)))
 
     def _save_as(self) -> None:
         with self._card:
-            ExportDialog(self._studio.desk, self.plan.folder / "painting.json", self.plan.name)
+            ExportDialog(self._studio.desk, self.plan.folder / "painting.json", file_name(self.plan.title, ""))
 
     def _show_notes(self) -> None:
         self._notes.visible = bool(self.plan.notes)
@@ -149,11 +188,11 @@ class PlanCard:
             self._canvas.props["src"] = source
 
     def _throw_away(self) -> None:
-        plans, name, client = self._studio.plans, self.plan.name, ui.context.client
-        if self._studio.run.state.is_on and self._studio.run.state.plan == name:
-            raise InputError(f"{name} is being painted; stop the machine first")
+        plans, title, client = self._studio.plans, self._title.text, ui.context.client
+        if self._studio.run.state.is_on and self._studio.run.state.plan == self.plan.name:
+            raise InputError(f"{title} is being painted; stop the machine first")
         trashed = plans.throw_away(self.plan)
-        offer_undo(client, f"{name} is in the trash", lambda: plans.take_back(trashed))
+        offer_undo(client, f"{title} is in the trash", lambda: plans.take_back(trashed))
 
 
 def _words(request: PlanRequest) -> str:
@@ -161,11 +200,14 @@ def _words(request: PlanRequest) -> str:
     return f"“{request.options.text}”" + ("" if request.picture is None else ", beside the picture")
 
 
-def _summary(request: PlanRequest) -> str:
-    """Return the main options of a plan in one line, and others where they are not the usual ones."""
+def _summary(request: PlanRequest, style: str) -> str:
+    """Return the main options of a plan in one line, and others where they are not the usual ones.
+
+    style: title of its hand.
+    """
     options, usual = request.options, PlanOptions()
     mixed = options.mixed_paints
-    hand = f"{options.style} at {options.hand_size:g} times its size" if options.hand_size != 1 else options.style
+    hand = f"{style} at {options.hand_size:g} times its size" if options.hand_size != 1 else style
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
     colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
     parts = [hand, brush_in_words(options.brush), strokes, colours, in_words(options.size)]
@@ -178,7 +220,7 @@ def _summary(request: PlanRequest) -> str:
     return ", ".join(parts)
 
 
-def _outcome(plan: Plan) -> str:
+def outcome(plan: Plan) -> str:
     """Return how far the plan is, why it failed, or the metrics of its painting."""
     if plan.phase is Phase.FAILED:
         return plan.why

@@ -52,6 +52,10 @@ class PictureEditor:
             self._name = name
             self._fill(self.edit)
 
+    def correct(self, edit: PictureEdit) -> None:
+        """Take an edit for the picture that is shown."""
+        self._take(edit)
+
     def show(self, picture: bytes) -> None:
         """Show the picture, a JPEG, before it is cut."""
         self._picture.props["src"] = as_source(picture)

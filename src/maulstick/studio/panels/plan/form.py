@@ -13,10 +13,12 @@ from maulstick.errors import InputError, MaulstickError, option
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.pens import load_pen
+from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
+from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.brushes import USUAL_PEN, brushes_for, draws_one_width, is_pen
@@ -148,15 +150,35 @@ class PlanForm:
         return bool(self._enough.visible and self._enough.value)
 
     def _show_styles(self, wanted: str) -> None:
-        names = [_FREE, *self._studio.styles.names()]
-        chosen = self._style.value if self._style.value in names else wanted if wanted in names else "loops"
-        self._style.set_options({name: "free (nobody's)" if name == _FREE else name for name in names}, value=chosen)
+        titles = {_FREE: "free (nobody's)", **self._studio.styles.titles()}
+        chosen = self._style.value if self._style.value in titles else wanted if wanted in titles else "loops"
+        self._style.set_options(titles, value=chosen)
+
+    def fill(self, plan: Plan) -> None:
+        """Fill the form with the picture, the text and the options of a plan.
+
+        Raises InputError where its picture is not in the studio any more; the rest is filled in all the same.
+        """
+        options, values = plan.request.options, values_of(plan.request.options)
+        self._machine.value = values["machine"]
+        self._offer_brushes(options.brush)
+        self._effort.set_options({options.steps: f"{options.steps} steps", **_EFFORTS})
+        self._kept.update(values)
+        if options.style in self._style.options:
+            self._style.value = options.style
+        for name, slider in self._weights.items():
+            slider.set(options.weights.get(name, 0.0) if options.weights else float(name == "tone"))
+        self._arrange.set(options.arrange)
+        ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
+        self._picture.choose(plan.request.picture)
+        self._editor.correct(options.edit)
+        ui.notify(f"The form is filled as for {plan.title}. Change what you like, then “Plan it”.", type="positive")
 
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._request())
         self._go.disable()  # or a double click would plan it twice
         ui.timer(_PAUSE, self._go.enable, once=True)
-        ui.notify(f"{plan.name} is being planned", type="positive")
+        ui.notify(f"{plan.title} is being planned", type="positive")
         ui.run_javascript(_SHOW_NEWEST)
 
     def _request(self) -> PlanRequest:

@@ -5,11 +5,19 @@ from pathlib import Path
 
 from nicegui import events, html, ui
 
+from maulstick.errors import InputError
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import title_of
+from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
 _ENDINGS = ".jpg,.jpeg,.png,.heic,.heif,.webp,.tif,.tiff,.gif,.bmp"
+
+_SCROLL = """setTimeout(() => {
+  const group = document.getElementById("GROUP"), chosen = group.querySelector(":checked")?.parentNode;
+  if (chosen) group.scrollTop = chosen.offsetTop - group.offsetTop;
+})"""  # not scrollIntoView, which would scroll the page, too
 
 
 class PictureChoice:
@@ -22,6 +30,8 @@ class PictureChoice:
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
         with ui.element().classes("line"):
             upload_button("Bring a picture", _ENDINGS, self._bring)
+            self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat")
+            self._rename.tooltip("Rename the picture").props('aria-label="Rename the picture"')
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 
@@ -35,33 +45,51 @@ class PictureChoice:
         """File of the chosen picture, or None."""
         return None if self._chosen is None else self._studio.gallery.path(self._chosen)
 
+    def choose(self, path: Path | None) -> None:
+        """Choose the picture of that file, or none. Raises InputError where it is not here any more."""
+        gallery = self._studio.gallery
+        names = {gallery.path(name): name for name in gallery.names()}
+        self._chosen = None if path is None else names.get(path)
+        self._show()
+        ui.run_javascript(_SCROLL.replace("GROUP", self._group.html_id))
+        self._on_chosen()
+        if path is not None and self._chosen is None:
+            raise InputError("the picture of that plan is not here any more; bring it again, or choose another")
+
     def _show(self) -> None:
-        names = self._studio.gallery.names()
+        names, titles = self._studio.gallery.names(), self._studio.gallery.titles()
         self._group.clear()
         with self._group:
             for name in names:
-                self._offer(name)
+                self._offer(name, titles.get(name, name))
             if names:
-                self._offer(None)
+                self._offer(None, "No picture")
+        self._rename.visible = self._chosen in names
         self._group.visible = bool(names)
         self._portrait.visible = "portrait" not in names
 
-    def _offer(self, name: str | None) -> None:
+    def _offer(self, name: str | None, title: str) -> None:
         def choose() -> None:
             self._chosen = name
+            self._rename.visible = name is not None
             self._on_chosen()
 
-        with html.label().classes("thumb").props(f'title="{name or "No picture"}"'):
+        with html.label(title=title).classes("thumb"):
             button = html.input_(type="radio", name=f"picture-{self._group.id}").on("change", choose)
             button.props["^checked"] = name == self._chosen or None
             if name is None:
-                html.span("No picture")
+                html.span(title)
             else:
-                html.img(src=f"/picture/pictures/{name}/small.jpg", alt=name)
+                html.img(src=f"/picture/pictures/{name}/small.jpg", alt=title).props("loading=lazy")
 
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
             await self._take(self._studio.gallery.keep(file, str(event.file.name)))
+
+    def _ask_for_title(self) -> None:
+        gallery, name = self._studio.gallery, self._chosen
+        if name is not None:
+            ask_for_title(title_of(gallery.path(name).parent), lambda typed: gallery.retitle(name, typed))
 
     async def _use_portrait(self) -> None:
         await self._take(self._studio.gallery.keep_portrait())

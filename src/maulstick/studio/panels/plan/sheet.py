@@ -14,8 +14,10 @@ from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.sketch import sketch
 
-_OWN = "own"
-SIZES = {size: in_words(size) for size in ("200x160mm", "160x160mm", "A5", "A4", "A3")} | {_OWN: "Another size"}
+OWN = "own"
+"""Size that a person types."""
+
+SIZES = {size: in_words(size) for size in ("200x160mm", "160x160mm", "A5", "A4", "A3")} | {OWN: "Another size"}
 TURNS = {AS_SUITS: "As the picture", "standing": "Standing", "lying": "Lying"}
 FITS = {AS_SUITS: "As suits it", "contain": "All of it", "cover": "Fills the sheet"}
 """Sizes, ways to turn the sheet, and ways in which a picture fits it, with their words for people."""
@@ -46,12 +48,12 @@ class SheetChoice:
         """Return what the fields say of the chosen picture. Raises InputError for what cannot be."""
         name = self._picture.name
         shape = None if name is None else self._editor.edit.shape(self._studio.gallery.shape(name))
-        size = str(self._own.value if self._size.value == _OWN else self._size.value)
+        size = str(self._own.value if self._size.value == OWN else self._size.value)
         return Placing.of(size, str(self._turned.value), str(self._fit.value), self._margin.value or 0, shape)
 
     def follow(self) -> None:
         """Show the fields that mean something, and sketch the sheet again."""
-        self._own.visible = self._size.value == _OWN
+        self._own.visible = self._size.value == OWN
         self._fit.visible = self._sketch.visible = self._picture.name is not None
         self._is_stale = self._picture.name is not None
         if self._is_stale and not self._is_sketching:

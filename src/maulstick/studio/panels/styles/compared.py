@@ -1,13 +1,14 @@
 """Comparison of some styles: how much and in what their strokes differ, and all of them on one map."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from nicegui import html, ui
 
 from maulstick.studio.panels.styles.map import StrokeMap
 from maulstick.studio.panels.styles.shown import AS_TURNED, address_of, shown_later
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.workers.style_work import Difference
+from maulstick.studio.workers.style_work import Difference, Map
 
 
 def show_compared(studio: Studio, names: Sequence[str]) -> ui.element:
@@ -18,15 +19,24 @@ def show_compared(studio: Studio, names: Sequence[str]) -> ui.element:
         .props("flat")
         .classes("back")
     )
-    html.h1(f"{', '.join(names[:-1])} and {names[-1]}")
+    titles = studio.styles.titles()
+    named = [titles.get(name, name) for name in names]
+    html.h1(f"{', '.join(named[:-1])} and {named[-1]}")
+
+    def show_differences(found: Sequence[Difference]) -> None:
+        _differences([replace(each, first=titles[each.first], second=titles[each.second]) for each in found])
+
+    def show_map(found: Map) -> StrokeMap:
+        return StrokeMap(replace(found, names=tuple(named)))
+
     with ui.element().classes("halves"):
         with html.section().classes("sheet"):
             html.h2("How different they are")
-            shown_later("Comparing their strokes …", lambda: styles.differences_of(names), _differences)
+            shown_later("Comparing their strokes …", lambda: styles.differences_of(names), show_differences)
         with html.section().classes("sheet"):
             html.h2("All their strokes, sorted by likeness")
             html.p(AS_TURNED).classes("hint")
-            shown_later("Finding out which strokes are alike …", lambda: styles.map_of(names), StrokeMap)
+            shown_later("Finding out which strokes are alike …", lambda: styles.map_of(names), show_map)
     return back
 
 

@@ -10,7 +10,7 @@ from maulstick.studio.panels.styles.opened import show_opened
 from maulstick.studio.panels.styles.shown import AS_TURNED, about, address_of, fill, sheet_picture
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.styles import MOST, DeletedStyle, Entry
-from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.style.cards import StyleCard
 
 _STYLE = Path(__file__).with_name("styles.css")
@@ -45,7 +45,7 @@ class StylesPanel:
                 self._kept[_TICKED] = list(self._looked_at)
                 way_out = show_compared(self._studio, self._looked_at)
         if not ui.context.client.sub_pages_router.is_initial_request:
-            _focus(way_out)
+            focus(way_out)
 
     def _follow(self) -> None:
         """Rebuild the gallery; leave a close look or a comparison as it is while its styles exist."""
@@ -64,6 +64,7 @@ class StylesPanel:
             "Each sheet shows what a person drew and, below it, what Maulstick draws in that hand. "
             f"{AS_TURNED} Look closer at one, or tick a few to see how they differ."
         ).classes("hint")
+        self._titles = styles.titles()
         ways_in = {deleted.name: self._deleted(deleted) for deleted in styles.thrown_away[-3:]}
         with ui.element().classes("line chosen"):
             self._compare = ui.button("Compare", icon="compare", on_click=lambda: _look_at(self._ticked))
@@ -72,7 +73,8 @@ class StylesPanel:
         sheets: dict[str, ui.element] = {}
         with ui.element().classes("cards"):
             for entry in map(styles.entry, styles.names()):
-                with html.article().classes("sheet style-card").props(f'aria-label="{entry.name}"'):
+                with html.article().classes("sheet style-card") as article:
+                    article.props["aria-label"] = entry.title
                     if entry.card is None:
                         self._broken(entry)
                     else:
@@ -81,22 +83,22 @@ class StylesPanel:
         ui.timer(0, lambda: self._draw(sheets), once=True)
         left = self._kept.pop(_LEFT, "")
         if left in ways_in:
-            _focus(ways_in[left])
+            focus(ways_in[left])
 
     def _deleted(self, deleted: DeletedStyle) -> ui.element:
         """Show a line about a deleted style; return its button that undoes it."""
         with ui.element().classes("line notice").props('role="status"'):
-            ui.label(f"{deleted.name} is deleted.")
-            return ui.button("Undo", icon="undo", on_click=lambda: self._studio.styles.take_back(deleted)).props(
-                f'outline aria-label="Undo: have {deleted.name} again"'
-            )
+            ui.label(f"{deleted.title} is deleted.")
+            undo = ui.button("Undo", icon="undo", on_click=lambda: self._studio.styles.take_back(deleted.trashed))
+            undo.props("outline").props["aria-label"] = f"Undo: have {deleted.title} again"
+            return undo
 
     def _broken(self, entry: Entry) -> None:
-        html.h2(entry.name)
+        html.h2(entry.title)
         html.p(f"This one cannot be used: {entry.fault}").classes("fault")
         if not entry.is_built_in:
             delete = ui.button("Delete", icon="delete", on_click=lambda: self._studio.styles.delete(entry.name))
-            delete.props(f'outline aria-label="Delete {entry.name}"').classes("foot")
+            delete.props("outline").classes("foot").props["aria-label"] = f"Delete {entry.title}"
 
     def _card(self, entry: Entry, card: StyleCard) -> tuple[ui.element, ui.element]:
         """Build the card of a style; return the place of its sheet, and the button that opens it."""
@@ -105,15 +107,15 @@ class StylesPanel:
         with picture:
             ui.label("Drawing its sheet …").classes("hint")
         with ui.element().classes("line between"):
-            html.h2(entry.name)
+            html.h2(entry.title)
             html.span("comes with Maulstick" if entry.is_built_in else "yours").classes("badge")
         html.p(about(card)).classes("hint")
         html.p(f"From {card.source}", title=card.source).classes("hint source")
         with ui.element().classes("line between foot"):
             look = ui.button("Look closer", on_click=lambda: _look_at([entry.name])).props("flat")
-            look.props(f'aria-label="Look closer at {entry.name}"')
+            look.props["aria-label"] = f"Look closer at {entry.title}"
             tick = ui.checkbox("Compare", value=entry.name in self._ticked)
-            tick.props(f'aria-label="Compare {entry.name}"')
+            tick.props["aria-label"] = f"Compare {entry.title}"
             tick.on_value_change(lambda event: self._tick(entry.name, event.value is True))
         return picture, look
 
@@ -125,7 +127,8 @@ class StylesPanel:
     def _count(self) -> None:
         count = len(self._ticked)
         self._compare.set_enabled(2 <= count <= MOST)
-        told = f"Tick 2 to {MOST} hands to compare them." if count < 2 else ", ".join(self._ticked)
+        ticked = ", ".join(self._titles.get(name, name) for name in self._ticked)
+        told = f"Tick 2 to {MOST} hands to compare them." if count < 2 else ticked
         self._told.set_text(told if count <= MOST else f"{count} are too many to compare; leave at most {MOST} ticked.")
 
     async def _draw(self, sheets: Mapping[str, ui.element]) -> None:
@@ -138,8 +141,3 @@ class StylesPanel:
 
 def _look_at(names: Sequence[str]) -> None:
     ui.navigate.to(address_of(names))
-
-
-def _focus(element: ui.element) -> None:
-    """Focus the element once it is shown: the element that had the focus is gone."""
-    element.on("vnodeMounted", js_handler="(node) => node.el.focus()")

@@ -1,6 +1,6 @@
 """Form for a new survey: two questionnaires, put together from drawings in the studio."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from nicegui import app, events, html, ui
@@ -134,10 +134,10 @@ class SurveyForm:
                 value=chosen if chosen in self._drawings else None,
                 clearable=True,
                 with_input=True,
-                on_change=lambda event: _show_thumbs(shown, [event.value] if event.value else []),
+                on_change=lambda event: _show_thumbs(shown, [event.value] if event.value else [], self._drawings),
             )
             choice.bind_value_to(draft, name).props("outlined dense")
-        _show_thumbs(shown, [choice.value] if choice.value else [])
+        _show_thumbs(shown, [choice.value] if choice.value else [], self._drawings)
         return choice
 
     def _choices(self, label: str, hand: HandDraft) -> None:
@@ -149,11 +149,11 @@ class SurveyForm:
                 value=[each for each in hand.by_machine if each in self._drawings],
                 multiple=True,
                 clearable=True,
-                on_change=lambda event: _show_thumbs(shown, event.value or []),
+                on_change=lambda event: _show_thumbs(shown, event.value or [], self._drawings),
             )
             choice.bind_value_to(hand, "by_machine", forward=lambda value: list(value or ()))
             choice.props("outlined dense")
-        _show_thumbs(shown, choice.value)
+        _show_thumbs(shown, choice.value, self._drawings)
 
     def _remover(self, label: str, rows: list[Any], row: object) -> None:
         def remove() -> None:
@@ -170,7 +170,7 @@ class SurveyForm:
     async def _bring(self, event: events.UploadEventArguments) -> None:
         async with incoming(self._studio.folder, event) as file:
             name = await self._studio.gallery.keep(file, str(event.file.name))
-        ui.notify(f"{name} can be chosen now.")
+        ui.notify(f"{self._studio.gallery.titles()[name]} can be chosen now.")
 
     async def _make_it(self) -> None:
         self._make.disable()
@@ -197,8 +197,8 @@ def _count_field(label: str, draft: Draft, name: str, most: int) -> None:
     number.bind_value(draft, name)
 
 
-def _show_thumbs(shown: ui.element, drawings: list[str]) -> None:
+def _show_thumbs(shown: ui.element, drawings: list[str], titles: Mapping[str, str]) -> None:
     shown.clear()
     with shown:
         for drawing in drawings:
-            html.img(src=address_of(drawing), alt=drawing.split("/")[1])
+            html.img(src=address_of(drawing), alt=titles.get(drawing, "")).props("loading=lazy")

@@ -9,6 +9,8 @@ from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.panels.survey.form import SurveyForm
 from maulstick.studio.panels.survey.results import confusion_table, opinions_table, right_table
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import file_name
+from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.wording import error_text
@@ -60,7 +62,8 @@ class _Panel:
         self._follow()
 
     def _follow(self) -> None:
-        names = self._studio.surveys.names()
+        titles = self._studio.surveys.titles()
+        names = list(titles)
         if self._chosen is not None and self._chosen not in names:
             self._choose(next(iter(names), None))
             return
@@ -69,7 +72,7 @@ class _Panel:
             if not names:
                 ui.label("There is none yet.").classes("hint")
             for name in names:
-                each = html.button(name).props("type=button").classes("survey-name")
+                each = html.button(titles[name]).props("type=button").classes("survey-name")
                 each.on("click", lambda name=name: self._choose(name))
                 if name == self._chosen:
                     each.props('aria-current="true"')
@@ -83,13 +86,16 @@ class _Survey:
         self._people: list[Participant] | None = None
         with html.section().classes("sheet").props('aria-label="Links"') as self._root:
             with html.h2():
-                self._title = ui.label(name)
+                self._title = ui.label(studio.surveys.titles().get(name, name))
+            self._read = ui.label().classes("hint")
+            self._read.visible = False
             self._count = ui.label("Counting the answers …").classes("figure").props('role="status"')
             with ui.element().classes("line"):
                 self._more = ui.number("How many people?", value=10, min=1, max=1000, precision=0)
                 self._more.props("outlined dense").classes("how-many")
                 ui.button("Make their links", icon="add_link", on_click=self._invite)
                 self._all = ui.button("Copy all links", icon="content_copy", on_click=self._copy_all).props("outline")
+                ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat")
                 ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
             if "//127." in address or "//localhost" in address:
                 html.p(
@@ -114,7 +120,7 @@ class _Survey:
         if self._root.is_deleted:
             return
         begun, finished = sum(person.begun for person in people), sum(person.finished for person in people)
-        self._title.text = report.title
+        self._show_title(report.title)
         self._count.text = f"{len(people)} links · {begun} have begun · {finished} have finished"
         if people != self._people:
             self._people = people
@@ -123,6 +129,15 @@ class _Survey:
         self._results.clear()
         with self._results:
             _tables(report)
+
+    def _show_title(self, read: str) -> None:
+        """Show the title. read: the one that participants read."""
+        self._title.text = title = self._surveys.titles().get(self._name, read)
+        self._read.text, self._read.visible = f"People read: {read}", read not in title
+
+    def _ask_for_title(self) -> None:
+        hint = "This is its name on this page; people go on reading the one that it was made with."
+        ask_for_title(self._surveys.own_title(self._name), lambda typed: self._surveys.retitle(self._name, typed), hint)
 
     def _show_links(self, waiting: list[Participant]) -> None:
         self._all.visible = bool(waiting)
@@ -154,13 +169,15 @@ class _Survey:
         _copy("\n".join(map(self._link, waiting)), f"Copied, one per line: {len(waiting)}.")
 
     async def _download(self) -> None:
-        ui.download.content(await self._surveys.csv(self._name), f"{self._name}.csv", "text/csv")
+        csv = await self._surveys.csv(self._name)
+        ui.download.content(csv, file_name(self._surveys.own_title(self._name), ".csv"), "text/csv")
 
     def _throw_away(self) -> None:
+        title = self._surveys.titles().get(self._name, self._name)
         trashed = self._surveys.throw_away(self._name)
         offer_undo(
             self._root.client,
-            f"{self._name} and its answers are thrown away.",
+            f"{title} and its answers are thrown away.",
             lambda: self._surveys.take_back(trashed),
         )
 

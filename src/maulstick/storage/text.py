@@ -1,0 +1,11 @@
+"""Text that people wrote, checked before it is kept."""
+
+from typing import Final
+
+JOINERS: Final = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
+"""Letters that cannot be seen, and with which words of some scripts, and emoji, are written."""
+
+
+def is_printable(text: str) -> bool:
+    """Return whether a text has nothing but what can be printed, and joiners."""
+    return all(letter.isprintable() or letter in JOINERS for letter in text)

@@ -1,0 +1,36 @@
+"""Values of the form for a plan that is to be planned again."""
+
+from typing import Any
+
+from maulstick.jobs.plan.options import AUTO, PlanOptions
+from maulstick.painting.raster import parse_length, parse_size, size_of
+from maulstick.studio.panels.plan.sheet import OWN
+from maulstick.studio.state.settings import Choices
+from maulstick.studio.wording import PLANNED_FOR
+
+
+def values_of(options: PlanOptions) -> dict[str, Any]:
+    """Return the values of the form's fields by their keys; the usual ones for what was not asked for."""
+    usual, takes_enough = Choices().model_dump(), options.strokes == AUTO
+    width, height = parse_size(size_of(options.size))
+    machine = (options.robot or "").partition(":")[0]
+    return {
+        **usual,
+        "text": options.text or "",
+        "machine": machine if machine in PLANNED_FOR else "",
+        "style": options.style,
+        "hand_size": options.hand_size,
+        "brush": options.brush,
+        "size": OWN,
+        "own_size": size_of(options.size),
+        "turned": "lying" if width > height else "standing",
+        "fit": options.fit,
+        "margin": 1e3 * parse_length(options.margin),
+        "kind": "paints" if options.ink is None else "ink",
+        "paints": options.mixed_paints or usual["paints"],
+        "ink": options.ink or usual["ink"],
+        "strokes": usual["strokes"] if takes_enough else options.strokes,
+        "enough": takes_enough,
+        "drawing": options.drawing,
+        "effort": options.steps,
+    }
