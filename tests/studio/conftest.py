@@ -17,6 +17,7 @@ from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, e
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
 _PATIENCE_OF_A_PAGE = 120.0  # seconds
+_OPTIONS = ["--no-sandbox", "--disable-gpu", "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
 
@@ -115,7 +116,7 @@ def browser() -> Iterator[Browser]:
     if chromium is None:
         pytest.skip("there is no Chromium")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        browser = playwright.chromium.launch(executable_path=chromium, args=_OPTIONS)
         expect.set_options(timeout=1e3 * _PATIENCE_OF_A_PAGE)
         yield browser
         expect.set_options(timeout=None)  # it belongs to all modules

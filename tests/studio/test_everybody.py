@@ -19,7 +19,8 @@ OVERLAPS = """() => {
   const wanted = "button, a, input, select, textarea, label, h1, h2, h3, p, li, img, svg, [role=radio], [role=slider]";
   const seen = [...document.querySelectorAll(".panel, header")].flatMap((part) => [...part.querySelectorAll(wanted)])
     .filter((one) => one.checkVisibility({ opacityProperty: true, visibilityProperty: true }))
-    .filter((one) => !one.closest(".compare, .stroke-map, .q-field, [aria-hidden=true]"));
+    .filter((one) => !one.closest(".compare, .stroke-map, .q-field, [aria-hidden=true]"))
+    .filter((one) => !one.closest(".go"));  // it stays in sight, and what scrolls goes behind it
   const boxes = seen.map((one) => one.getBoundingClientRect());
   const words = (one) => one.innerText || one.getAttribute("aria-label") || one.className;
   const named = (one) => `${one.tagName} ${words(one).slice(0, 40)}`;

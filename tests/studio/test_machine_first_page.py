@@ -30,7 +30,7 @@ def expect_chosen(page: Page) -> None:
         "Strokes": "12",
         "Sheet": "A5",
         "Outlines": "0.5",
-        "Or say in words what to paint": "",
+        "What to paint, in words": "",
     }
     for label, value in chosen.items():
         expect(page.get_by_label(label, exact=True)).to_have_value(value)
@@ -57,10 +57,10 @@ def test_from_the_default_form_a_plotter_draws_and_all_that_was_chosen_is_there_
     choose(tab, "Machine", "AxiDraw")
     choose(tab, "Brush or pen", re.compile("^marker, held at one pressure: 2.4 mm$"))
     choose(tab, "Colours", "One ink")
-    choose(tab, "How long", re.compile("sketch"))
+    choose(tab, "How carefully", re.compile("sketch"))
     choose(tab, "Sheet", re.compile("^A5$"))
     tab.get_by_label("Strokes", exact=True).fill("12")
-    tab.get_by_label("Or say in words what to paint").fill("my secret")
+    tab.get_by_label("What to paint, in words").fill("my secret")
     tab.get_by_label("Outlines").fill("0.5")
 
     other = page("/plan")
@@ -76,7 +76,7 @@ def test_from_the_default_form_a_plotter_draws_and_all_that_was_chosen_is_there_
     bring_a_picture(tab, tmp_path)
     tab.get_by_role("button", name="Plan it").click()
     expect(card(tab).locator(".phase")).to_have_text("planned")
-    expect(card(tab).get_by_text("loops, marker, 12 strokes, one ink, A5, for AxiDraw")).to_be_visible()
+    expect(card(tab).get_by_text("loops, marker, 12 strokes, one ink, A5, lying, for AxiDraw")).to_be_visible()
     expect(card(tab).get_by_role("list", name="Notes")).to_contain_text("the brush marker is held at one pressure")
 
     tab.goto(studio.url + "/paint?plan=my-sunset")
@@ -90,7 +90,7 @@ def test_from_the_default_form_a_plotter_draws_and_all_that_was_chosen_is_there_
             tab.get_by_text(re.compile(r"^Please put in the marker with paint 1 \(black\); it draws"))
         ).to_be_visible()
         tab.get_by_role("button", name="Done").click()
-        expect(tab.locator(".outcome")).to_have_text("my-sunset is painted.")
+        expect(tab.locator(".outcome")).to_have_text("My Sunset! is painted.")
     assert any(down for _, _, down in board.reached)
 
 

@@ -27,7 +27,7 @@ def bring(page: Page, path: Path) -> None:
 
 def target_of(page: Page, folder: Path) -> Pixels:
     """Wait until a plan begins; return its picture as it lies on the sheet, and stop it."""
-    shown = card(page, folder.name)
+    shown = card(page, folder.name.replace("-", " "))
     expect(shown.locator(".compare .target")).to_have_attribute("src", re.compile("target.jpg"), timeout=_PATIENCE)
     shown.get_by_role("button", name="Stop and keep").click()
     with Image.open(folder / "target.jpg") as target:
@@ -42,7 +42,7 @@ def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned
     bring(opened, tmp_path / "standing.png")
     told = opened.locator(".sketch .hint")
     expect(told).to_have_text("A sheet of 160 by 200 mm. 6% of the picture is cut off, half of it above, half below.")
-    opened.get_by_label("How long").click()
+    opened.get_by_label("How carefully").click()
     opened.get_by_role("option", name=re.compile("Fine")).click()
     opened.get_by_role("button", name="Plan it").click()
     plans = studio.folder / "plans"

@@ -65,7 +65,7 @@ def test_a_plan_is_opened_renamed_noted_saved_asked_for_again_thrown_away_and_pu
 
     mine.get_by_role("article", name="Plan three").get_by_role("button", name="Plan again like this").click()
     expect(mine.get_by_label("Strokes", exact=True)).to_have_value("30")
-    expect(mine.get_by_label("Sheet", exact=True)).to_have_value("60 by 40 mm")
+    expect(mine.get_by_label("Width by height")).to_have_value("60x40mm")
     expect(mine.get_by_role("radio", name="three")).to_be_checked()
 
     card.get_by_role("button", name=f"Throw {EMOJI} away").click()

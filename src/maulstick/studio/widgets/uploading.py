@@ -10,6 +10,7 @@ from nicegui import events, html, ui
 from maulstick.errors import InputError
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.widgets.webcam import camera_button
 from maulstick.studio.workers.uploads import LARGEST, known_as
 
 _LARGEST_SMALL = 2**20  # bytes: of a file of a few numbers, read into memory whole
@@ -23,6 +24,13 @@ _TAKE_DROP = """(event) => {
   event.preventDefault();
   runMethod(CHOOSER, "addFiles", [event.dataTransfer.files]);
 }"""
+_TAKE_PASTE = """
+const paste = (event) => {
+  if (!document.body.contains(getHtmlElement(CHOOSER))) return removeEventListener("paste", paste);
+  if (event.clipboardData.files.length) runMethod(CHOOSER, "addFiles", [event.clipboardData.files]);
+};
+addEventListener("paste", paste);
+"""
 
 
 def upload_button(
@@ -30,11 +38,13 @@ def upload_button(
     accept: str,
     take: Callable[[events.UploadEventArguments], Awaitable[None]],
     onto: ui.element | None = None,
+    camera: bool = False,
 ) -> ui.button:
     """Make a button that lets a person choose a file, and says beside it that the file is being read.
 
     accept: endings that the browser offers, as ".png,.jpg", but does not enforce.  take: called with the file.
-    onto: part of the page onto which a file can be dropped as well.
+    onto: part of the page onto which a file can be dropped as well, or pasted while the page has it.
+    camera: whether a photograph may be taken instead.
     """
 
     async def taken(file: events.UploadEventArguments) -> None:
@@ -65,6 +75,9 @@ def upload_button(
     if onto is not None:
         onto.on("dragover", js_handler=_ALLOW_DROP)
         onto.on("drop", js_handler=_TAKE_DROP.replace("CHOOSER", str(chooser.id)))
+        ui.run_javascript(_TAKE_PASTE.replace("CHOOSER", str(chooser.id)))
+    if camera:
+        camera_button(chooser)
     return button
 
 

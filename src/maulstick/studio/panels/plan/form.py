@@ -38,9 +38,12 @@ _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person ca
 
 
 class PlanForm:
-    """Form with the button that begins to plan. style: name of the hand that is chosen first."""
+    """Form with the button that begins to plan.
 
-    def __init__(self, studio: Studio, style: str) -> None:
+    style: name of the hand that is chosen first.  desk: part of the page onto which a picture can be dropped.
+    """
+
+    def __init__(self, studio: Studio, style: str, desk: ui.element) -> None:
         self._studio = studio
         first = {"text": "", **_offered(studio.settings.choices)}
         self._kept = kept = app.storage.client.setdefault("plan", first)  # while a person is at other panels
@@ -51,7 +54,7 @@ class PlanForm:
         self._lifts.classes("hint")
         with ui.element().classes("sheet"):
             html.h2("What to paint")
-            self._picture = PictureChoice(studio, self._follow)
+            self._picture = PictureChoice(studio, desk, self._follow)
             self._editor = PictureEditor(kept, self._follow)
             self._text = ui.input(WORDS_LABEL).bind_value(kept, "text").props("maxlength=300")
             self._both = html.p("They count beside the picture; choose “No picture” to have them alone.")

@@ -21,15 +21,18 @@ _SCROLL = """setTimeout(() => {
 
 
 class PictureChoice:
-    """Thumbnails to choose from, and buttons to bring another picture. chosen: called after another was chosen."""
+    """Thumbnails to choose from, and buttons to bring another picture.
 
-    def __init__(self, studio: Studio, chosen: Callable[[], object]) -> None:
+    onto: part of the page onto which one can be dropped.  chosen: called after another was chosen.
+    """
+
+    def __init__(self, studio: Studio, onto: ui.element, chosen: Callable[[], object]) -> None:
         self._studio, self._on_chosen = studio, chosen
         names = studio.gallery.names()
         self._chosen = names[0] if names else None
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
         with ui.element().classes("line"):
-            upload_button("Bring a picture", _ENDINGS, self._bring)
+            upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True)
             self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat")
             self._rename.tooltip("Rename the picture").props('aria-label="Rename the picture"')
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")

@@ -20,8 +20,8 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
         "Choose a picture, and a hand: somebody's way of drawing. Watch the strokes find their places, "
         "and stop whenever you like it."
     ).classes("hint")
-    with ui.element().classes("desk"):
+    with ui.element().classes("desk") as desk:
         with ui.element().classes("side"):
-            form = PlanForm(studio, query.get("style", ""))
+            form = PlanForm(studio, query.get("style", ""), desk)
         with ui.element().classes("wide"):
             PlanCards(studio, again=form.fill)
