@@ -134,6 +134,11 @@ class Mixing:
         """Whether the user has chosen the tubes."""
         return self._tubes.is_file()
 
+    @property
+    def tubes_file(self) -> Path | None:
+        """File of the user's tubes; None where none were chosen."""
+        return self._tubes if self.has_own_tubes else None
+
     async def use_tubes(self, tubes: bytes) -> None:
         """Set the user's tubes. tubes: content of a file for `read_paints`. Raises InputError as that does."""
         await asyncio.to_thread(self._keep_tubes, tubes)

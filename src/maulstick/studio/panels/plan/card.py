@@ -8,6 +8,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.studio.panels.plan.compared import ComparedPictures
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
@@ -23,13 +24,9 @@ from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.wording import planned_for
-from maulstick.studio.workers.planner import TARGET, order_frame
+from maulstick.studio.workers.planner import order_frame
 
 _FILES = {"painting.json": "The plan", "painting.svg": "For a plotter (SVG)", "preview.png": "A picture"}
-_SPLIT = """(event) => {
-  const pictures = event.target.closest(".plan").querySelector(".compare");
-  pictures.style.setProperty("--split", event.target.value + "%");
-}"""
 _PHASE_CLASSES = {Phase.WAITING: "waiting", Phase.PLANNING: "planning"}
 
 
@@ -52,12 +49,7 @@ class PlanCard:
                 self._fold = ui.button(icon="unfold_less", on_click=lambda: fold(plan)).props("flat round dense")
                 self._fold.tooltip("Make this card small")
             self._note = NoteLine(studio, plan)
-            with ui.element().classes("compare") as self._pictures:
-                self._canvas = html.img()
-                self._target = html.img(alt="").classes("target")
-            with html.label().classes("weight") as self._split:
-                ui.label("Picture or plan")
-                html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
+            self._pictures = ComparedPictures(studio, plan)
             self._until = Slider("Stroke by stroke", 1, 1, 1, self._show_order, live=True)
             self._bar = ui.linear_progress(0, show_value=False).props('instant-feedback aria-label="How far it is"')
             if plan.request.options.text:
@@ -101,15 +93,11 @@ class PlanCard:
         self._curve.show(plan.curve)
         self._weights.visible = plan.phase is Phase.PLANNING
         self._weights.follow()
-        self._target.visible = (plan.folder / TARGET).is_file()
-        if self._target.visible:
-            self._target.props["src"] = f"/picture/plans/{plan.name}/{TARGET}"
         if finished and self._frames != plan.frames:
             self._frames = plan.frames
             self._until.set(self._frames - 1, most=self._frames - 1)
         self._until.element.visible = finished and self._frames > 1
         self._show_canvas(finished)
-        self._split.visible = self._target.visible and self._pictures.visible
         self._stop.set_text("Do not plan it" if plan.phase is Phase.WAITING else "Stop and keep")
         self._on.set_text("Try again" if plan.phase is Phase.FAILED else "Go on")
         self._stop.visible = plan.phase in (Phase.WAITING, Phase.PLANNING)
@@ -141,7 +129,7 @@ class PlanCard:
         self._title.set_text(title)
         for element, name, text in (
             (self._card, "aria-label", f"Plan {title}"),
-            (self._canvas, "alt", f"The strokes of {title}"),
+            (self._pictures.canvas, "alt", f"The strokes of {title}"),
             (self._fold, "aria-label", f"Make the card of {title} small"),
             (self._rename, "aria-label", f"Rename {title}"),
             (self._away, "aria-label", f"Throw {title} away"),
@@ -169,23 +157,17 @@ class PlanCard:
         plan = self.plan
         if finished:
             self._show_order()
-        elif plan.canvas:
-            self._set_picture(f"/live/{plan.name}/{plan.seen}")
-        self._pictures.visible = finished or bool(plan.canvas)
+        else:
+            self._pictures.show(f"/live/{plan.name}/{plan.seen}" if plan.canvas else "")
 
     def _show_order(self) -> None:
         """Show the first strokes, as many as the slider says."""
         until, plan = int(self._until.value), self.plan
         if plan.is_busy:
             return
-        if until >= self._frames - 1:
-            self._set_picture(f"/picture/plans/{plan.name}/preview.png?{plan.planned}")
-        else:
-            self._set_picture(f"/picture/plans/{plan.name}/order/{order_frame(plan.folder, until).name}?{plan.planned}")
-
-    def _set_picture(self, source: str) -> None:
-        if self._canvas.props.get("src") != source:
-            self._canvas.props["src"] = source
+        whole = until >= self._frames - 1
+        file = "preview.png" if whole else f"order/{order_frame(plan.folder, until).name}"
+        self._pictures.show(f"/picture/plans/{plan.name}/{file}?{plan.planned}")
 
     def _throw_away(self) -> None:
         plans, title, client = self._studio.plans, self._title.text, ui.context.client

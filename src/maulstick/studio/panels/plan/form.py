@@ -15,6 +15,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.editor import PictureEditor
+from maulstick.studio.panels.plan.more import MoreChoices
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
@@ -81,6 +82,7 @@ class PlanForm:
             self._weights = weight_sliders(weights, self._keep)
             self._arrange = Slider("As the hand arranges", 1, 0.25, kept["arrange"], self._keep)
             self._effort = ui.select(_EFFORTS, label="How carefully").bind_value(kept, "effort")
+            self._more = MoreChoices(studio, kept)
         self._go = (
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
@@ -175,6 +177,7 @@ class PlanForm:
         ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
         self._picture.choose(plan.request.picture)
         self._editor.correct(options.edit)
+        self._more.fill(options)
         ui.notify(f"The form is filled as for {plan.title}. Change what you like, then “Plan it”.", type="positive")
 
     def _plan(self) -> None:
@@ -204,7 +207,9 @@ class PlanForm:
         elif strokes != AUTO:
             paints = min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes)
         weights = {name: slider.value for name, slider in self._weights.items()}
+        asked: dict[str, Any] = {"paints": paints, **self._more.options(one_ink=ink is not None)}
         options = PlanOptions(
+            **asked,
             text=text,
             weights={} if picture is None else weights if text is not None else check_weights(weights),
             size=placing.size,
@@ -212,7 +217,6 @@ class PlanForm:
             margin=placing.margin,
             **({} if picture is None else vars(self._editor.edit)),
             strokes=strokes,
-            paints=paints,
             ink=ink,
             brush=str(self._brush.value),
             robot=str(self._machine.value) or None,

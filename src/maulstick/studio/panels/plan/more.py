@@ -1,0 +1,62 @@
+"""Choices that few plans need: the paper, the look of another picture, and paints as they come out of the tubes."""
+
+from pathlib import Path
+from typing import Any
+
+from nicegui import html, ui
+
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.showing import shown_by
+
+_WHITE = "#ffffff"
+_FIRST_VALUES = {"paper": _WHITE, "under": "", "look": "", "unmixed": False}
+_USUAL = PlanOptions()
+
+
+class MoreChoices:
+    """Fields that are closed at first. kept: what the page keeps."""
+
+    def __init__(self, studio: Studio, kept: dict[str, Any]) -> None:
+        self._studio, self._kept = studio, kept
+        for name, value in _FIRST_VALUES.items():
+            kept.setdefault(name, value)
+        self.root = ui.expansion("Paper, look and tubes").classes("more")
+        with self.root:
+            with ui.element().classes("numbers"):
+                self._paper = ui.color_input("Colour of the paper").bind_value(kept, "paper")
+                self._under = ui.select({}, label="Or a photograph of the sheet").bind_value(kept, "under")
+                self._look = ui.select({}, label="With the look of").bind_value(kept, "look")
+            self._unmixed = ui.checkbox("Only the paints of your tubes, unmixed").bind_value(kept, "unmixed")
+            html.p("Bring photographs and other pictures above, under “What to paint”; tubes stand under Mix.").classes(
+                "hint"
+            )
+        shown_by(self.root, studio.gallery.changed, self._offer)
+        shown_by(self.root, studio.mixing.changed, self._offer)
+
+    def options(self, one_ink: bool) -> dict[str, Any]:
+        """Return the options of these fields by their names. one_ink: whether the plan is in one, and not in paints."""
+        paper, under, look = (str(field.value or "") for field in (self._paper, self._under, self._look))
+        tubes = self._studio.mixing.tubes_file if self._unmixed.value and not one_ink else None
+        return {
+            "paper": _USUAL.paper if paper.lower() == _WHITE else paper,
+            "background": self._studio.gallery.path(under) if under else None,
+            "look": self._studio.gallery.path(look) if look else None,
+            **({} if tubes is None else {"paints_from": tubes, "paints": None}),
+        }
+
+    def fill(self, options: PlanOptions) -> None:
+        """Show what a plan was asked for; pictures that are not here any more are left out."""
+        self._kept["paper"] = _WHITE if options.paper == _USUAL.paper else options.paper
+        self._kept["under"], self._kept["look"] = self._name(options.background), self._name(options.look)
+        self._kept["unmixed"] = options.paints_from is not None
+
+    def _offer(self) -> None:
+        titles = self._studio.gallery.titles()
+        for field, none in ((self._under, "No photograph"), (self._look, "No other picture")):
+            field.set_options({"": none, **titles}, value=field.value if field.value in titles else "")
+        self._unmixed.visible = self._studio.mixing.tubes_file is not None
+
+    def _name(self, path: Path | None) -> str:
+        gallery = self._studio.gallery
+        return next((name for name in gallery.names() if gallery.path(name) == path), "")

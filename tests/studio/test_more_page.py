@@ -1,0 +1,38 @@
+"""Paper, the look of another picture and the tubes of a plan, in a real browser."""
+
+import json
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_plan_page import card
+
+
+def test_a_plan_is_asked_for_with_paper_a_look_and_the_tubes_of_the_studio_and_again_like_that(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    (studio.folder / "tubes.csv").write_text("black,#101010\nsand,#c8a46e\nsea,#2a6a8c\n")
+    tab = page("/plan")
+    tab.get_by_role("button", name="Try an example picture").click()
+    expect(tab.get_by_role("radio", name="portrait")).to_be_checked()
+    tab.get_by_role("button", name="Paper, look and tubes").click()
+    tab.get_by_label("Colour of the paper").fill("#f0e6d2")
+    tab.get_by_label("With the look of").click()
+    tab.get_by_role("option", name="portrait").click()
+    tab.get_by_role("checkbox", name="Only the paints of your tubes").click()
+    tab.get_by_label("Strokes", exact=True).fill("40")
+    tab.get_by_role("button", name="Plan it").click()
+    plan = card(tab, "Portrait")
+    expect(plan).to_be_visible()
+    options = json.loads((studio.folder / "plans" / "portrait" / "request.json").read_text())["options"]
+    assert (options["paper"], options["paints_from"]) == ("#f0e6d2", "studio:/tubes.csv")
+    assert options["look"] == "studio:/pictures/portrait/picture.png"
+    plan.get_by_role("button", name="Do not plan it").or_(plan.get_by_role("button", name="Stop and keep")).click()
+
+    again = page("/plan")
+    again.get_by_role("button", name="Plan again like this").click()
+    again.get_by_role("button", name="Paper, look and tubes").click()
+    expect(again.get_by_label("Colour of the paper")).to_have_value("#f0e6d2")
+    expect(again.get_by_label("With the look of")).to_have_value("Portrait")
+    expect(again.get_by_role("checkbox", name="Only the paints of your tubes")).to_be_checked()
