@@ -185,6 +185,53 @@ def test_the_eraser_end_of_a_pen_rubs_out_and_palms_do_not_draw(page: Opened) ->
     inked(tab, lambda pixels: pixels == 0)
 
 
+def test_two_fingers_undo_three_redo_and_the_sheet_fills_the_screen(page: Opened) -> None:
+    tab = page()
+    tap = """(fingers) => {
+      for (const type of ["pointerdown", "pointerup"])
+        for (let finger = 0; finger < fingers; finger++)
+          point(type, 0.3 + finger / 10, 0.5, { pointerType: "touch", pointerId: 20 + finger });
+    }"""
+    pressure(tab, line(0.2), FORCES)
+    pressure(tab, line(0.4), FORCES)
+    count(tab, "^2 strokes")
+    tab.evaluate(_POINTERS)
+    tab.evaluate(tap, 2)
+    count(tab, "^1 stroke;")
+    tab.evaluate(tap, 2)
+    count(tab, "An empty sheet")
+    tab.evaluate(tap, 3)
+    count(tab, "^1 stroke;")
+    tab.evaluate(tap, 1)
+    count(tab, "^1 stroke;")  # a palm, since there is a pen
+
+    sheet, stop = tab.locator(".pen canvas"), tab.get_by_role("button", name="STOP")
+    before = sheet.bounding_box()
+    tab.get_by_role("button", name="Full screen").click()
+    expect(tab.get_by_label("Name of this hand")).to_be_hidden()
+    after = sheet.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["width"] > before["width"]
+    expect(stop).to_be_in_viewport()
+    tab.get_by_role("button", name="Full screen").click()
+    expect(tab.get_by_label("Name of this hand")).to_be_visible()
+
+
+def test_two_fingers_undo_where_a_finger_draws_and_leave_no_dot(page: Opened) -> None:
+    tab = page()
+    tab.evaluate(_POINTERS)
+    touch = {"pointerType": "touch", "pointerId": 1}
+    for type, x in (("pointerdown", 0.2), ("pointermove", 0.4), ("pointermove", 0.6), ("pointerup", 0.6)):
+        tab.evaluate("([type, x, told]) => point(type, x, 0.3, told)", [type, x, touch])
+    count(tab, "^1 stroke;")
+    for type in ("pointerdown", "pointerup"):
+        for finger in (1, 2):
+            told = {**touch, "pointerId": finger}
+            tab.evaluate("([type, x, told]) => point(type, x, 0.6, told)", [type, 0.2 + finger / 10, told])
+    count(tab, "An empty sheet")
+
+
 def test_a_stroke_ends_at_the_longest_and_at_the_edge(studio: RunningStudio, page: Opened) -> None:
     tab = page()
     tab.evaluate(_POINTERS)

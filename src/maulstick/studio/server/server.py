@@ -80,7 +80,7 @@ def _app(folder: Folder, door: Door, browse: bool) -> FastAPI:
                 yield
             finally:
                 warming.cancel()
-                if studio.run.doing or studio.plans.doing:
+                if studio.run.doing or studio.plans.doing or studio.by_hand.doing:
                     print(
                         "The studio closes: a machine lifts its pen, and plans keep what they have; wait.", flush=True
                     )

@@ -4,6 +4,8 @@ const INK = "#26221d";
 const NEAR = 2.5; // millimetres from a stroke that is rubbed out
 const ERASER = 32; // PointerEvent.buttons
 const COLUMNS = 3; // x, y, pressure
+const TAP = 400; // milliseconds that fingers stay at most where two undo, and three redo
+const STILL = 12; // CSS pixels that they may move meanwhile
 
 export default {
   template: `
@@ -24,6 +26,8 @@ export default {
     this.swipe = null; // number of the movement that rubs out
     this.pointer = null;
     this.knowsPen = false;
+    this.fingers = new Map(); // places where they came down, by pointer
+    this.tap = null; // { began, most, still } of the fingers that are down
   },
   mounted() {
     this.ink = this.$refs.sheet.getContext("2d", { desynchronized: true });
@@ -69,8 +73,10 @@ export default {
 
     begin(event) {
       if (this.deaf) return;
+      if (this.countFinger(event)) return;
       const isPen = event.pointerType === "pen";
       this.knowsPen ||= isPen;
+      if (isPen && this.tap) this.tap.still = false; // a palm
       if (event.pointerType === "touch" && this.knowsPen) return; // a palm
       if (this.pointer !== null) {
         if (!isPen || this.pointerType === "pen") return;
@@ -92,6 +98,8 @@ export default {
       }
     },
     move(event) {
+      const down = this.fingers.get(event.pointerId);
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) > STILL) this.tap.still = false;
       if (event.pointerId !== this.pointer) return;
       const all = event.getCoalescedEvents?.() ?? [];
       for (const each of all.length ? all : [event]) {
@@ -100,14 +108,35 @@ export default {
       }
     },
     end(event) {
+      this.leaveFinger(event);
       if (event.pointerId !== this.pointer) return;
       this.finish();
       this.lift();
     },
     cancel(event) {
+      if (this.fingers.delete(event.pointerId)) this.tap.still = false;
       if (event.pointerId !== this.pointer) return;
       this.lift();
       this.drawAll();
+    },
+    // Whether this finger makes a tap of several, whose first one has drawn nothing then.
+    countFinger(event) {
+      if (event.pointerType !== "touch") return false;
+      if (!this.fingers.size) this.tap = { began: event.timeStamp, most: 0, still: true };
+      this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      this.tap.most = Math.max(this.tap.most, this.fingers.size);
+      if (this.pointerType === "pen" && this.pointer !== null) this.tap.still = false; // a palm
+      if (this.fingers.size < 2 || !this.tap.still || event.timeStamp - this.tap.began > TAP) return false;
+      if (this.pointerType === "touch" && this.pointer !== null) {
+        this.lift();
+        this.drawAll();
+      }
+      return true;
+    },
+    leaveFinger(event) {
+      if (!this.fingers.delete(event.pointerId) || this.fingers.size) return;
+      const { began, most, still } = this.tap;
+      if (still && most > 1 && event.timeStamp - began < TAP) this.$emit(most === 2 ? "undo" : "redo");
     },
     lift() {
       this.pointer = this.stroke = this.rubber = null;

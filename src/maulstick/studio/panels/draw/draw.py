@@ -33,6 +33,14 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     OtherHands(studio)
 
 
+_FILL_SCREEN = """() => {
+  const fills = document.body.classList.toggle("whole-sheet");
+  document.onfullscreenchange = () => document.body.classList.toggle("whole-sheet", !!document.fullscreenElement);
+  if (fills) document.documentElement.requestFullscreen?.().catch(() => {});
+  else if (document.fullscreenElement) document.exitFullscreen();
+}"""
+
+
 class _Sheet:
     """Sheet, with the tools on its left, and the style to be learned on its right."""
 
@@ -52,6 +60,8 @@ class _Sheet:
             self._undo = _tool("Undo", "undo", self._drawing.undo).tooltip("Ctrl+Z")
             self._redo = _tool("Redo", "redo", self._drawing.redo).tooltip("Ctrl+Shift+Z")
             _tool("New sheet", "note_add", lambda: choose_sheet(self._drawing))
+            whole = ui.button("Full screen", icon="fullscreen").props("flat stack no-caps")
+            whole.on("click", js_handler=_FILL_SCREEN)
 
     def _build_learning(self) -> None:
         with ui.element().classes("learning"):
