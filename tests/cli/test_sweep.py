@@ -194,7 +194,7 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
             "[axes]\npicture = ['x.png']\nseed = ['a']",
             "the cell x.png_seed-a: options.seed: Input should be a valid int",
         ),
-        ("[axes]\ntext = ['a boat']\nstyle = ['nobody']", "there is no style 'nobody'; there are: FILE.json, contour"),
+        ("[axes]\ntext = ['a boat']\nstyle = ['nobody']", "there is no style 'nobody'; there are: FILE.json, "),
         ("[axes]\ntext = ['a boat']\nbrush = ['none']", "there is no brush 'none'; there are: FILE.json, fineliner"),
     ],
 )

@@ -36,7 +36,7 @@ def outcome(page: Page) -> str:
 def go_on(page: Page) -> None:
     """Go on with the rest, on a quick machine."""
     expect(page.get_by_text("It was begun")).to_be_visible()  # what was asked before is filled in by then
-    page.get_by_label("Machine").click()
+    page.get_by_label("Machine", exact=True).click()
     page.get_by_role("option", name=QUICK).click()
     if page.get_by_text("Is it on the paper?").is_visible():
         page.get_by_role("radio", name="No, paint it again").click()
@@ -62,11 +62,11 @@ def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[...,
     one, other = page("/paint"), page("/paint", color_scheme="dark")
     one.get_by_role("button", name="Check").click()
     assert outcome(other) == f"It fits. {STROKES} strokes, 900 mm, 1 paint, about 1 min."
-    one.get_by_label("Machine").click()
+    one.get_by_label("Machine", exact=True).click()
     one.get_by_role("option", name="AxiDraw").click()
     expect(one.locator(".outcome")).to_be_hidden()  # it was about another machine
     expect(other.locator(".outcome")).to_be_visible()
-    one.get_by_label("Machine").click()
+    one.get_by_label("Machine", exact=True).click()
     one.get_by_role("option", name="Simulated easel, at an arm's pace").click()
     one.get_by_role("button", name="Start painting").click()
     for tab in (one, other):

@@ -92,4 +92,4 @@ def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned
 
     opened.reload()
     bring(opened, tmp_path / "standing.png")
-    expect(told).to_contain_text("A sheet of 160 by 200 mm.")  # the photograph itself is as it was
+    expect(told).to_contain_text("A sheet of 90 by 120 mm.")  # the photograph itself stands, as it was
