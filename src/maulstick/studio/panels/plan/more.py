@@ -25,7 +25,7 @@ class MoreChoices:
         with self.root:
             with ui.element().classes("numbers"):
                 self._paper = ui.color_input("Colour of the paper").bind_value(kept, "paper")
-                self._under = ui.select({}, label="Or a photograph of the sheet").bind_value(kept, "under")
+                self._under = ui.select({}, label="Or a photograph of it").bind_value(kept, "under")
                 self._look = ui.select({}, label="With the look of").bind_value(kept, "look")
             self._unmixed = ui.checkbox("Only the paints of your tubes, unmixed").bind_value(kept, "unmixed")
             html.p("Bring photographs and other pictures above, under “What to paint”; tubes stand under Mix.").classes(
