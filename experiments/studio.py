@@ -145,7 +145,7 @@ def ask(studio: RunningStudio, page: Page, out: Path) -> None:
             chosen = rng.choice(question.choices).name
             answers.answer(token, number, question, chosen, last=number + 1 == len(asked))
     page.goto(f"{studio.url}/survey")
-    page.get_by_text("two-hands").first.click()
+    page.get_by_text(re.compile("two.hands", re.IGNORECASE)).first.click()
     page.wait_for_timeout(5000)
     photograph(page, "survey", out)
 
