@@ -206,7 +206,7 @@ def test_a_line_with_noise_a_lost_cable_and_an_alarm_stop_it_and_each_stroke_is_
     path = journal_of(tmp_path / "painting.json")
     with FakeGrbl(faults={at: fault}) as device, Journal.open(path) as journal:
         journal.revise(tmp_path / "painting.json")
-        with Grbl(device.port, SERVO, patience=5.0 if fault == "noise" else 0.3) as robot:
+        with Grbl(device.port, SERVO, patience=2.0 if FAULTS[fault].startswith("went silent") else 30.0) as robot:
             actions = routine(SIX, robot.easel(WIDTH, HEIGHT), robot.limits)
             with pytest.raises(MachineError, match=FAULTS[fault]) as caught:
                 execute(actions, robot, journal, lambda ask: None)

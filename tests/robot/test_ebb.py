@@ -24,7 +24,7 @@ ABOVE = np.array([0.05, -0.05, 0.005])
 ANGLES = np.linspace(0, 2 * np.pi, 32)
 CIRCLE = np.stack([0.05 + 0.02 * np.sin(ANGLES), -0.07 + 0.02 * np.cos(ANGLES), 0 * ANGLES], axis=1)
 SPEED = np.full(32, 0.04)
-QUICK = 0.5  # seconds of patience, where it must end
+QUICK = 1.5  # seconds of patience, where it must end
 
 
 def places_of(motors: list[tuple[int, int]]) -> Floats:

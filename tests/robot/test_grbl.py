@@ -26,7 +26,7 @@ ANGLES = np.linspace(0, 2 * np.pi, 32)
 CIRCLE = np.stack([0.05 + 0.02 * np.sin(ANGLES), 0.07 - 0.02 * np.cos(ANGLES), -1e-3 * np.sin(ANGLES / 2)], axis=1)
 SPEED = np.full(32, 0.04)
 BUFFER = 127
-QUICK = 0.5  # seconds of patience, where it must end
+QUICK = 1.5  # seconds of patience, where it must end
 
 
 def draw_a_circle(robot: Grbl) -> Floats:

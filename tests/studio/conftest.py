@@ -100,6 +100,12 @@ class RunningStudio:
 
 
 @pytest.fixture
+def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+
+
+@pytest.fixture
 def studio(tmp_path: Path) -> Iterator[RunningStudio]:
     running = RunningStudio(tmp_path)
     try:

@@ -18,13 +18,9 @@ from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.studio.plans_to_paint import put_plan
 
+pytestmark = pytest.mark.usefixtures("data")
+
 PATIENCE = 120.0  # seconds, for a machine that does much else
-
-
-@pytest.fixture(autouse=True)
-def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 @asynccontextmanager
@@ -146,6 +142,8 @@ def test_the_servo_is_set_and_kept_as_an_easel_and_motors_are_let_go(tmp_path: P
             kept = read_easel(tmp_path / "studio" / "easels" / "gallery-wall.json").pen
             assert kept == hand.state.standing.pen != before
             await do(hand, Jog(0, 0.01), Deed.LET_GO)
+            assert hand.state.phase == "loose"
+            hand.do(Jog(0, 0.01))  # of a page that was slow to show it
             assert hand.state.phase == "loose"
             await do(hand, Deed.TAKE_HOLD)
             assert hand.state.standing.place[0] == 0, "where it was pushed is its home"

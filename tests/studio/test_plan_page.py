@@ -133,6 +133,19 @@ def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
     expect(opened.get_by_text("the number of strokes is nothing; it must be a whole number from 1 to")).to_be_visible()
 
 
+def test_choices_that_open_over_the_frame_can_be_clicked(page: Callable[..., Page]) -> None:
+    opened = page("/plan")
+    opened.set_viewport_size({"width": 1280, "height": 520})
+    hand = opened.get_by_label("Hand", exact=True)
+    hand.evaluate("field => field.closest('.q-field').scrollIntoView({ block: 'center' })")
+    hand.click()
+    hand.evaluate("field => scrollBy(0, field.getBoundingClientRect().top - 300)")
+    free = opened.get_by_role("option", name="free")
+    expect(free).to_be_in_viewport()
+    free.click()
+    expect(opened.get_by_role("listbox")).to_have_count(0)
+
+
 def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_notes_stay_with_it(
     studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
 ) -> None:

@@ -15,15 +15,11 @@ from tests.support.robot.small_paintings import SIX, line, painting_of
 from tests.support.studio.plans_to_paint import STROKES, put_plan
 
 _LONG = 60  # strokes of 50 mm at 30 mm/s: more than a minute
+pytestmark = pytest.mark.usefixtures("data")
+
 UNEVEN = painting_of(
     line(i, (0.005, 0.0006 * i), (0.055, 0.0006 * i), paint=int(i < _LONG), speed=0.03) for i in range(_LONG + 1)
 )
-
-
-@pytest.fixture(autouse=True)
-def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 @pytest.fixture

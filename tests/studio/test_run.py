@@ -34,15 +34,11 @@ from tests.support.robot.trays import TRAY_JSON
 from tests.support.studio.plans_to_paint import STROKES, put_plan, put_plan_of_a_picture
 from tests.support.studio.work import never_stop
 
+pytestmark = pytest.mark.usefixtures("data")
+
 PATIENCE = 120.0  # seconds, for a machine that does much else
 SIM, SLOW = PaintOptions(robot="sim"), PaintOptions(robot="sim:real")
 PEN = Pen(up=200, down=700, seconds=0.05)  # quicker than a real servo, so that tests are
-
-
-@pytest.fixture(autouse=True)
-def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 @pytest.fixture
@@ -389,7 +385,7 @@ def test_when_somebody_asks_it_looks_and_plans_what_is_left_again(tmp_path: Path
 def test_what_does_not_answer_a_stop_is_told_and_can_be_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put_plan(tmp_path, "lines")
     monkeypatch.setattr("maulstick.studio.state.run.paint_in_process", never_stop)
-    monkeypatch.setattr("maulstick.studio.state.run._LONGEST_STOP", 0.01)
+    monkeypatch.setattr("maulstick.studio.state.run.LONGEST_STOP", 0.01)
 
     async def paint() -> None:
         async with opened(tmp_path) as run:

@@ -26,15 +26,11 @@ from tests.studio.test_run import outcome, stroke, until
 from tests.support.studio.drawings import BOAT, COMB, ROWS, WITH_TEXT, svg
 from tests.support.studio.plans_to_paint import put_plan
 
+pytestmark = pytest.mark.usefixtures("data")
+
 HATCHED = DrawingOptions(size=(0.3, 0.2), margin=0.01, hatch=0.002, no_repeats=True)
 ENTITIES = '<!DOCTYPE svg [<!ENTITY a "aaaa">]>' + svg("<path d='M 0 0 H 5' id='&a;'/>")
 PICTURE = svg('<image width="5" height="5" href="cat.png"/>')
-
-
-@pytest.fixture(autouse=True)
-def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 @asynccontextmanager

@@ -31,6 +31,9 @@ DETAILS_LABEL = "Speed, sheet and camera"
 RESTART_LABEL = "Start again on a new sheet"
 """Label of the button that begins a painting anew."""
 
+LOOK_AT_IT = "Look at the machine: its pen may still be down."
+"""Sentence after an end of which the machine told nothing."""
+
 WORDS_LABEL = "What to paint, in words"
 """Label of the field for a text that is to be painted."""
 

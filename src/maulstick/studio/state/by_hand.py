@@ -10,15 +10,12 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.easels import Easels
-from maulstick.studio.wording import machine_name
+from maulstick.studio.wording import LOOK_AT_IT, machine_name
 from maulstick.studio.workers.by_hand import Deed, Loose, Standing, Word, move_by_hand
 from maulstick.studio.workers.messages import Ended
-from maulstick.studio.workers.process import Failed, Process
+from maulstick.studio.workers.process import CLOSING, LONGEST_STOP, Failed, Process
 
-_CLOSING = 8.0  # seconds that a machine gets to lift its pen when the studio closes
-_LONGEST_STOP = 10.0  # seconds after a stop until the machine is given up
 _MOST_WAITING = 3  # words that wait for their turn: a person who clicks faster does not see where the pen will be
-_LOOK_AT_IT = "Look at the machine: its pen may still be down."
 
 Phase = Literal["off", "connecting", "ready", "moving", "loose", "stopping"]
 
@@ -67,26 +64,23 @@ class ByHand:
             raise InputError("the simulated easel has its sheet in place and no pen to set; choose a real machine")
         if self.is_on:
             raise InputError(f"{machine_name(self.state.machine)} is in hand already; let it go first")
-        process: Process | None = None
-
-        def hear(message: object) -> None:
-            if process is self._process:
-                self._hear(message)
 
         def ended() -> None:
-            if process is self._process:
-                self._end(f"It ended without a word. {_LOOK_AT_IT}", fault=True)
+            self._end(f"It ended without a word. {LOOK_AT_IT}", fault=True)
 
         self._waiting = 0
-        self._process = process = Process(
-            move_by_hand, options.machine, options.easel, painting, hear=hear, ended=ended
-        )
+        self._process = Process(move_by_hand, options.machine, options.easel, painting, hear=self._hear, ended=ended)
         self.state = HandState("connecting", options.machine)
         self.changed.emit()
 
     def do(self, word: Word) -> None:
-        """Pass a word on to the machine, which acts on one after another; more than a few are not taken."""
+        """Pass a word on to the machine, which acts on one after another; more than a few are not taken.
+
+        With its motors off, only `Deed.TAKE_HOLD` and `Deed.LEAVE` are.
+        """
         if self._process is None or self.state.phase not in ("ready", "moving", "loose"):
+            return
+        if self.state.phase == "loose" and word not in (Deed.TAKE_HOLD, Deed.LEAVE):
             return
         if self._waiting < _MOST_WAITING:
             self._waiting += 1
@@ -99,7 +93,7 @@ class ByHand:
             return ""
         self._process.tell(Deed.STOP)
         if self.state.phase != "stopping":
-            asyncio.get_running_loop().call_later(_LONGEST_STOP, self._give_up, self._process)
+            asyncio.get_running_loop().call_later(LONGEST_STOP, self._give_up, self._process)
         self._change(phase="stopping")
         return "The machine stops and lifts its pen."
 
@@ -119,7 +113,7 @@ class ByHand:
         process = self._process
         self.stop()
         if process is not None:
-            await asyncio.to_thread(process.join, _CLOSING)
+            await asyncio.to_thread(process.join, CLOSING)
 
     def _hear(self, received: object) -> None:
         match received:
@@ -133,19 +127,21 @@ class ByHand:
             case Ended(why=None):
                 self._end("", fault=False)
             case Ended(why="", lifted=lifted):
-                self._end("You stopped it." + ("" if lifted else f" {_LOOK_AT_IT}"), fault=not lifted)
+                self._end("You stopped it." + ("" if lifted else f" {LOOK_AT_IT}"), fault=not lifted)
             case Ended(why=why, lifted=lifted):
-                self._end(f"{why}." + ("" if lifted else f" {_LOOK_AT_IT}"), fault=True)
+                self._end(f"{why}." + ("" if lifted else f" {LOOK_AT_IT}"), fault=True)
             case Failed(why=why):
                 self._end(why, fault=True)
 
     def _give_up(self, process: Process) -> None:
         if process is self._process:
             process.kill()
-            self._end(f"It did not answer. {_LOOK_AT_IT}", fault=True)
+            self._end(f"It did not answer. {LOOK_AT_IT}", fault=True)
 
     def _end(self, sentence: str, *, fault: bool) -> None:
-        self._process = None
+        if self._process is not None:
+            self._process.forget()
+            self._process = None
         standing = self.state.standing
         if standing is not None and standing.changed:
             sentence = f"{sentence} The pen's new numbers or place were not kept.".strip()

@@ -17,6 +17,7 @@ from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.state.folder import PAINTED, Folder
 from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.wording import LOOK_AT_IT
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import (
     PLANNING,
@@ -31,13 +32,10 @@ from maulstick.studio.workers.messages import (
 )
 from maulstick.studio.workers.painter import paint_in_process, rehearse_in_process
 from maulstick.studio.workers.planned_paints import PlannedPaint
-from maulstick.studio.workers.process import Failed, Process
+from maulstick.studio.workers.process import CLOSING, LONGEST_STOP, Failed, Process
 
-_CLOSING = 8.0  # seconds that a machine gets to lift its pen when the studio closes
-_LONGEST_STOP = 10.0  # seconds after a stop until people are told that the machine does not answer
 _MOST_NOTES = 50  # shown on the page; older ones are dropped
 _PEN = {True: "The pen is lifted.", False: "The pen may still be down: lift it by hand."}
-_LOOK_AT_IT = "Look at the machine: its pen may still be down."
 
 Phase = Literal["idle", "checking", "starting", "painting", "stopping", "ended"]
 
@@ -152,7 +150,7 @@ class Run:
             return "The check was stopped; nothing had moved."
         self._process.tell(Command.STOP)
         if self.state.phase != "stopping":
-            asyncio.get_running_loop().call_later(_LONGEST_STOP, self._note_silence, self._process)
+            asyncio.get_running_loop().call_later(LONGEST_STOP, self._note_silence, self._process)
         self._change(phase="stopping")
         return "The machine stops and lifts its pen."
 
@@ -160,7 +158,7 @@ class Run:
         """Kill the process of a run that was stopped and does not answer."""
         if self._process is not None and self.state.silent:
             self._process.kill()
-            self._end(f"It was ended without an answer. {_LOOK_AT_IT}", fault=True)
+            self._end(f"It was ended without an answer. {LOOK_AT_IT}", fault=True)
 
     def pause(self) -> None:
         """Let the machine wait after this stroke."""
@@ -184,7 +182,7 @@ class Run:
         process = self._process
         self.stop()
         if process is not None:
-            await asyncio.to_thread(process.join, _CLOSING)
+            await asyncio.to_thread(process.join, CLOSING)
 
     def _painting(self, plan: str) -> Path:
         path = self._folder.painting(plan)
@@ -213,17 +211,10 @@ class Run:
         self._begin("starting", request, paint_in_process, is_painted)
 
     def _begin(self, phase: Phase, request: PaintRequest, work: Callable[..., None], *more: object) -> None:
-        process: Process | None = None
-
-        def hear(message: object) -> None:
-            if process is self._process:
-                self._hear(message)
-
         def ended() -> None:
-            if process is self._process:
-                self._end(f"It ended without a word. {_LOOK_AT_IT}", fault=True)
+            self._end(f"It ended without a word. {LOOK_AT_IT}", fault=True)
 
-        self._process = process = Process(work, request, *more, hear=hear, ended=ended)
+        self._process = Process(work, request, *more, hear=self._hear, ended=ended)
         self.state = State(phase, request.painting.parent.name, request.options, seen=self.state.seen + 1)
         self.changed.emit()
 
@@ -258,10 +249,12 @@ class Run:
             case Ended(why=why, lifted=lifted):
                 self._end(f"It stopped: {why}. {_PEN[lifted]}", fault=True)
             case Failed(why=why):
-                self._end(f"{why}. {_LOOK_AT_IT}" if state.phase in ("painting", "stopping") else why, fault=True)
+                self._end(f"{why}. {LOOK_AT_IT}" if state.phase in ("painting", "stopping") else why, fault=True)
 
     def _end(self, sentence: str, *, fault: bool) -> None:
-        self._process = None
+        if self._process is not None:
+            self._process.forget()
+            self._process = None
         self._change(
             phase="ended", sentence=sentence, fault=fault, question="", held=False, silent=False, will_look=False
         )

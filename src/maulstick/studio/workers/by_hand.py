@@ -3,9 +3,7 @@
 It stops the machine, lifts the pen and ends by itself once the studio is gone, even if the studio was killed.
 """
 
-import os
 import signal
-import time
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -16,13 +14,11 @@ from maulstick.errors import InputError, MachineError
 from maulstick.robot.easel import Easel, Pen
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.messages import Ended
-from maulstick.studio.workers.process import Line
+from maulstick.studio.workers.process import Line, farewell
 
 if TYPE_CHECKING:
     from maulstick.robot.bench import Bench
     from maulstick.robot.robot import Robot
-
-_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once the studio is gone
 
 
 class Deed(Enum):
@@ -91,7 +87,7 @@ def move_by_hand(line: Line, spec: str, easel: Path | None, painting: Path | Non
     painting: file whose sheet lies before the machine, if any.
     """
     hands = _Hands()
-    line.heard_by(hands.hear, hands.stay_alone)
+    line.heard_by(hands.hear, lambda: farewell(lambda: hands.hear(Deed.STOP)))
     from maulstick.jobs.paint.machine_lock import machine_lock
     from maulstick.jobs.paintable import read_paintable
     from maulstick.robot import machines
@@ -131,12 +127,6 @@ class _Hands:
             if self._robot is not None:
                 self._robot.stop()
         self._words.put(word)
-
-    def stay_alone(self) -> None:
-        """Stop, and end the process once the pen had time to lift: the studio is gone."""
-        self.hear(Deed.STOP)
-        time.sleep(_LONGEST_FAREWELL)
-        os._exit(1)
 
     def wait(self) -> bool:
         """Wait until the motors shall hold again; return False where the person leaves instead."""

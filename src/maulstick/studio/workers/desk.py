@@ -85,6 +85,7 @@ class Desk:
         """End the process; the next task starts another."""
         self._keep()
         if self._process is not None:
+            self._process.forget()
             self._process.kill()
             self._process = None
 
@@ -95,24 +96,16 @@ class Desk:
             self._letting_go = None
 
     def _begin(self) -> Process:
-        process: Process | None = None
+        self._process = Process(_work, hear=self._reply, ended=self._end, niceness=_NICENESS)
+        return self._process
 
-        def hear(word: _Done | _Refused | Failed) -> None:
-            if process is not self._process:
-                return
-            if isinstance(word, Failed):
-                self._process = None  # it still runs, but does not listen any more
-            self._reply(word)
-
-        def ended() -> None:
-            if process is self._process:
-                self._process = None
-                self._reply(Failed("the work ended without a word; try it again"))
-
-        self._process = process = Process(_work, hear=hear, ended=ended, niceness=_NICENESS)
-        return process
+    def _end(self) -> None:
+        self._reply(Failed("the work ended without a word; try it again"))
 
     def _reply(self, word: _Done | _Refused | Failed) -> None:
+        if isinstance(word, Failed) and self._process is not None:  # it may still run, but does not listen any more
+            self._process.forget()
+            self._process = None
         if self._answer is None or self._answer.done():
             return
         if isinstance(word, _Done):

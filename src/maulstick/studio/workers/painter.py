@@ -3,24 +3,20 @@
 It stops the machine, lifts the pen and ends by itself once the studio is gone, even if the studio was killed.
 """
 
-import os
 import signal
 import threading
-import time
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.messages import Command, Done, Ended
-from maulstick.studio.workers.process import Line
+from maulstick.studio.workers.process import Line, farewell
 
 if TYPE_CHECKING:
     from maulstick.jobs.paint.request import PaintRequest
     from maulstick.jobs.paint.setup import PaintSetup
     from maulstick.studio.workers.page_operator import PageOperator
-
-_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once the studio is gone
 
 
 def rehearse_in_process(line: Line, request: "PaintRequest") -> None:
@@ -33,7 +29,7 @@ def rehearse_in_process(line: Line, request: "PaintRequest") -> None:
 def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | None) -> None:
     """Paint. unfinished: whether the stroke that was interrupted is on the paper, or None where nobody has said."""
     commands = _Commands()
-    line.heard_by(commands.hear, commands.stay_alone)
+    line.heard_by(commands.hear, lambda: farewell(lambda: commands.hear(Command.STOP)))
     from maulstick.jobs.paint import session
     from maulstick.studio.workers.page_operator import PageOperator
 
@@ -90,12 +86,6 @@ class _Commands:
                 self.operator.look_after_this_stroke()
             case Done(question=question):
                 self.operator.confirm(question)
-
-    def stay_alone(self) -> None:
-        """Stop, and end the process once the pen had time to lift: the studio is gone."""
-        self.hear(Command.STOP)
-        time.sleep(_LONGEST_FAREWELL)
-        os._exit(1)
 
 
 def _stop(operator: "PageOperator") -> None:

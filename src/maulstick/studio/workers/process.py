@@ -4,6 +4,7 @@ import asyncio
 import os
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -19,6 +20,13 @@ from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.studio.wording import error_text
 
 _SPAWN = get_context("spawn")
+CLOSING = 8.0
+"""Seconds that a machine gets to lift its pen when the studio closes."""
+
+LONGEST_STOP = 10.0
+"""Seconds after a stop until a machine counts as one that does not answer."""
+
+_LONGEST_FAREWELL = 20.0  # seconds for the pen to be lifted once the studio is gone
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,13 @@ class Line:
         threading.Thread(target=listen, daemon=True).start()
 
 
+def farewell(stop: Callable[[], None]) -> None:
+    """Stop a machine whose studio is gone, and end the process once the pen had time to lift."""
+    stop()
+    time.sleep(_LONGEST_FAREWELL)
+    os._exit(1)
+
+
 @final
 class Process:
     """Process of some work, as the studio has it. Made in its event loop, in which `hear` and `ended` are called.
@@ -82,6 +97,7 @@ class Process:
     ) -> None:
         ours, theirs = _SPAWN.Pipe()
         self._connection, self._loop = ours, asyncio.get_running_loop()
+        self._forgotten = False
         self._process = _SPAWN.Process(target=_begin, args=(work, theirs, niceness, arguments), daemon=True)
         try:
             with deaf_to_interrupts():  # here the studio alone acts on Ctrl-C
@@ -91,6 +107,10 @@ class Process:
         self._words: SimpleQueue[memoryview | None] = SimpleQueue()
         threading.Thread(target=self._speak, daemon=True).start()
         threading.Thread(target=self._listen, args=(hear, ended), daemon=True).start()
+
+    def forget(self) -> None:
+        """Call neither `hear` nor `ended` any more, whatever is on its way."""
+        self._forgotten = True
 
     def tell(self, word: object) -> None:
         """Send a message to the work, which may not listen yet, or be over."""
@@ -125,8 +145,12 @@ class Process:
         self._call(ended)
 
     def _call(self, function: Callable[..., None], *arguments: object) -> None:
+        def call() -> None:
+            if not self._forgotten:
+                function(*arguments)
+
         try:
-            self._loop.call_soon_threadsafe(function, *arguments)
+            self._loop.call_soon_threadsafe(call)
         except RuntimeError:  # the studio is closing
             return
 
