@@ -37,8 +37,8 @@ def fewest(hand: str, picture: str) -> tuple[int, int]:
 
     def reaches(strokes: int) -> bool:
         options = PlannerSettings(strokes=strokes, exact=True, paints=None, steps=STEPS)
-        found = plan(problem_of(layout, brush, style, options), options)
-        painting = as_painting(found, layout, brush, style, provenance_of(options))
+        found = plan(problem_of(layout, (brush,), style, options), options)
+        painting = as_painting(found, layout, (brush,), style, provenance_of(options))
         ink = 1 - truth(painting, layout.canvas).mean(axis=2)
         return bool(ink.mean() >= REACHED * supply.amounts.mean())
 

@@ -65,8 +65,8 @@ def measure(image: str, faces: float, seed: int) -> Row:
     """Plan the photograph, and compare the plan with it."""
     layout, settings = laid_out(image), PlannerSettings(seed=seed)
     style = load_style("free", layout.canvas)
-    problem = problem_of(layout, BRUSH, style, settings, LossOptions(weights={FACES: faces}))
-    painting = as_painting(plan(problem, settings), layout, BRUSH, style, provenance_of(settings))
+    problem = problem_of(layout, (BRUSH,), style, settings, LossOptions(weights={FACES: faces}))
+    painting = as_painting(plan(problem, settings), layout, (BRUSH,), style, provenance_of(settings))
     assert layout.target is not None
     painted, target = layout.crop(truth(painting, layout.canvas)), layout.crop(layout.target)
     whole = compare(painted, target)

@@ -136,7 +136,7 @@ def few_calls_time(image: str) -> Row:
 def _problem(image: str, options: PlannerSettings, network: Network) -> PlanningProblem:
     layout = laid_out(image, PX)
     style = load_style("free", layout.canvas)
-    return problem_of(layout, BRUSH, style, options, LIKENESS, lambda: network)
+    return problem_of(layout, (BRUSH,), style, options, LIKENESS, lambda: network)
 
 
 def _few(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
@@ -191,6 +191,6 @@ def _examined(canvas: Tensor, exam: NetworkLoss) -> float:
 
 
 def _rendered(problem: PlanningProblem, planned: PlanResult) -> Tensor:
-    stroke_canvas = StrokeCanvas(planned.strokes, problem.paper, problem.canvas, problem.brush, problem.style)
+    stroke_canvas = StrokeCanvas(planned.strokes, problem.paper, problem.canvas, problem.brushes, problem.style)
     stroke_canvas.paints, stroke_canvas.paint_of = planned.paints, planned.paint_of
     return stroke_canvas.render().detach()

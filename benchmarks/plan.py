@@ -86,7 +86,7 @@ class OneScale(Objective):
 def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
     """As the rows are called."""
     style = load_style("free", layout.canvas)
-    problem = problem_of(layout, BRUSH, style, options, LIKENESS if name == "likeness" else TONES)
+    problem = problem_of(layout, (BRUSH,), style, options, LIKENESS if name == "likeness" else TONES)
     if name == "paper":
         assert problem.target is not None
         even = torch.ones_like(problem.weights)
@@ -97,7 +97,7 @@ def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
         planned = plan(problem, options, schedule=PUBLISHED, start=start)
     else:
         planned = plan(problem, options)
-    return as_painting(planned, layout, BRUSH, style, provenance_of(options))
+    return as_painting(planned, layout, (BRUSH,), style, provenance_of(options))
 
 
 def stray(painting: Painting, layout: Layout) -> int:
@@ -138,7 +138,7 @@ def scaling(strokes: int, px: int) -> Row:
     """A row of what a step costs: the middle one of those from the 6th to the 16th."""
     layout, options = laid_out("astronaut", px), PlannerSettings(strokes=strokes, steps=1500)
     style = load_style("free", layout.canvas)
-    problem = problem_of(layout, BRUSH, style, options, TONES)
+    problem = problem_of(layout, (BRUSH,), style, options, TONES)
     times: list[float] = []
 
     def watch(progress: PlanProgress) -> bool:

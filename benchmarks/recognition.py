@@ -128,8 +128,8 @@ def _planned(wanted: tuple[str, int, str, float | None]) -> tuple[Case, float]:
     if bound is not None:
         style = replace(style, max_mean_cost=bound)
     layout, options = laid_out(image, PX), PlannerSettings(seed=seed)
-    planned = plan(problem_of(layout, BRUSH, style, options), options)
-    painting = as_painting(planned, layout, BRUSH, style, provenance_of(options))
+    planned = plan(problem_of(layout, (BRUSH,), style, options), options)
+    painting = as_painting(planned, layout, (BRUSH,), style, provenance_of(options))
     metrics = metrics_of(painting, layout)
     assert metrics is not None
     return halves.recognised(name, painting.trajectories()[..., :2]), metrics.psnr

@@ -84,7 +84,7 @@ def calls_of(seed: int) -> list[Call]:
         return estimated
 
     with patch.object(planner, "removal_costs", watched):
-        planner.plan(problem_of(layout, BRUSH, load_style("free", layout.canvas), settings), settings)
+        planner.plan(problem_of(layout, (BRUSH,), load_style("free", layout.canvas), settings), settings)
     return calls
 
 

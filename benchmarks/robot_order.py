@@ -44,7 +44,7 @@ def planned(strokes: int, style_name: str, brush_name: str, paints: int | None) 
     style = load_style(style_name, layout.canvas)
     options = PlannerSettings(strokes=strokes, exact=True, paints=paints, steps=STEPS)
     return as_painting(
-        plan(problem_of(layout, brush, style, options), options), layout, brush, style, provenance_of(options)
+        plan(problem_of(layout, (brush,), style, options), options), layout, (brush,), style, provenance_of(options)
     )
 
 

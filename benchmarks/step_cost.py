@@ -58,7 +58,7 @@ def watch(progress):
     spent = 0.0
     return True
 
-plan(problem_of(layout, brush, style, options, LossOptions()), options, watch)
+plan(problem_of(layout, (brush,), style, options, LossOptions()), options, watch)
 middle = lambda times: 1e3 * sorted(times)[len(times) // 2]
 print(json.dumps([middle([b - a for a, b in zip(steps[40:], steps[41:])]), middle(kernels[41:])]))
 """

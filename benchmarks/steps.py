@@ -36,11 +36,11 @@ row = json.loads(sys.argv[2])
 layout = laid_out(row["image"], 256)
 style = load_style(row["style"], layout.canvas)
 options = PlannerSettings(strokes=400, steps=row["steps"], seed=row["seed"])
-problem = problem_of(layout, BRUSH, style, options, LossOptions())
+problem = problem_of(layout, (BRUSH,), style, options, LossOptions())
 started = time.process_time()
 planned = plan(problem, options)
 spent = time.process_time() - started
-metrics = metrics_of(as_painting(planned, layout, BRUSH, style, provenance_of(options)), layout)
+metrics = metrics_of(as_painting(planned, layout, (BRUSH,), style, provenance_of(options)), layout)
 print(json.dumps(row | {"psnr": round(metrics.psnr, 3), "ssim": round(metrics.ssim, 4), "seconds": round(spent, 1)}))
 """
 

@@ -1,6 +1,6 @@
 """Fit the brushes that come with Maulstick to strokes that libmypaint drew, and write them into the package.
 
-    .venv/bin/python experiments/built_in_brushes.py
+    .venv/bin/python experiments/built_in_brushes.py [NAME ...]
 
 The strokes are those of the built-in styles (Wacom's drawings), the ink is libmypaint's: nobody's photographs are
 needed, and everything may be shipped. libmypaint's media have no size, so each is drawn with the radius at which it is
@@ -8,6 +8,7 @@ about as wide as the real tool of that name. Its tips also trail the pen and fee
 strokes are drawn slowly and only the shape of the mark is fitted. How deep a real tool must be pressed is nominal.
 """
 
+import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,12 +42,16 @@ RECIPES = {
     "fineliner": Recipe("marker_fat", "a fineliner, which a plotter can only lift", 0.5e-3, 6e-3, (0.0, 0.0)),
     "marker": Recipe("marker", "a bullet-tip permanent marker", 1.2e-3, 36e-3, (0.0, 0.002), pales=True),
     "round": Recipe("acrylic", "a 6 mm round with acrylic", 3.2e-3, 120e-3, (0.0, 0.008)),
+    "wash": Recipe("marker", "a 20 mm wash", 8.5e-3, 255e-3, (0.0, 0.005), pales=True),
 }
 
 
 def main() -> None:
-    """Fit and write all of them, and print what was found."""
-    for name, recipe in RECIPES.items():
+    """Fit and write those that are named, or all of them, and print what was found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", choices=[*RECIPES, []], metavar="NAME")
+    for name in parser.parse_args().names or RECIPES:
+        recipe = RECIPES[name]
         trials, pixels_per_metre = mypaint_trials(
             recipe.medium,
             (*GENERIC, *SPECIAL),

@@ -101,6 +101,7 @@ def anywhere(problem: PlanningProblem, count: int, generator: Generator) -> Stro
         angles=torch.rand(count, generator=generator) * 2 * torch.pi,
         pressure_knots=pressure_knots,
         colours=torch.rand(count, 3, generator=generator),
+        brush_of=torch.zeros(count, dtype=torch.long),
     )
 
 
@@ -139,11 +140,11 @@ def plan_plainly(
     """
     pressure = start.pressure_knots.mean(dim=1, keepdim=True) if even_pressure else start.pressure_knots
     leaves = {name: tensor.clone() for name, tensor in (start.each() | {"pressure_knots": pressure}).items()}
-    fixed = {"pressure_knots": not problem.brush.pressure_matters, "colours": paints is None}
+    fixed = {"pressure_knots": not problem.brushes[0].pressure_matters, "colours": paints is None}
     for name, tensor in leaves.items():
         tensor.requires_grad_(not fixed.get(name, False))
     strokes = StrokeParameters(**(leaves | {"pressure_knots": _even(leaves["pressure_knots"])}))
-    stroke_canvas = StrokeCanvas(strokes, problem.paper, problem.canvas, problem.brush, problem.style)
+    stroke_canvas = StrokeCanvas(strokes, problem.paper, problem.canvas, problem.brushes, problem.style)
     peaks = RATES | {"centres": RATES["centres"] * problem.canvas.height}
     groups = [{"params": [tensor], "peak": peaks[name]} for name, tensor in leaves.items() if tensor.requires_grad]
     descent = torch.optim.RMSprop(groups, lr=0.0)

@@ -85,7 +85,7 @@ def paint(way: str, layout: Layout, options: PlannerSettings) -> Painting:
     """Plan a picture that is laid out."""
     brush = load_brush(BRUSH)
     style = read_style(style_path(way)) if way in HANDS else Bezier()
-    problem = problem_of(layout, brush, style, options)
+    problem = problem_of(layout, (brush,), style, options)
     if way == "frida":
         start = anywhere(problem, options.strokes, torch.Generator().manual_seed(options.seed))
         planned = plan_plainly(
@@ -100,7 +100,7 @@ def paint(way: str, layout: Layout, options: PlannerSettings) -> Painting:
         planned = plan(problem, options)
     if way == "bezier":
         planned = replace(planned, strokes=evenly_pressed(planned.strokes))
-    return as_painting(planned, layout, brush, style, provenance_of(options))
+    return as_painting(planned, layout, (brush,), style, provenance_of(options))
 
 
 def main() -> None:

@@ -157,9 +157,9 @@ class Study:
         """Plan the picture."""
         layout = lay_out_for(self.picture, Sheet(width=SIDE, height=SIDE), brush, "contain", PIXELS)
         options = PlannerSettings(STROKES, exact=True, paints=PAINTS, steps=STEPS, seed=self.seed)
-        planned = plan(problem_of(layout, brush, self.style, options), options)
+        planned = plan(problem_of(layout, (brush,), self.style, options), options)
         made = provenance_of(options, self.name, None, {"style": "loops", "fit": "contain", "px": PIXELS})
-        return sequenced(as_painting(planned, layout, brush, self.style, made), (0.0, 0.0))
+        return sequenced(as_painting(planned, layout, (brush,), self.style, made), (0.0, 0.0))
 
     def planned_again(self, painting: Painting) -> Painting:
         """Plan it again as often as on the way, as if the sheet always looked as planned."""

@@ -215,7 +215,7 @@ def test_a_hand_that_was_learned_plans_without_being_kept(drawing: Path) -> None
 def test_a_robot_of_ones_own_paints(painting: ms.Painting, tmp_path: Path) -> None:
     painting.save(tmp_path / "cat.json")
     brush = next(iter(painting.brushes.values()))
-    robot = SimulatedEasel(sheet_for(brush, Canvas(0.06, 0.06, 2000)))
+    robot = SimulatedEasel(sheet_for([brush], Canvas(0.06, 0.06, 2000)))
     result = ms.paint(tmp_path / "cat.json", robot=robot, ask=lambda message: None)
     assert result.painted == len(painting.strokes)
     assert result.photograph is None

@@ -177,7 +177,10 @@ def test_every_kind_of_picture_is_painted_upright_and_unstretched(
         (["--demo", "--size", "5x90000mm"], "the sheet in pixels is"),
         ([PORTRAIT, "--size", "90x1mm"], "a side of the canvas is 1 mm; it must be between 5 mm and 100 m"),
         (["--demo", "--fit", "stretch"], "there is no fit 'stretch'; there are: contain, cover"),
-        (["--demo", "--brush", "broom"], "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round"),
+        (
+            ["--demo", "--brush", "broom"],
+            "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round, wash",
+        ),
         (["--demo", "--brush", "none.json"], f"there is no brush {Path('none.json').absolute()}"),
         (["--demo", "--style", "rococo"], "there is no style 'rococo'; there are: FILE.json, "),
         (["--demo", "--ink", "octarine"], "'octarine' is not a colour; write a name such as black, or #rrggbb"),

@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
 from maulstick.errors import InputError, OutputError, validation_fault
-from maulstick.painting.brush import BRUSHES, Brush, built_in_brushes, load_brush, write_brush
+from maulstick.painting.brush import (
+    BRUSHES,
+    Brush,
+    built_in_brushes,
+    in_painting_order,
+    load_brush,
+    load_brushes,
+    write_brush,
+)
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from tests.support.tolerances import FLOAT32_VALUE
 
@@ -18,14 +26,26 @@ GOOD = {"name": "twig", "source": "a test", "alpha": 0.002, "beta": 0.001}
 numbers = st.floats(-1, 1)
 
 
-def test_three_brushes_come_with_maulstick() -> None:
-    assert built_in_brushes() == ["fineliner", "marker", "round"]
-    for name, narrowest, broadest in (("fineliner", 1e-4, 2e-4), ("marker", 4e-4, 2e-3), ("round", 2e-4, 9e-3)):
+def test_four_brushes_come_with_maulstick() -> None:
+    widths = {"fineliner": (1e-4, 2e-4), "marker": (4e-4, 2e-3), "round": (2e-4, 9e-3), "wash": (2e-3, 1e-2)}
+    assert built_in_brushes() == list(widths)
+    for name, (narrowest, broadest) in widths.items():
         brush = load_brush(name)
         assert brush.name == name
         assert "libmypaint" in brush.source, "it says where it comes from"
         assert narrowest < brush.thinnest <= brush.widest < broadest
         assert brush.pressure_matters == (name != "fineliner")
+
+
+def test_brushes_of_one_painting_come_the_broadest_first_and_each_once() -> None:
+    assert [brush.name for brush in load_brushes("fineliner, wash,marker")] == ["wash", "marker", "fineliner"]
+    assert load_brushes("marker") == (load_brush("marker"),)
+    with pytest.raises(InputError, match="the brush marker is named twice; a painting has each brush once"):
+        load_brushes("marker,wash,marker")
+    with pytest.raises(InputError, match=r"there is no brush ''; there are: FILE\.json, fineliner"):
+        load_brushes("wash,")
+    with pytest.raises(InputError, match="there is no brush to paint with"):
+        in_painting_order([])
 
 
 def test_half_width_is_a_line_in_pressure() -> None:
@@ -120,16 +140,16 @@ def test_an_own_brush_is_found_by_its_name(own: Path) -> None:
     twig = Brush.model_validate(GOOD)
     write_brush(twig, own / "twig.json")
     assert load_brush("twig") == twig
-    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round", "twig"]
-    assert built_in_brushes() == ["fineliner", "marker", "round"]
-    with pytest.raises(InputError, match=r"there are: FILE\.json, fineliner, marker, round, twig$"):
+    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round", "wash", "twig"]
+    assert built_in_brushes() == ["fineliner", "marker", "round", "wash"]
+    with pytest.raises(InputError, match=r"there are: FILE\.json, fineliner, marker, round, twig, wash$"):
         load_brush("broom")
 
 
 def test_an_own_brush_never_hides_a_built_in_one_and_needs_a_proper_name(own: Path) -> None:
     for name in ("round", "Round", "a b", "-a"):
         write_brush(Brush.model_validate(GOOD), own / f"{name}.json")
-    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round"]
+    assert list(BRUSHES.paths()) == ["fineliner", "marker", "round", "wash"]
     assert load_brush("round").name == "round"
 
 
@@ -161,7 +181,7 @@ def test_a_brush_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) ->
 def test_an_unknown_brush_is_refused_with_the_brushes_there_are(own: Path) -> None:
     with pytest.raises(InputError) as caught:
         load_brush("broom")
-    assert str(caught.value) == "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round"
+    assert str(caught.value) == "there is no brush 'broom'; there are: FILE.json, fineliner, marker, round, wash"
 
 
 @pytest.mark.parametrize(

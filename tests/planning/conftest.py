@@ -30,7 +30,9 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
     tone = Weighted(Halftone(target, weights, 2.0, target) if halftone else Tone(target, weights), 1.0)
-    return PlanningProblem(target, torch.ones_like(target), weights, canvas, brush, load_style("free", canvas), (tone,))
+    return PlanningProblem(
+        target, torch.ones_like(target), weights, canvas, (brush,), load_style("free", canvas), (tone,)
+    )
 
 
 def mse(canvas: Tensor, target: Tensor) -> float:

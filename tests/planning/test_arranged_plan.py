@@ -63,7 +63,7 @@ def test_strokes_lie_along_the_stripes_of_a_picture_as_the_hands_lie_along_their
     height, width = problem.weights.shape
     stripes = 0.6 + 0.3 * np.sin(np.arange(width, dtype=np.float32) / 3)
     picture = np.broadcast_to(stripes[:, None], (height, width, 3))
-    striped = replace(problem_for(picture, problem.brush, halftone=True), style=HAND)
+    striped = replace(problem_for(picture, problem.brushes[0], halftone=True), style=HAND)
     found, alone = (plan(striped, replace(INK, arrange=arrange)).strokes for arrange in (1.0, 0.0))
 
     def upright(strokes: StrokeParameters) -> float:
@@ -126,7 +126,7 @@ def test_strokes_keep_inside_the_sheet_and_the_lengths_of_the_hand(problem: Plan
 
 
 def test_a_brush_that_presses_draws_an_arranged_plan(problem: PlanningProblem, round_brush: Brush) -> None:
-    found = plan(replace(problem, brush=round_brush), replace(INK, steps=10)).strokes
+    found = plan(replace(problem, brushes=(round_brush,)), replace(INK, steps=10)).strokes
     assert found.pressure_knots.max() > 0
 
 

@@ -8,7 +8,8 @@ def strokes(count: int) -> StrokeParameters:
     torch_rng = torch.Generator().manual_seed(count)
     shapes = {"codes": (13,), "centres": (2,), "angles": (), "pressure_knots": (4,), "colours": (3,)}
     tensors = {k: torch.rand(count, *shape, generator=torch_rng) * 0.5 + 0.25 for k, shape in shapes.items()}
-    return StrokeParameters(**{k: x.requires_grad_() for k, x in tensors.items()})
+    leaves = {k: x.requires_grad_() for k, x in tensors.items()}
+    return StrokeParameters(**leaves, brush_of=torch.zeros(count, dtype=torch.long))
 
 
 def pull(parameters: StrokeParameters, way: float) -> torch.Tensor:
@@ -20,7 +21,9 @@ def test_a_step_goes_down_the_loss_by_the_rate_of_each_parameter() -> None:
     before = {k: x.detach().clone() for k, x in descent.strokes.each().items()}
     for _ in range(30):
         descent.step(pull(descent.strokes, 1.0), progress=0.0)
-    for name, tensor in descent.strokes.each().items():
+    assert torch.equal(descent.strokes.brush_of, before.pop("brush_of"))
+    for name in before:
+        tensor = descent.strokes.each()[name]
         assert (tensor <= before[name]).all(), name
         assert (tensor < before[name]).any(), name
 

@@ -50,7 +50,7 @@ def planned(
     """Plan, and on another device go on from the middle as well; return plan, painting and the state there."""
     layout = lay_out_for(picture, Sheet(width=0.06, height=0.05), brush, height_px=24)
     style, states = load_style("free", layout.canvas), list[State]()
-    problem = problem_of(layout, brush, style, settings, loss_options, network, device=device)
+    problem = problem_of(layout, (brush,), style, settings, loss_options, network, device=device)
 
     def watch(progress: PlanProgress) -> bool:
         assert isinstance(progress.canvas, FarTensor) == (device != CPU)
@@ -60,7 +60,7 @@ def planned(
     result = plan(problem, settings, watch)
     middle = states[len(states) // 2]
     assert device == CPU or same(plan(problem, settings, resume=middle), result)
-    painting = as_painting(result, layout, brush, style, provenance_of(settings))
+    painting = as_painting(result, layout, (brush,), style, provenance_of(settings))
     return result, with_metrics(painting, layout, problem), middle
 
 
@@ -98,9 +98,9 @@ def test_a_plan_of_another_device_is_that_of_the_cpu(
 def test_a_mural_of_another_device_is_that_of_the_cpu(portrait: Image) -> None:
     mural = Mural(portrait, Sheet(width=0.06, height=0.05), Canvas(0.06, 0.05, 1000))
     settings, style = options(steps=5), load_style("free", mural.canvas)
-    near = plan_mural(mural, nominal("round"), style, settings, window_px=32)
+    near = plan_mural(mural, (nominal("round"),), style, settings, window_px=32)
     with far_device() as device:
-        far = plan_mural(mural, nominal("round"), style, settings, window_px=32, device=device)
+        far = plan_mural(mural, (nominal("round"),), style, settings, window_px=32, device=device)
     assert same(far, near)
     assert len(near.paint_of) > 10
 

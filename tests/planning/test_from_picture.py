@@ -38,8 +38,8 @@ NO_NETWORK = LossOptions(weights={"likeness": 0.0})
 
 def painted(layout: Layout, brush: Brush, wanted: PlannerSettings = QUICK) -> Painting:
     style = load_style("free", layout.canvas)
-    problem = problem_of(layout, brush, style, wanted, NO_NETWORK)
-    return as_painting(plan(problem, wanted), layout, brush, style, provenance_of(wanted, "a.jpg"))
+    problem = problem_of(layout, (brush,), style, wanted, NO_NETWORK)
+    return as_painting(plan(problem, wanted), layout, (brush,), style, provenance_of(wanted, "a.jpg"))
 
 
 def likeness(painting: Painting, layout: Layout) -> Metrics:
@@ -240,11 +240,11 @@ def test_strokes_longer_than_the_sheet_go_along_its_edge_within_the_margin(portr
     pen, wanted, size = nominal("fineliner"), options(strokes=20, steps=5, exact=True), (0.06, 0.05)
     layout = lay_out_for(portrait, Sheet(width=size[0], height=size[1]), pen, height_px=32)
     style = load_style("contour", layout.canvas)
-    planned = plan(problem_of(layout, pen, style, wanted, NO_NETWORK), wanted)
+    planned = plan(problem_of(layout, (pen,), style, wanted, NO_NETWORK), wanted)
     paths = planned.strokes.trajectories(style)[..., :2].numpy()
     fits = np.maximum(-paths, paths - size).max(axis=(1, 2)) < FILE_METRES
     assert 0 < fits.sum() < 20
-    found = as_painting(planned, layout, pen, style, provenance_of(wanted)).trajectories()[..., :2]
+    found = as_painting(planned, layout, (pen,), style, provenance_of(wanted)).trajectories()[..., :2]
     assert found.shape == paths.shape
     assert found[fits] == pytest.approx(paths[fits], abs=FILE_METRES)
     clamped = paths.clip(-OFF_SHEET, np.array(size) + OFF_SHEET)
@@ -255,7 +255,7 @@ def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: 
     face = lay_out_for(astronaut()[:400] / np.float32(255), Sheet(width=0.1, height=0.08), round_brush, height_px=100)
     middle, flag = (slice(15, 40), slice(47, 65)), (slice(50, 100), slice(0, 15))
     usual, even, twice = (
-        problem_of(face, round_brush, load_style("free", face.canvas), QUICK, LossOptions(weights=weights)).weights
+        problem_of(face, (round_brush,), load_style("free", face.canvas), QUICK, LossOptions(weights=weights)).weights
         for weights in ({}, {"faces": 0.0}, {"faces": 2.0})
     )
     assert (even == 1).all()
@@ -266,9 +266,9 @@ def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: 
 def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:
     wanted = options(paints=None, palette=((0.9, 0.8, 0.7), (0.2, 0.2, 0.4)), steps=20)
     style = load_style("free", layout.canvas)
-    planned = plan(problem_of(layout, round_brush, style, wanted, NO_NETWORK), wanted)
+    planned = plan(problem_of(layout, (round_brush,), style, wanted, NO_NETWORK), wanted)
     names = {hex_colour((0.2, 0.2, 0.4)): "dusk"}
-    found = as_painting(planned, layout, round_brush, style, provenance_of(wanted), names)
+    found = as_painting(planned, layout, (round_brush,), style, provenance_of(wanted), names)
     assert {paint.colour: paint.name for paint in found.paints} == {(0.9, 0.8, 0.7): None, (0.2, 0.2, 0.4): "dusk"}
 
 
@@ -276,7 +276,7 @@ def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
     painting: Painting, layout: Layout, round_brush: Brush
 ) -> None:
     loss_options = LossOptions(weights={"likeness": 0.0, "edges": 2.0})
-    problem = problem_of(layout, round_brush, load_style("free", layout.canvas), QUICK, loss_options)
+    problem = problem_of(layout, (round_brush,), load_style("free", layout.canvas), QUICK, loss_options)
     metrics = with_metrics(painting, layout, problem).provenance.metrics
     reached = likeness(painting, layout)
     assert {name: metrics[name] for name in asdict(reached)} == asdict(reached)
@@ -289,7 +289,7 @@ def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
 def test_a_term_counts_in_the_file_as_it_was_weighed(painting: Painting, layout: Layout, round_brush: Brush) -> None:
     style = load_style("free", layout.canvas)
     tone, twice = (
-        with_metrics(painting, layout, problem_of(layout, round_brush, style, QUICK, LossOptions(weights=weights)))
+        with_metrics(painting, layout, problem_of(layout, (round_brush,), style, QUICK, LossOptions(weights=weights)))
         for weights in ({"likeness": 0.0}, {"likeness": 0.0, "tone": 2.0})
     )
     assert twice.provenance.metrics["loss"] == pytest.approx(2 * tone.provenance.metrics["loss"])

@@ -44,12 +44,12 @@ def layout(portrait: Picture, brush: Brush) -> Layout:
 @pytest.fixture(scope="module")
 def problem(layout: Layout, brush: Brush) -> PlanningProblem:
     style = load_style("free", layout.canvas)
-    return problem_of(layout, brush, style, WANTED, LossOptions(weights={"likeness": 0.0}))
+    return problem_of(layout, (brush,), style, WANTED, LossOptions(weights={"likeness": 0.0}))
 
 
 @pytest.fixture(scope="module")
 def painting(problem: PlanningProblem, layout: Layout, brush: Brush) -> Painting:
-    return as_painting(plan(problem, WANTED), layout, brush, problem.style, provenance_of(WANTED))
+    return as_painting(plan(problem, WANTED), layout, (brush,), problem.style, provenance_of(WANTED))
 
 
 @pytest.fixture(scope="module")

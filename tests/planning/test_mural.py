@@ -59,12 +59,12 @@ def planned_as(
     watch: Callable[[PlanProgress], bool] = lambda progress: True,
     resume: State | None = None,
 ) -> PlanResult:
-    return plan_mural(mural, brush, STYLE, wanted, watch, loss_options=TONE, window_px=CORE, resume=resume)
+    return plan_mural(mural, (brush,), STYLE, wanted, watch, loss_options=TONE, window_px=CORE, resume=resume)
 
 
 def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> Image:
     """Return the squared difference of the plan from the picture, (H, W)."""
-    painting = as_painting(planned, layout, brush, STYLE, provenance_of(FINE))
+    painting = as_painting(planned, layout, (brush,), STYLE, provenance_of(FINE))
     return np.square(preview(painting, layout.canvas) - layout.target).mean(axis=2)
 
 
@@ -119,7 +119,7 @@ def quick(mural: Mural, round_brush: Brush, states: list[State]) -> PlanResult:
 
 
 def test_seams_are_not_seen(planned: PlanResult, mural: Mural, layout: Layout, round_brush: Brush) -> None:
-    whole = plan(problem_of(layout, round_brush, STYLE, FINE, TONE), FINE)
+    whole = plan(problem_of(layout, (round_brush,), STYLE, FINE, TONE), FINE)
     near = np.zeros((PX, PX), dtype=bool)
     near[CORE - SEAM_PX : CORE + SEAM_PX] = near[:, CORE - SEAM_PX : CORE + SEAM_PX] = True
     in_windows, in_one = (square_error(each, layout, round_brush) for each in (planned, whole))
@@ -246,6 +246,6 @@ def test_an_empty_picture_leaves_the_sheet_nearly_bare(round_brush: Brush) -> No
 
 def test_what_cannot_be_planned_in_windows_is_refused(mural: Mural, round_brush: Brush) -> None:
     with pytest.raises(InputError, match="a text is about a whole picture, and a mural is planned in windows"):
-        plan_mural(mural, round_brush, STYLE, QUICK, loss_options=LossOptions(text="a face"))
+        plan_mural(mural, (round_brush,), STYLE, QUICK, loss_options=LossOptions(text="a face"))
     with pytest.raises(InputError, match="the side of a window is 0 pixels; it must be at least 1"):
-        plan_mural(mural, round_brush, STYLE, QUICK, loss_options=TONE, window_px=0)
+        plan_mural(mural, (round_brush,), STYLE, QUICK, loss_options=TONE, window_px=0)

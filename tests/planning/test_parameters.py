@@ -22,7 +22,12 @@ def some_strokes(count: int, seed: int = 0, spread: float = 1.0) -> StrokeParame
     codes, knots = STYLE.sample(count, generator)
     centres = (0.5 + spread * (torch.rand(count, 2, generator=generator) - 0.5)) * torch.tensor([WIDTH, HEIGHT])
     angles = 4 * torch.randn(count, generator=generator)
-    return StrokeParameters(codes, centres, angles, knots, torch.rand(count, 3, generator=generator))
+    colours = torch.rand(count, 3, generator=generator)
+    return StrokeParameters(codes, centres, angles, knots, colours, torch.zeros(count, dtype=torch.long))
+
+
+def trained(parameters: StrokeParameters) -> StrokeParameters:
+    return StrokeParameters(**{k: x.requires_grad_(x.is_floating_point()) for k, x in parameters.each().items()})
 
 
 def paths_of(parameters: StrokeParameters) -> Tensor:
@@ -59,10 +64,10 @@ def test_an_angle_turns_a_stroke_about_its_middle() -> None:
 
 
 def test_every_parameter_has_a_gradient() -> None:
-    parameters = StrokeParameters(**{name: x.requires_grad_() for name, x in some_strokes(4).each().items()})
-    trained = [parameters.codes, parameters.centres, parameters.angles, parameters.pressure_knots]
+    parameters = trained(some_strokes(4))
+    moved = [parameters.codes, parameters.centres, parameters.angles, parameters.pressure_knots]
     weights = torch.rand(4, 32, 3, generator=torch.Generator().manual_seed(1))
-    for gradient in torch.autograd.grad((parameters.trajectories(STYLE) * weights).sum(), trained):
+    for gradient in torch.autograd.grad((parameters.trajectories(STYLE) * weights).sum(), moved):
         assert gradient.isfinite().all()
         assert (gradient.abs().reshape(4, -1).amax(dim=1) > 0).all()
 
@@ -85,14 +90,14 @@ def test_strokes_are_kept_inside_by_the_smallest_move(seed: int, spread: float) 
 
 
 def test_strokes_that_train_are_kept_inside_without_a_gradient() -> None:
-    parameters = StrokeParameters(**{name: x.requires_grad_() for name, x in some_strokes(6, spread=3).each().items()})
+    parameters = trained(some_strokes(6, spread=3))
     parameters.keep_inside(STYLE, WIDTH, HEIGHT)
     assert parameters.centres.is_leaf
     assert parameters.centres.requires_grad
 
 
 def test_some_strokes_are_a_copy_without_gradients() -> None:
-    parameters = StrokeParameters(**{name: x.requires_grad_() for name, x in some_strokes(6).each().items()})
+    parameters = trained(some_strokes(6))
     some = parameters[torch.tensor([4, 1])]
     assert len(some) == 2
     for name, tensor in some.each().items():
@@ -103,7 +108,7 @@ def test_some_strokes_are_a_copy_without_gradients() -> None:
 
 
 def test_rows_are_replaced_and_the_others_left() -> None:
-    parameters = StrokeParameters(**{name: x.requires_grad_() for name, x in some_strokes(6).each().items()})
+    parameters = trained(some_strokes(6))
     before, others = some_strokes(6), some_strokes(2, seed=9)
     parameters.replace_rows(torch.tensor([5, 0]), others)
     for name, tensor in parameters.each().items():

@@ -48,7 +48,7 @@ def planned(problem: PlanningProblem, steps: list[PlanProgress]) -> PlanResult:
 
 def rendered(problem: PlanningProblem, planned: PlanResult) -> Tensor:
     trajectories = planned.strokes.trajectories(problem.style)
-    brushes = Traj2Stroke.of([problem.brush] * len(planned.strokes))
+    brushes = Traj2Stroke.of(problem.brushes)[planned.strokes.brush_of]
     colours = planned.paints[planned.paint_of]
     return paint(problem.paper, trajectories, colours, brushes, problem.canvas.pixels_per_metre)
 
@@ -80,7 +80,7 @@ def test_a_plan_is_nearer_to_its_picture_than_its_start_and_than_random_strokes(
         rng.uniform((0, 0), (60, 48), (30, 2)), rng.uniform(0, 3, 30), np.full(30, 12.0), rng.random((30, 3))
     )
     generator = torch.Generator().manual_seed(0)
-    random = start_strokes(anywhere, problem.style, problem.brush, problem.canvas.pixels_per_metre, generator)
+    random = start_strokes(anywhere, problem.style, problem.brushes[0], problem.canvas.pixels_per_metre, generator)
     assert error < 0.15 * mse(rendered(problem, PlanResult(random, random.colours, torch.arange(30))), problem.target)
 
 
@@ -304,6 +304,7 @@ def test_a_paint_is_mixed_for_the_strokes_that_show_most(problem: PlanningProble
         angles=torch.zeros(2),
         pressure_knots=torch.tensor([[0.0] * 4, [1.0] * 4]),
         colours=torch.tensor([[0.0, 0.0, 0.0], [1.0, 1.0, 0.9]]),  # the line is painted first
+        brush_of=torch.zeros(2, dtype=torch.long),
     )
     at_once = Schedule(relocations=(), quantise=0.0)
     found = plan(problem, options(strokes=2, paints=1, steps=1, exact=True), schedule=at_once, start=start)

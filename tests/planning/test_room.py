@@ -71,9 +71,9 @@ def test_no_ink_lies_in_a_margin_even_of_strokes_that_are_longer_than_the_pictur
         seen.append(int((painted.any(axis=2) & bare(layout, layout.canvas)).sum()))
         return True
 
-    planned = plan(problem_of(layout, pen, hand, INK, NO_NETWORK), INK, watch)
+    planned = plan(problem_of(layout, (pen,), hand, INK, NO_NETWORK), INK, watch)
     assert set(seen) == {0}, "ink was in the margin while it was planned"
-    painting = as_painting(planned, layout, pen, hand, provenance_of(INK))
+    painting = as_painting(planned, layout, (pen,), hand, provenance_of(INK))
     assert inked_beyond(painting, layout) == 0
 
 
@@ -82,7 +82,7 @@ def test_without_the_margin_the_same_plan_has_ink_there() -> None:
     layout = lay_out_for(black(), SHEET, pen, "cover", 40)
     hand = load_style("scribble", layout.canvas)
     painting = as_painting(
-        plan(problem_of(layout, pen, hand, INK, NO_NETWORK), INK), layout, pen, hand, provenance_of(INK)
+        plan(problem_of(layout, (pen,), hand, INK, NO_NETWORK), INK), layout, (pen,), hand, provenance_of(INK)
     )
     assert inked_beyond(painting, replace(layout, room=(MARGIN, MARGIN, 0.1 - MARGIN, 0.08 - MARGIN))) > 1000
 
@@ -93,8 +93,8 @@ def test_no_ink_lies_in_the_margin_of_a_mural(fit: str) -> None:
     mural = Mural(black(), SHEET, Canvas(SHEET.width, SHEET.height, 960), fit, MARGIN)
     layout = mural.overview(96)
     hand = load_style("scribble", layout.canvas)
-    planned = plan_mural(mural, pen, hand, settings_, loss_options=NO_NETWORK, window_px=48)
-    assert inked_beyond(as_painting(planned, layout, pen, hand, provenance_of(settings_)), layout) == 0
+    planned = plan_mural(mural, (pen,), hand, settings_, loss_options=NO_NETWORK, window_px=48)
+    assert inked_beyond(as_painting(planned, layout, (pen,), hand, provenance_of(settings_)), layout) == 0
 
 
 def test_strokes_of_a_text_begin_in_the_room() -> None:
@@ -102,7 +102,7 @@ def test_strokes_of_a_text_begin_in_the_room() -> None:
     layout = lay_out_for(None, SHEET, pen, "contain", 40, MARGIN)
     paper, weights = torch.ones(3, 40, 50), torch.ones(40, 50)
     problem = PlanningProblem(
-        None, paper, weights, layout.canvas, pen, load_style("free", layout.canvas), (), room=layout.room
+        None, paper, weights, layout.canvas, (pen,), load_style("free", layout.canvas), (), room=layout.room
     )
     strokes, _ = Initialiser(problem, INK, None, np.random.default_rng(0), torch.Generator().manual_seed(0)).first()
     pixel = 1 / layout.canvas.pixels_per_metre
@@ -147,8 +147,8 @@ def test_a_stroke_that_fits_is_moved_as_a_whole_and_one_that_is_inside_stays() -
 
 def test_a_brush_that_is_wider_than_what_a_margin_leaves_is_refused() -> None:
     brush = nominal("round")
-    check_room(None, brush)
+    check_room(None, [brush])
     with pytest.raises(InputError) as caught:
-        check_room((0.0, 0.0, 0.1, brush.widest), brush)
+        check_room((0.0, 0.0, 0.1, brush.widest), [brush])
     assert "for the picture, and the brush" in str(caught.value)
     assert "choose a smaller margin, a larger sheet or a thinner brush" in str(caught.value)

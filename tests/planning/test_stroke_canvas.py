@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -22,18 +24,20 @@ def strokes(colours: list[tuple[float, float, float]], seed: int) -> StrokeParam
     torch_rng = torch.Generator().manual_seed(seed)
     codes, knots = STYLE.sample_for(torch.full((len(colours),), 0.02), torch_rng)
     centres = torch.tensor([0.03, 0.02]) + 0.004 * torch.rand(len(colours), 2, generator=torch_rng)
-    return StrokeParameters(codes, centres, torch.arange(float(len(colours))), knots, torch.tensor(colours))
+    angles, brush_of = torch.arange(float(len(colours))), torch.zeros(len(colours), dtype=torch.long)
+    return StrokeParameters(codes, centres, angles, knots, torch.tensor(colours), brush_of)
 
 
 @pytest.fixture
 def theirs() -> Neighbours:
-    return Neighbours(strokes([MIDDLE, DARK], 1).trajectories(STYLE), torch.tensor([MIDDLE, DARK]))
+    both = strokes([MIDDLE, DARK], 1)
+    return Neighbours(both.trajectories(STYLE), both.colours, both.brush_of)
 
 
 @pytest.fixture
 def stroke_canvas(theirs: Neighbours, round_brush: Brush) -> StrokeCanvas:
     own = strokes([DARK, LIGHT], 0)
-    return StrokeCanvas(own, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
+    return StrokeCanvas(own, torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, theirs)
 
 
 def painted(trajectories: list[Tensor], colours: list[tuple[float, float, float]], brush: Brush) -> Tensor:
@@ -77,9 +81,9 @@ def test_what_is_given_in_painting_order_comes_back_for_the_strokes_alone(stroke
 
 def test_nothing_pulls_at_neighbours(round_brush: Brush, theirs: Neighbours) -> None:
     own = strokes([DARK, LIGHT], 0)
-    moved = StrokeParameters(**{name: tensor.requires_grad_() for name, tensor in own.each().items()})
-    there = Neighbours(theirs.trajectories.requires_grad_(), theirs.colours)
-    stroke_canvas = StrokeCanvas(moved, torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, there)
+    moved = StrokeParameters(**{name: x.requires_grad_(x.is_floating_point()) for name, x in own.each().items()})
+    there = replace(theirs, trajectories=theirs.trajectories.requires_grad_())
+    stroke_canvas = StrokeCanvas(moved, torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, there)
     stroke_canvas.render().square().mean().backward()
     assert moved.centres.grad is not None
     assert moved.centres.grad.abs().min() > 0
@@ -90,6 +94,6 @@ def test_going_on_from_a_state_paints_neighbours_in_the_same_place(
     stroke_canvas: StrokeCanvas, theirs: Neighbours, round_brush: Brush
 ) -> None:
     stroke_canvas.sort()
-    again = StrokeCanvas(strokes([LIGHT, LIGHT], 2), torch.ones(3, 40, 60), CANVAS, round_brush, STYLE, theirs)
+    again = StrokeCanvas(strokes([LIGHT, LIGHT], 2), torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, theirs)
     again.restore(stroke_canvas.state())
     assert torch.equal(again.render(), stroke_canvas.render())

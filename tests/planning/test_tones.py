@@ -136,7 +136,7 @@ def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
     wanted = PlannerSettings(strokes=30, paints=None, palette=(ink,))
 
     def asked(tones: Tones) -> torch.Tensor:
-        target = problem_of(layout, PEN, HAND, wanted, tones=tones).target
+        target = problem_of(layout, (PEN,), HAND, wanted, tones=tones).target
         assert target is not None
         return target
 

@@ -17,7 +17,12 @@ from maulstick.rendering.preview import preview
 from tests.support.tolerances import GOLDEN_MEAN, GOLDEN_WORST
 
 GOLDEN = Path(__file__).parent / "golden"
-COLOURS = {"fineliner": (0.1, 0.1, 0.1), "marker": (0.0, 0.25, 0.6), "round": (0.85, 0.35, 0.1)}
+COLOURS = {
+    "fineliner": (0.1, 0.1, 0.1),
+    "marker": (0.0, 0.25, 0.6),
+    "round": (0.85, 0.35, 0.1),
+    "wash": (0.3, 0.5, 0.35),
+}
 
 
 def spiral(turns: float, pressure: tuple[float, float]) -> NDArray[np.float64]:

@@ -107,7 +107,7 @@ def test_where_libmypaint_is_missing_the_brush_model_draws_what_the_planner_sees
 
     monkeypatch.setattr(sheets, "MyPaintPaper", missing)
     brush = nominal("round").model_copy(update={"nib": (0.2, 0.1), "faint": 0.5, "opacity": 0.8, "lag": 1e-3})
-    paper = sheet_for(brush, CANVAS)
+    paper = sheet_for([brush], CANVAS)
     assert isinstance(paper, ModelSheet)
     bent = np.array([[0.006, 0.01, 0.1], [0.015, 0.012, 0.3], [0.024, 0.005, 0.2]])
     paper.draw(bent, RED)
@@ -117,15 +117,28 @@ def test_where_libmypaint_is_missing_the_brush_model_draws_what_the_planner_sees
     assert_allclose(paper.image(), expected.permute(1, 2, 0).numpy(), atol=2e-5, rtol=0)
 
 
+def test_tools_are_changed_on_one_sheet() -> None:
+    fine, broad = nominal("fineliner"), nominal("marker")
+    paper = sheet_for([fine, broad], CANVAS)
+    inks = []
+    for brush in (fine, broad):
+        before = paper.image()
+        paper.take(brush)
+        paper.draw(ROW, (0, 0, 0))
+        inks.append(np.abs(paper.image() - before).sum())
+    assert inks[1] > 2 * inks[0] > 0
+    assert paper.deepest >= paper.depth
+
+
 @pytest.mark.parametrize("brush", ["fineliner", "marker", "round"])
 def test_every_brush_has_a_sheet_that_takes_its_ink(brush: str) -> None:
-    paper = sheet_for(nominal(brush), CANVAS)
+    paper = sheet_for([nominal(brush)], CANVAS)
     paper.draw(ROW, (0, 0, 0))
     assert paper.image().min() < 0.6
     assert paper.depth > 0
 
 
 def test_a_brush_that_nobody_knows_has_a_sheet_as_well() -> None:
-    paper = sheet_for(nominal("marker").model_copy(update={"name": "twig"}), CANVAS)
+    paper = sheet_for([nominal("marker").model_copy(update={"name": "twig"})], CANVAS)
     paper.draw(ROW, (0, 0, 0))
     assert paper.image().min() < 0.6

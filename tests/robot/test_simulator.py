@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel
@@ -34,8 +35,11 @@ class Notes(InkedSheet):
     """Sheet that records the strokes drawn on it."""
 
     def __init__(self) -> None:
-        self.canvas, self.depth = Canvas(0.06, 0.04, 1000), 0.004
+        self.canvas, self.depth, self.deepest = Canvas(0.06, 0.04, 1000), 0.004, 0.004
         self.drawn: list[tuple[Floats, Colour]] = []
+
+    def take(self, brush: Brush) -> None:
+        pass
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         self.drawn.append((trajectory, colour))

@@ -35,4 +35,4 @@ def planned() -> Painting:
     provenance = provenance_of(
         options, more={"style": "loops", "fit": "contain", "px": PIXELS, "weights": {"tone": 1.0}}
     )
-    return as_painting(plan(problem_of(layout, brush, style, options), options), layout, brush, style, provenance)
+    return as_painting(plan(problem_of(layout, (brush,), style, options), options), layout, (brush,), style, provenance)

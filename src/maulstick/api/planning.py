@@ -1,7 +1,7 @@
 """Planning, rendering and comparing paintings from Python."""
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting import painting as records
-from maulstick.painting.brush import Brush
+from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.picture import READ_PX, Picture, image_of
 from maulstick.planning.planner import PlanProgress
@@ -33,7 +33,7 @@ def plan(
     picture: Picture | None = None,
     *,
     style: str | Style | None = None,
-    brush: str | Brush | None = None,
+    brush: str | Brush | Sequence[Brush] | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
     **changes: Any,
@@ -41,7 +41,8 @@ def plan(
     """Plan a painting of a picture, or of the `text` among the options.
 
     picture: a path, a Pillow image, or an array (H, W, 3) or (H, W), uint8 or float in [0, 1], sRGB.
-    style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return.
+    style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return. Several brushes
+    paint one after another in colours, the broadest first.
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
     (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
@@ -55,9 +56,14 @@ def plan(
     for name in changes:
         if name not in _NAMES:
             raise InputError.of_choice("option", name, _NAMES)
-    for name, thing in (("style", style), ("brush", brush)):
-        if thing is not None:
-            changes[name] = thing if isinstance(thing, str) else thing.name
+    if style is not None:
+        changes["style"] = style if isinstance(style, str) else style.name
+    brushes: tuple[Brush, ...] = ()
+    if isinstance(brush, str):
+        changes["brush"] = brush
+    elif brush is not None:
+        brushes = in_painting_order([brush] if isinstance(brush, Brush) else brush)
+        changes["brush"] = ",".join(each.name for each in brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
@@ -65,7 +71,7 @@ def plan(
     prepared = prepare(
         PlanRequest(path, replace(options or PlanOptions(), **changes)),
         image,
-        brush=brush if isinstance(brush, Brush) else None,
+        brushes=brushes,
         style=style if isinstance(style, Style) else None,
     )
     if prepared.device.note is not None:

@@ -40,11 +40,12 @@ def mix(
     from maulstick.colour.tubes import USUAL_PAINTS, read_paints
 
     base = USUAL_PAINTS if source is None else read_paints(source)
-    recipes = mixing_advice(np.array([paint.colour for paint in plan.paints]).reshape(-1, 3), base)
+    colours = plan.colours()
+    recipes = mixing_advice(np.array([paint.colour for paint, _ in colours]).reshape(-1, 3), base)
     table = Table(title=Text(f"{painting}, from {'usual acrylics' if source is None else source}"))
     for column in ("paint", "metres", "recipe", "gives"):
         table.add_column(column, justify="right" if column == "metres" else "left", overflow="fold")
-    for number, (paint, metres) in enumerate(zip(plan.paints, plan.metres_of_paints(), strict=True), start=1):
+    for number, (paint, metres) in enumerate(colours, start=1):
         in_its_tube = source is None and paint.name is not None
         advice = None if in_its_tube else recipes[number - 1]
         table.add_row(_wanted(number, paint), f"{metres:.2f}", _recipe(advice), _given(advice))

@@ -1,31 +1,42 @@
 """Layers of strokes: the order in which paints are used, as strokes that are painted first lie below."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
 from maulstick.colour.palette import lightness
 from maulstick.storage.arrays import Bools, Floats, Ints
 
-
-def light_to_dark(colours: Floats) -> Ints:
-    """Return indices (N,) that sort strokes of colours (N, 3), sRGB in [0, 1], from light to dark."""
-    return np.argsort(-lightness(colours), kind="stable")
+_Choose = Callable[[Bools, Bools], int]
+"""Choice of the next paint: takes which strokes are free, and which wait for others, (N,) each."""
 
 
-def by_paint(paint_of: Ints, before: Ints) -> Ints:
-    """Return indices (N,) that group strokes by their paint (N,), in the order `before` (N,) within each paint."""
-    return before[np.argsort(paint_of[before], kind="stable")]
+def light_to_dark(colours: Floats, brush_of: Ints) -> Ints:
+    """Return indices (N,) that sort strokes by their brush (N,), and those of each brush from light to dark.
+
+    colours: (N, 3), sRGB in [0, 1].
+    """
+    return np.lexsort((-lightness(colours), brush_of))
 
 
-def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
-    """Return strokes as runs of one paint each: as few runs as can be found, and never more than before.
+def by_paint(paint_of: Ints, brush_of: Ints, before: Ints) -> Ints:
+    """Return indices (N,) that group strokes by their brush (N,), then by their paint (N,).
 
-    paint_of: (N,) the paint of each stroke, in painting order.  overlaps: (E, 2) strokes of different paints of which
-    the first lies below the second, and stays there. Within a run any order will do.
+    Within each paint they are in the order `before`, (N,).
+    """
+    return before[np.lexsort((paint_of[before], brush_of[before]))]
+
+
+def runs(paint_of: Ints, brushes: Ints, overlaps: Ints) -> list[Ints]:
+    """Return strokes as runs of one paint each: first as few changes of brush as can be found, then as few runs.
+
+    Neither is ever more than before, but for a change of paint that saves one of brush.
+    paint_of: (N,) the paint of each stroke, in painting order.  brushes: (k,) the brush of each paint.
+    overlaps: (E, 2) strokes of different paints of which the first lies below the second, and stays there. Within a
+    run any order will do.
     """
     changes = _changes_after(len(paint_of), overlaps)
-    before = iter(paint_of[np.flatnonzero(np.diff(paint_of, prepend=-1))].tolist())
 
     def neediest(free: Bools, waiting: Bools) -> int:
         # A paint that can be finished comes first: it must be taken up once more anyway. Otherwise a stroke counts
@@ -34,13 +45,46 @@ def runs(paint_of: Ints, overlaps: Ints) -> list[Ints]:
         finishes = (needed > 0) & (np.bincount(paint_of, waiting, len(needed)) == 0)
         return int(np.argmax(np.where(finishes, np.inf, needed)))
 
-    def as_before(free: Bools, waiting: Bools) -> int:
-        return int(next(paint for paint in before if free[paint_of == paint].any()))
+    def as_before() -> _Choose:
+        left = paint_of[np.flatnonzero(np.diff(paint_of, prepend=-1))].tolist()
 
-    return min((_scheduled(paint_of, overlaps, choose) for choose in (neediest, as_before)), key=len)
+        def choose(free: Bools, waiting: Bools) -> int:
+            paint = next((paint for paint in left if free[paint_of == paint].any()), int(paint_of[free][0]))
+            if paint in left:
+                left.remove(paint)
+            return int(paint)
+
+        return choose
+
+    ways = [neediest, as_before()]
+    if len(np.unique(brushes[paint_of])) > 1:
+        ways += [_staying(choose, brushes[paint_of], brushes) for choose in (neediest, as_before())]
+    return min(
+        (_scheduled(paint_of, overlaps, way) for way in ways), key=lambda found: _price(found, paint_of, brushes)
+    )
 
 
-def _scheduled(paint_of: Ints, overlaps: Ints, choose: Callable[[Bools, Bools], int]) -> list[Ints]:
+def _staying(choose: _Choose, brush_of: Ints, brushes: Ints) -> _Choose:
+    """Return a choice that keeps to the brush in hand as long as that can go on."""
+    held = -1
+
+    def stay(free: Bools, waiting: Bools) -> int:
+        nonlocal held
+        same = free & (brush_of == held)
+        paint = choose(same if same.any() else free, waiting)
+        held = int(brushes[paint])
+        return paint
+
+    return stay
+
+
+def _price(found: list[Ints], paint_of: Ints, brushes: Ints) -> tuple[int, int]:
+    """Return how often the brush changes, and the paint."""
+    held = [int(brushes[paint_of[run[0]]]) for run in found]
+    return sum(one != other for one, other in pairwise(held)), len(found)
+
+
+def _scheduled(paint_of: Ints, overlaps: Ints, choose: _Choose) -> list[Ints]:
     """Return runs; each takes all strokes of the chosen paint that are free: all that must lie below are painted."""
     below, above = overlaps.T
     beneath = np.bincount(above, minlength=len(paint_of))

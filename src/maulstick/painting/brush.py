@@ -1,5 +1,6 @@
 """Brushes: the numbers of Traj2Stroke (paper), their file, and the place where a commanded path leaves its mark."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -195,6 +196,32 @@ def load_brush(name: str) -> Brush:
         return Brush.model_validate_json(read_whole(path, "brush", _LARGEST_FILE))
     except ValidationError as error:
         raise InputError(f"{path} is not a brush: {validation_fault(error)}") from error
+
+
+def load_brushes(names: str) -> tuple[Brush, ...]:
+    """Return the brushes of names as `load_brush` takes them, with commas between them, the broadest first.
+
+    Raises InputError as `load_brush` does, and for two brushes of one name.
+
+        >>> [brush.name for brush in load_brushes("marker,wash")]
+        ['wash', 'marker']
+    """
+    brushes = [load_brush(name.strip()) for name in names.split(",")]
+    return in_painting_order(brushes)
+
+
+def in_painting_order(brushes: Iterable[Brush]) -> tuple[Brush, ...]:
+    """Return brushes in the order in which one painting uses them, the broadest first.
+
+    Raises InputError for none, and for two brushes of one name.
+    """
+    ordered = tuple(sorted(brushes, key=lambda brush: -brush.widest))
+    if not ordered:
+        raise InputError("there is no brush to paint with; name at least one")
+    for brush in ordered:
+        if sum(brush.name == other.name for other in ordered) > 1:
+            raise InputError(f"the brush {brush.name} is named twice; a painting has each brush once")
+    return ordered
 
 
 def pen_brush(name: str, pen: PenModel) -> Brush:

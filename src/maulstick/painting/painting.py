@@ -275,6 +275,19 @@ class Painting(_Part):
         paint_of = np.array([stroke.paint for stroke in self.strokes], dtype=np.int64)
         return np.asarray(np.bincount(paint_of, self.lengths(), len(self.paints)), dtype=np.float64)
 
+    def colours(self) -> list[tuple[Paint, float]]:
+        """Return the colours that have to be mixed: of each its first paint, and the metres drawn by all brushes."""
+        found: dict[tuple[Colour, str | None], tuple[Paint, float]] = {}
+        for paint, metres in zip(self.paints, self.metres_of_paints().tolist(), strict=True):
+            first, before = found.get((paint.colour, paint.name), (paint, 0.0))
+            found[paint.colour, paint.name] = first, before + metres
+        return list(found.values())
+
+    def brush_changes(self) -> int:
+        """Number of times that another brush must be put in after the first."""
+        used = [self.paints[stroke.paint].brush for stroke in self.strokes]
+        return sum(before != after for before, after in pairwise(used))
+
     def paint_changes(self) -> int:
         """Number of times that another paint must be taken up after the first."""
         return sum(before.paint != after.paint for before, after in pairwise(self.strokes))

@@ -10,7 +10,7 @@ import torch
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import PlanMetrics, blurred_psnr, compare, psnr
-from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse
 from maulstick.planning.attention import attention
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
@@ -37,7 +37,7 @@ _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: m
 
 def problem_of(
     layout: Layout,
-    brush: Brush,
+    brushes: tuple[Brush, ...],
     style: Style,
     options: PlannerSettings,
     loss_options: LossOptions = _DEFAULT_LOSSES,
@@ -49,6 +49,7 @@ def problem_of(
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
+    brushes: the broadest first; one ink has one.
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
     device: renders, and compares with the picture.  tones: those of one ink that the picture is planned in, if any.
     bare: (H, W, 3), the sheet without what is painted, on which tones are made; when left out, the layout's.
@@ -61,16 +62,16 @@ def problem_of(
         ink = options.palette[0]
         target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device), ink)
         if tones.lines:
-            dark = tones.lines * torch.from_numpy(lines_on(layout, brush)).to(device)
+            dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
             target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
-    spacing = _spacing(target, paper, brush, layout, options) if options.one_ink else None
+    spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture)
     return PlanningProblem(
         target,
         paper,
         weights,
         layout.canvas,
-        brush,
+        brushes,
         style,
         *losses_of(loss_options, reference, network),
         room=layout.room,
@@ -158,7 +159,7 @@ def _compared(true: Image, planned: Image, layout: Layout) -> PlanMetrics | None
 def as_painting(
     planned: PlanResult,
     layout: Layout,
-    brush: Brush,
+    brushes: tuple[Brush, ...],
     style: Style,
     provenance: Provenance,
     names: Mapping[str, str] = {},
@@ -173,12 +174,15 @@ def as_painting(
     poses = planned.strokes.poses(style.decode(codes))
     farthest = (layout.sheet.width + OFF_SHEET, layout.sheet.height + OFF_SHEET, 1)
     trajectories = as_array(planned.strokes.trajectories(style)).clip((-OFF_SHEET, -OFF_SHEET, 0), farthest)
+    brush_of = planned.strokes.brush_of
     if layout.room is not None:
-        trajectories = kept_in(layout.room, trajectories, brush)
+        for number, brush in enumerate(brushes):
+            rows = np.flatnonzero(brush_of.numpy() == number)
+            trajectories[rows] = kept_in(layout.room, trajectories[rows], brush)
     speeds = style.speeds(codes)
     speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
-    used = torch.unique(planned.paint_of)
-    paint_of = torch.searchsorted(used, planned.paint_of)
+    loads = torch.stack([brush_of, planned.paint_of], dim=1)
+    used, paint_of = torch.unique(loads, dim=0, return_inverse=True)
     strokes = [
         Stroke.model_validate(
             {
@@ -193,13 +197,17 @@ def as_painting(
             zip(paint_of.tolist(), trajectories.tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
         )
     ]
-    colours = [tuple(colour) for colour in planned.paints[used].tolist()]
-    paints = [Paint(colour=colour, brush=brush.name, name=names.get(hex_colour(colour))) for colour in colours]
+    paints = [_paint(brushes[number], planned.paints[paint], names) for number, paint in used.tolist()]
     return Painting(
         sheet=layout.sheet,
         area=layout.area,
         provenance=provenance,
-        brushes={brush.name: brush},
+        brushes={brushes[number].name: brushes[number] for number in used[:, 0].unique().tolist()},
         paints=tuple(paints),
         strokes=tuple(strokes),
     )
+
+
+def _paint(brush: Brush, colour: torch.Tensor, names: Mapping[str, str]) -> Paint:
+    paint = Paint.model_validate({"colour": colour.tolist(), "brush": brush.name})
+    return paint.model_copy(update={"name": names.get(paint.hex)})

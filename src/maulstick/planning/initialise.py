@@ -1,13 +1,23 @@
 """Initial strokes: all of them on the empty sheet, and later a few where the canvas is furthest from the picture."""
 
+from dataclasses import replace
+
 import numpy as np
 import torch
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
 from maulstick.planning.groups import place_groups
-from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.placement import detail, find_places, ink_density, start_strokes, strokes_at
+from maulstick.planning.parameters import StrokeParameters, joined
+from maulstick.planning.placement import (
+    HALF_WIDTH_IN_SPACINGS,
+    Places,
+    detail,
+    find_places,
+    ink_density,
+    start_strokes,
+    strokes_at,
+)
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import as_array
@@ -15,6 +25,8 @@ from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
 from maulstick.style.arrangement import Arrangement
 
+_LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
+_FINER = 0.3  # size of a brush's first strokes beside those of the broader one before, whose details they are
 _VISIBLE = 2 / 255  # least difference of sRGB between paper and picture that wants a stroke: two steps of 8 bits
 
 
@@ -36,6 +48,7 @@ class Initialiser:
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
+        self._usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
 
     def first(self) -> tuple[StrokeParameters, float]:
         """Return as many strokes as are planned, on the sheet as it is, and the median of their spacing, metres."""
@@ -66,25 +79,50 @@ class Initialiser:
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes spread by the density (H, W) along edges of the target, and their median spacing.
 
-        room: the largest spacing that a stroke is sized for. Both are in metres.
+        room: the largest spacing that a stroke is sized for. Both are in metres. Each brush is spread over all of it.
         """
-        pixels_per_metre = self._problem.canvas.pixels_per_metre
         if self._arrangement is not None:
             return self._in_groups(self._arrangement, target, density, count)
-        places = find_places(as_array(target), density, count, self._rng, room * pixels_per_metre)
-        strokes = start_strokes(places, self._problem.style, self._problem.brush, pixels_per_metre, self._torch_rng)
-        return strokes, float(np.median(places.spacing)) / pixels_per_metre
+        layers, spacing = [], []
+        for number, share in enumerate(self._shares(count)):
+            if share:
+                places = self._places(target, density, share, room)
+                layers.append(self._with_brush(number, places))
+                spacing.append(places.spacing)
+        return joined(layers), float(np.median(np.concatenate(spacing))) / self._problem.canvas.pixels_per_metre
+
+    def candidates(self, target: Tensor, density: Floats, count: int, room: float) -> list[StrokeParameters]:
+        """Return `count` strokes of each brush, all at the same places; arguments as those of `strokes`."""
+        places = self._places(target, density, count, room)
+        return [self._with_brush(number, places) for number in range(len(self._problem.brushes))]
+
+    def _shares(self, count: int) -> list[int]:
+        """Return how many of the strokes each brush is given: the fewer, the less of a stroke's room it can fill."""
+        fills = [brush.widest / (HALF_WIDTH_IN_SPACINGS * self._usual_spacing) for brush in self._problem.brushes]
+        parts = np.cumsum(np.clip(fills, _LEAST_SHARE, 1))
+        shares: list[int] = np.diff(np.round(count * parts / parts[-1]), prepend=0).astype(int).tolist()
+        return shares
+
+    def _places(self, target: Tensor, density: Floats, count: int, room: float) -> Places:
+        return find_places(as_array(target), density, count, self._rng, room * self._problem.canvas.pixels_per_metre)
+
+    def _with_brush(self, number: int, places: Places) -> StrokeParameters:
+        """Return strokes of the brush of that number at the places."""
+        problem, scale = self._problem, self._problem.canvas.pixels_per_metre
+        finer = replace(places, spacing=_FINER**number * places.spacing)
+        strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng)
+        strokes.brush_of.fill_(number)
+        return strokes
 
     def _in_groups(
         self, arrangement: Arrangement, target: Tensor, density: Floats, count: int
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes as `strokes` does, in groups of the hand."""
-        canvas = self._problem.canvas
-        spacing = (surface_of(self._problem.room, canvas) / self._options.strokes) ** 0.5
-        room, scale = spacing * canvas.pixels_per_metre, canvas.pixels_per_metre
+        spacing, scale = self._usual_spacing, self._problem.canvas.pixels_per_metre
+        room = spacing * scale
         places, rows = place_groups(as_array(target), density, count, arrangement, room, scale, self._rng)
         codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)
-        return strokes_at(places, codes, knots, self._problem.brush, scale), spacing
+        return strokes_at(places, codes, knots, self._problem.brushes[0], scale), spacing
 
     def _anywhere(self) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing as `first` does."""

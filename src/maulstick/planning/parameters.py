@@ -1,5 +1,6 @@
-"""Parameters of strokes that are optimised: code, pose, pressure and colour, one tensor per kind."""
+"""Parameters of strokes that are optimised: code, pose, pressure and colour, one tensor per kind; and their brushes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Self
 
@@ -13,10 +14,11 @@ from maulstick.style.pressure import pressure_along
 
 @dataclass(frozen=True)
 class StrokeParameters:
-    """Parameters of N strokes that are optimised.
+    """Parameters of N strokes that are optimised, and the brush of each.
 
     codes: (N, K).  centres: (N, 2) metres, where the middle of each path lies; turning a stroke about it moves both
     ends alike.  angles: (N,) radians.  pressure_knots: (N, 4) in [0, 1].  colours: (N, C) in [0, 1].
+    brush_of: (N,), indices of brushes, which descent leaves as they are.
     """
 
     codes: Tensor
@@ -24,6 +26,7 @@ class StrokeParameters:
     angles: Tensor
     pressure_knots: Tensor
     colours: Tensor
+    brush_of: Tensor
 
     def __len__(self) -> int:
         return self.angles.shape[0]
@@ -57,3 +60,9 @@ class StrokeParameters:
         paths = self.trajectories(style)[..., :2]
         size = torch.tensor([width, height])
         self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))
+
+
+def joined(parts: Sequence[StrokeParameters]) -> StrokeParameters:
+    """Return the strokes of all parts, one after another, without gradients."""
+    each = {name: [part.each()[name].detach() for part in parts] for name in parts[0].each()}
+    return StrokeParameters(**{name: torch.cat(tensors) for name, tensors in each.items()})

@@ -13,10 +13,12 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.style import Style
 
+HALF_WIDTH_IN_SPACINGS = 0.4
+"""Half-width of an initial stroke, in spacings: it nearly fills the room between its neighbours."""
+
 _ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly spread; each costs time
 _SAMPLES_PER_STROKE = 60  # random samples of the density per stroke, whose mean becomes the stroke's place
 _LENGTH_IN_SPACINGS = 2.0  # length of an initial stroke: it reaches its neighbours along an edge
-_HALF_WIDTH_IN_SPACINGS = 0.4  # half-width of an initial stroke: it nearly fills the room between its neighbours
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,13 @@ def start_strokes(
 def strokes_at(
     places: Places, codes: torch.Tensor, knots: torch.Tensor, brush: Brush, pixels_per_metre: float
 ) -> StrokeParameters:
-    """Return the strokes of these codes (N, K) at the places; their pressure (N, 4) is moved to suit the room there."""
+    """Return the strokes of these codes (N, K) at the places; their pressure (N, 4) is moved to suit the room there.
+
+    Their brush counts as the first of all.
+    """
     spacing = places.spacing / pixels_per_metre
     if brush.pressure_matters:
-        pressure = brush.pressure_for(_HALF_WIDTH_IN_SPACINGS * spacing)
+        pressure = brush.pressure_for(HALF_WIDTH_IN_SPACINGS * spacing)
         knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(0, 1)
     else:
         knots = torch.zeros_like(knots)
@@ -122,6 +127,7 @@ def strokes_at(
         _tensor(places.angles),
         knots,
         _tensor(places.colours),
+        torch.zeros(len(places.angles), dtype=torch.long),
     )
 
 

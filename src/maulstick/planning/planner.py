@@ -15,6 +15,7 @@ from torch import Tensor
 from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
+from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
@@ -108,7 +109,7 @@ class _Planning:
         self._torch_rng = torch.Generator().manual_seed(options.seed)
         self._pool = 1
         if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
-            self._pool = max(1, round(4 * problem.brush.widest * self._canvas.pixels_per_metre))
+            self._pool = max(1, round(4 * problem.brushes[0].widest * self._canvas.pixels_per_metre))
         self._style_weight = _STYLE_WEIGHT
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
@@ -127,12 +128,13 @@ class _Planning:
             "codes": True,
             "centres": True,
             "angles": True,
-            "pressure_knots": problem.brush.pressure_matters,
+            "pressure_knots": any(brush.pressure_matters for brush in problem.brushes),
             "colours": not options.one_ink,
+            "brush_of": False,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
         self._stroke_canvas = StrokeCanvas(
-            strokes, problem.paper, self._canvas, problem.brush, self._style, problem.neighbours, problem.room
+            strokes, problem.paper, self._canvas, problem.brushes, self._style, problem.neighbours, problem.room
         )
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
@@ -245,13 +247,22 @@ class _Planning:
         return TargetView(target, self._problem.weights, self._pool)
 
     def _relocate_useless(self) -> None:
-        """Move the strokes that would be missed least to where the canvas is furthest from the target."""
+        """Move the strokes that would be missed least to where the canvas is furthest from the target.
+
+        Of several brushes each takes the one that serves best there.
+        """
         costs, view = self._removal_costs(), self._view()
         count = max(1, int(_RELOCATED_SHARE * len(costs)))
         rows = torch.argsort(costs, stable=True)[:count]
         with torch.no_grad():
             density = self._initialiser.missing(view, self._stroke_canvas.render())
-        strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
+        if len(self._problem.brushes) == 1:
+            strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
+        else:
+            candidates = self._initialiser.candidates(view.target, density, count, self._spacing)
+            left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, rows, False)
+            own = self._stroke_canvas.strokes[left]
+            strokes = best_brushes(self._problem, view, own, candidates, self._torch_rng)
         self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:

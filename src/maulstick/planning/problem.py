@@ -76,14 +76,15 @@ class Weighted(Generic[Term]):
 class Neighbours:
     """Strokes of other plans among those of this one, in the order of their colours; planning does not change them.
 
-    trajectories: (M, 32, 3) commanded, metres on the canvas and pressure.  colours: (M, 3).
+    trajectories: (M, 32, 3) commanded, metres on the canvas and pressure.  colours: (M, 3).  brush_of: (M,).
     """
 
     trajectories: Tensor
     colours: Tensor
+    brush_of: Tensor
 
 
-NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3))
+NO_NEIGHBOURS: Final = Neighbours(torch.zeros(0, POINTS, 3), torch.zeros(0, 3), torch.zeros(0, dtype=torch.long))
 """No neighbours: the plan is alone on its canvas."""
 
 
@@ -94,6 +95,7 @@ class PlanningProblem:
     target: (3, H, W) of the canvas' pixels, sRGB in [0, 1], or None where there is no picture.  paper: (3, H, W), what
     is on the sheet before the first stroke.  weights: (H, W), how much each place matters.  All three are on the
     device that renders.
+    brushes: in the order in which they paint, the broadest first.
     objectives, network_losses: the terms of the loss.
     neighbours: strokes of other plans on the same canvas.
     room: the part of the canvas that ink must not leave, None for all of it.
@@ -103,7 +105,7 @@ class PlanningProblem:
     paper: Tensor
     weights: Tensor
     canvas: Canvas
-    brush: Brush
+    brushes: tuple[Brush, ...]
     style: Style
     objectives: tuple[Weighted[Objective], ...]
     network_losses: tuple[Weighted[NetworkLoss], ...] = ()

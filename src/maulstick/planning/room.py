@@ -1,5 +1,6 @@
 """Room: the part of a sheet that ink must not leave, since what is around it is to stay bare."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from math import hypot
 
@@ -34,10 +35,11 @@ def surface_of(room: Room | None, canvas: Canvas) -> float:
     return canvas.width * canvas.height if room is None else (room[2] - room[0]) * (room[3] - room[1])
 
 
-def check_room(room: Room | None, brush: Brush) -> None:
-    """Raise InputError where the brush's broadest mark is wider than the room."""
+def check_room(room: Room | None, brushes: Iterable[Brush]) -> None:
+    """Raise InputError where the broadest mark of the brushes is wider than the room."""
     if room is None:
         return
+    brush = max(brushes, key=_reach)
     free = min(room[2] - room[0], room[3] - room[1])
     if free < 2 * _reach(brush) + 2 * _STEP:
         raise InputError(

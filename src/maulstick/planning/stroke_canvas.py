@@ -33,7 +33,7 @@ class StrokeCanvas:
         strokes: StrokeParameters,
         paper: Tensor,
         canvas: Canvas,
-        brush: Brush,
+        brushes: tuple[Brush, ...],
         style: Style,
         neighbours: Neighbours = NO_NEIGHBOURS,
         room: Room | None = None,
@@ -43,15 +43,19 @@ class StrokeCanvas:
         self._order = np.arange(count)  # neighbours are the last M rows
         self.paints: Tensor | None = None
         self.paint_of = torch.zeros(len(strokes), dtype=torch.long)
-        self._brushes, self._canvas, self._room = Traj2Stroke.of([brush] * count), canvas, room
+        self._brushes, self._canvas, self._room = Traj2Stroke.of(brushes), canvas, room
         if room is not None:
-            self._own_brushes = Traj2Stroke.of([brush] * len(strokes))
             self.keep_inside()
 
     @property
     def order(self) -> Ints:
         """Rows (N,) of the strokes in painting order."""
         return self._order[self._own]
+
+    @property
+    def order_of_all(self) -> Ints:
+        """Rows (N + M,) of all strokes in painting order; neighbours have the last M rows."""
+        return self._order
 
     @property
     def _own(self) -> Bools:
@@ -63,11 +67,16 @@ class StrokeCanvas:
         own = self.strokes.colours if self.paints is None else self.paints[self.paint_of]
         return torch.cat([own, self._neighbours.colours])
 
+    @property
+    def _brush_of(self) -> Tensor:
+        """Brushes (N + M,), by row."""
+        return torch.cat([self.strokes.brush_of, self._neighbours.brush_of])
+
     def drawn(self) -> tuple[Marks, Tensor]:
         """Return marks and colours of all N + M strokes in painting order, on the device of the paper."""
         trajectories = torch.cat([self.strokes.trajectories(self.style), self._neighbours.trajectories])[self._order]
         resolution = self._canvas.pixels_per_metre
-        marks = self._brushes.marks(trajectories, resolution)
+        marks = self._brushes[self._brush_of[self._order]].marks(trajectories, resolution)
         if self._room is not None:
             marks = cut_marks(self._room, marks, resolution)
         moved = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
@@ -90,7 +99,7 @@ class StrokeCanvas:
         """Move each stroke by the least that keeps its path on the canvas, and its mark in the room."""
         self.strokes.keep_inside(self.style, self._canvas.width, self._canvas.height)
         if self._room is not None:
-            move_into(self._room, self.strokes, self.style, self._own_brushes)
+            move_into(self._room, self.strokes, self.style, self._brushes[self.strokes.brush_of])
 
     def by_row(self, ordered: Tensor) -> Tensor:
         """Return values in painting order, (N + M, …), by row and without neighbours, (N, …)."""
@@ -101,7 +110,7 @@ class StrokeCanvas:
     def sort(self) -> None:
         """Put strokes in order from light to dark, while colours are free."""
         if self.paints is None:
-            self._order = light_to_dark(as_array(self.colours))
+            self._order = light_to_dark(as_array(self.colours), self._brush_of.numpy())
 
     def quantise(self, paints: Tensor, grouped: bool) -> None:
         """Give every stroke the nearest of the paints (k, C); where `grouped`, order them paint by paint."""
@@ -114,7 +123,7 @@ class StrokeCanvas:
         self.paint_of = paint_of
         if grouped:
             theirs = nearest_paint(as_array(self._neighbours.colours), as_array(self.paints))
-            self._order = by_paint(np.concatenate([paint_of.numpy(), theirs]), self._order)
+            self._order = by_paint(np.concatenate([paint_of.numpy(), theirs]), self._brush_of.numpy(), self._order)
 
     def state(self) -> State:
         """Return strokes, paints and order."""

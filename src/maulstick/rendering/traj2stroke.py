@@ -90,6 +90,10 @@ class Traj2Stroke:
         scale, shift, curve, nib, touch, alone = numbers.split([2, 2, len(CURVE_PRESSURES), 2, 2, 8], dim=1)
         return cls(scale, shift, curve, nib, touch, *alone.unbind(1))
 
+    def __getitem__(self, rows: Tensor) -> Self:
+        """Return those of some rows (N,), in their order."""
+        return type(self)(**{name: tensor[rows] for name, tensor in vars(self).items()})
+
     def at_mean_pressure(self, pressure: Tensor) -> Self:
         """Return the same with the opacity at these mean pressures (N,), whatever the points that are drawn have."""
         return replace(self, opacity=self.opacity * self._flow(pressure), faint=torch.ones_like(self.faint))

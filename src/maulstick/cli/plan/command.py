@@ -51,7 +51,12 @@ def plan(
         _painting(metavar="SHARE", help="Arrange strokes of one ink as the hand arranges them: 0, not at all, to 1."),
     ] = PlanOptions.arrange,
     brush: Annotated[
-        str, _painting(metavar="BRUSH", help="The brush: round, marker, fineliner, one of your own, or a JSON file.")
+        str,
+        _painting(
+            metavar="BRUSH",
+            help="The brush: round, marker, fineliner, wash, one of your own, or a JSON file; several in colours, "
+            "as in wash,marker, the broadest first.",
+        ),
     ] = PlanOptions.brush,
     pen: Annotated[
         str | None,

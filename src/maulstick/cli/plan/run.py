@@ -93,7 +93,7 @@ def _note(prepared: Prepared, console: Console) -> None:
 
 
 def _note_pale_lines(prepared: Prepared, console: Console) -> None:
-    brush = prepared.brush
+    brush = min(prepared.brushes, key=lambda brush: brush.finest)
     thinnest = brush.thinnest * prepared.layout.canvas.pixels_per_metre
     if 0 < thinnest < 1:
         console.print(

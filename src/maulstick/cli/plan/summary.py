@@ -1,5 +1,6 @@
 """Summary that ``maulstick plan`` prints at the end."""
 
+from collections import Counter
 from pathlib import Path
 
 from rich.console import Console
@@ -16,8 +17,12 @@ def print_summary(painting: Painting, seconds: float, out: Path, written: list[s
     rows = {
         "strokes": f"{len(painting.strokes)}",
         "drawn": f"{painting.metres_of_paints().sum():.1f} m",
-        "paints": f"{len(painting.paints)} (changes: {painting.paint_changes()})",
+        "paints": f"{len(painting.colours())} (changes: {painting.paint_changes()})",
     }
+    if len(painting.brushes) > 1:
+        used = Counter(painting.paints[stroke.paint].brush for stroke in painting.strokes)
+        names = ", ".join(f"{name} {used[name]}" for name in painting.brushes)
+        rows["brushes"] = f"{names} strokes (changes: {painting.brush_changes()})"
     if "psnr" in metrics:
         structure = f", {metrics['ssim']:.2f} SSIM" if "ssim" in metrics else ""  # a tiny picture has none
         rows["beside the picture"] = f"{metrics['psnr']:.1f} dB PSNR{structure}"

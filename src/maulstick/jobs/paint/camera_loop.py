@@ -75,10 +75,10 @@ def room_of(brush: Brush) -> float:
 def check_replannable(painting: Painting) -> None:
     """Raise InputError where the strokes of a painting cannot be planned again.
 
-    That is so for several brushes, no style, several styles or a changed one, and for plans by a text or a look.
+    That is so for no style, several styles or a changed one, and for plans by a text or a look.
     """
     strokes = list(painting.strokes)
-    _brush_of(strokes, painting), _style_of(strokes, painting), _weights(painting)
+    _style_of(strokes, painting), _weights(painting)
 
 
 def replanned(
@@ -99,7 +99,7 @@ def replanned(
     left = [stroke for stroke in painting.strokes if stroke.id not in painted]
     if not left:
         return painting
-    brush, style, weights = _brush_of(left, painting), _style_of(left, painting), _weights(painting)
+    brushes, style, weights = tuple(painting.brushes.values()), _style_of(left, painting), _weights(painting)
     size = {"width": painting.sheet.width, "height": painting.sheet.height, "paper": painting.sheet.paper}
     sheet = Sheet.model_validate({**size, "picture": encode_png(photograph)})
     options = painting.provenance.options
@@ -107,23 +107,24 @@ def replanned(
     pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
     margin = parse_margin(str(options.get("margin", "0mm")), (sheet.width, sheet.height))
     picture = PictureEdit.of(options).applied(picture)
+    finest = min(brushes, key=lambda brush: brush.finest)
     if options.get("drawing") == "lines":
-        picture = lines_for(picture, sheet, brush, fit, margin)
-    canvas = canvas_for(picture, sheet, brush, fit, pixels, margin)
+        picture = lines_for(picture, sheet, finest, fit, margin)
+    canvas = canvas_for(picture, sheet, finest, fit, pixels, margin)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     pixels = max(1, min(pixels, in_one_piece))
-    layout = lay_out_for(picture, sheet, brush, fit, pixels, margin)
-    palette = tuple(paint.colour for paint in painting.paints if paint.brush == brush.name)
+    layout = lay_out_for(picture, sheet, finest, fit, pixels, margin)
+    palette = tuple(dict.fromkeys(paint.colour for paint in painting.paints))
     exact = options.get("exact") is True
     seed = painting.provenance.seed
     settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
-    bare, drawing = lay_out_for(picture, painting.sheet, brush, fit, pixels, margin), options.get("drawing", "both")
+    bare, drawing = lay_out_for(picture, painting.sheet, finest, fit, pixels, margin), options.get("drawing", "both")
     with_lines = drawing == "both"
-    supply = InkSupply.of(bare, brush, style, palette[0], with_lines=with_lines) if settings.one_ink else None
+    supply = InkSupply.of(bare, finest, style, palette[0], with_lines=with_lines) if settings.one_ink else None
     device = choose_device("auto").device
     problem = problem_of(
         layout,
-        brush,
+        brushes,
         style,
         settings,
         LossOptions(weights=weights, contours=drawing != "tones"),
@@ -132,7 +133,7 @@ def replanned(
         bare=bare.under,
     )
     planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
-    again = as_painting(planned, layout, brush, style, painting.provenance)
+    again = as_painting(planned, layout, brushes, style, painting.provenance)
     return _joined(painting, painted, again)
 
 
@@ -173,14 +174,6 @@ def revision_of(journal: Journal, number: int) -> Path:
     return journal.path.with_name(f"{stem}.r{number}.json")
 
 
-def _brush_of(strokes: list[Stroke], painting: Painting) -> Brush:
-    """Return the one brush of the strokes. Raises InputError where they need several."""
-    names = {painting.paints[stroke.paint].brush for stroke in strokes}
-    if len(names) != 1:
-        raise InputError(f"the strokes that are left need {len(names)} brushes; only those of one are planned again")
-    return painting.brushes[names.pop()]
-
-
 def _weights(painting: Painting) -> dict[str, float]:
     """Return the weights by term that the painting was planned with. Raises InputError for a text or a look."""
     weights = painting.provenance.options.get("weights")
@@ -211,21 +204,20 @@ def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
     """Return the planner's parameters of strokes of a painting."""
     paths = torch.tensor([stroke.trajectory for stroke in strokes])
     uses = [stroke.style for stroke in strokes if stroke.style is not None]
+    brushes = list(painting.brushes)
     return StrokeParameters(
         codes=torch.tensor([use.code for use in uses]),
         centres=paths[..., :2].mean(dim=1),
         angles=torch.tensor([use.pose[2] for use in uses]),
         pressure_knots=torch.from_numpy(fit_knots(paths[..., 2].double().numpy())).float(),
         colours=torch.tensor([painting.paints[stroke.paint].colour for stroke in strokes]),
+        brush_of=torch.tensor([brushes.index(painting.paints[stroke.paint].brush) for stroke in strokes]),
     )
 
 
 def _joined(painting: Painting, painted: Collection[int], again: Painting) -> Painting:
     """Return the painting with its painted strokes, followed by those planned `again`, in its own paints."""
-    (brush,) = again.brushes
-    there = [number for number, paint in enumerate(painting.paints) if paint.brush == brush]
-    colours = np.array([painting.paints[number].colour for number in there])
-    paint_of = [there[int(np.abs(colours - paint.colour).sum(axis=1).argmin())] for paint in again.paints]
+    paint_of = [_nearest(painting.paints, paint) for paint in again.paints]
     free = 1 + max(stroke.id for stroke in painting.strokes)
     rest = [
         stroke.model_copy(update={"id": free + number, "paint": paint_of[stroke.paint]})
@@ -233,3 +225,10 @@ def _joined(painting: Painting, painted: Collection[int], again: Painting) -> Pa
     ]
     kept = [stroke for stroke in painting.strokes if stroke.id in painted]
     return painting.model_copy(update={"strokes": (*kept, *rest)})
+
+
+def _nearest(paints: tuple[Paint, ...], wanted: Paint) -> int:
+    """Return the index of the paint of the wanted brush whose colour is nearest."""
+    there = [number for number, paint in enumerate(paints) if paint.brush == wanted.brush]
+    colours = np.array([paints[number].colour for number in there])
+    return there[int(np.abs(colours - wanted.colour).sum(axis=1).argmin())]

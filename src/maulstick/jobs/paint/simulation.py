@@ -47,23 +47,20 @@ class Simulation:
         """
         if spec not in _PACES:
             raise InputError(f"there is no machine {spec!r}; there are: {SPECS}")
-        if len(painting.brushes) > 1:
-            names = ", ".join(sorted(painting.brushes))
-            raise InputError(f"the simulated easel holds one brush, and this painting needs {names}; plan it with one")
         pace, limits = _PACES[spec]
         size = painting.sheet.width, painting.sheet.height
         canvas = Canvas(*size, min(_FINE, _MOST_PX / max(size)))
-        brush = next(iter(painting.brushes.values()))
         wells = [] if tray is None else zip(tray.wells_of(painting), painting.paints, strict=True)
         robot = SimulatedEasel(
-            sheet_for(brush, canvas),
+            sheet_for(tuple(painting.brushes.values()), canvas),
             easel,
             wells=[(well.x, well.y, paint.colour) for well, paint in wells],
             pace=pace,
             limits=limits if easel is None or easel.limits is None else limits.narrowed(easel.limits),
         )
-        robot.hold(painting.paints[0].colour)
-        return cls(robot, painting, spec == _ASKS)
+        simulation = cls(robot, painting, spec == _ASKS)
+        simulation._take(0)
+        return simulation
 
     @property
     def note(self) -> str | None:
@@ -77,7 +74,7 @@ class Simulation:
 
     def ask(self, action: Prompt) -> None:
         """Change or refill the pen as prompted."""
-        self.robot.hold(self.painting.paints[action.paint].colour)
+        self._take(action.paint)
 
     def camera(self, tags: TagFrame) -> SimulatedCamera:
         """Return a simulated camera over the sheet."""
@@ -90,12 +87,18 @@ class Simulation:
         limits = self.robot.limits
         for action in routine(self.painting, easel, limits, speed=limits.speed, done=others):
             if isinstance(action, Draw):
-                self.robot.hold(self.painting.paints[action.paint].colour)
+                self._take(action.paint)
                 self.robot.mark(action.motion.path)
-        self.robot.hold(self.painting.paints[0].colour)
+        self._take(0)
 
     def write_photograph(self, painting: Path) -> Path:
         """Write a picture of the sheet beside the painting, and return its path."""
         path = painting.with_name(f"{painting.stem}-painted.png")
         atomic_write(path, encode_png(self.robot.sheet.image()))
         return path
+
+    def _take(self, paint: int) -> None:
+        """Take up the brush and the colour of a paint."""
+        wanted = self.painting.paints[paint]
+        self.robot.hold(wanted.colour)
+        self.robot.sheet.take(self.painting.brushes[wanted.brush])

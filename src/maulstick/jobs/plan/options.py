@@ -44,7 +44,8 @@ class PlanOptions:
     """Options of planning a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
 
     strokes: at most so many; exactly so many with `exact`; ``auto``, as many as one ink needs in a hand, up to 10,000.
-    style: a name, or the path of a JSON file.  hand_size: times the size of its strokes.  brush: as style.
+    style: a name, or the path of a JSON file.  hand_size: times the size of its strokes.  brush: as style; several,
+    as in ``wash,round,fineliner``, paint one after another in colours, the broadest first.
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
     robot: the machine that will paint, as `paint` takes it or only its kind, as in ``axidraw``; one that only lifts its
     pen holds the brush at one pressure, 0.5 unless `pressure` says another.
@@ -112,9 +113,13 @@ class PlanOptions:
         for name in ("background", "look", "paints_from", "clip_weights"):  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())
-        for name in ("style", "brush"):
-            if Path(getattr(self, name)).suffix == ".json":
-                object.__setattr__(self, name, str(Path(getattr(self, name)).absolute()))
+        object.__setattr__(self, "style", _absolute(self.style))
+        object.__setattr__(self, "brush", ",".join(_absolute(name.strip()) for name in self.brush.split(",")))
+        if "," in self.brush and self.ink is not None:
+            raise InputError(
+                f"{option('brush')} {self.brush} names several, and one ink is drawn with one; name one, or paint in "
+                "colours"
+            )
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
         if self.strokes != AUTO:
@@ -199,6 +204,11 @@ class PlanOptions:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
         if self.paints is not None and self.strokes != AUTO:
             _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {self.strokes} strokes")
+
+
+def _absolute(name: str) -> str:
+    """Return the name of a style or a brush, or of its file as an absolute path."""
+    return str(Path(name).absolute()) if Path(name).suffix == ".json" else name
 
 
 def _check_whole(name: str, number: object, least: int, most: int, allowed: str | None = None) -> None:

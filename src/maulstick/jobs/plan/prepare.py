@@ -13,7 +13,7 @@ from maulstick.errors import InputError, option
 from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
-from maulstick.painting.brush import Brush, load_brush
+from maulstick.painting.brush import Brush, load_brushes
 from maulstick.painting.edit import NO_EDIT
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
 from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
@@ -49,7 +49,7 @@ class Prepared:
 
     request: PlanRequest
     layout: Layout
-    brush: Brush
+    brushes: tuple[Brush, ...]
     style: Style
     settings: PlannerSettings
     problem: PlanningProblem
@@ -63,6 +63,11 @@ class Prepared:
     is_held: bool
 
     @property
+    def brush_names(self) -> str:
+        """Names of the brushes, the broadest first."""
+        return ",".join(brush.name for brush in self.brushes)
+
+    @property
     def tones(self) -> Tones | None:
         """Tones that the picture is planned in; None where any can be reached."""
         return None if self.supply is None else self.supply.tones(self.settings.strokes)
@@ -72,9 +77,10 @@ class Prepared:
         """Sentences for people on what may be other than they expect."""
         notes = [self.device.note]
         if self.is_held:
+            widths = " and ".join(f"{2e3 * brush.widest:.2g}" for brush in self.brushes)
             notes.append(
-                f"this machine only lifts its pen, so the brush {self.brush.name} is held at one pressure, "
-                f"{self.request.options.held_pressure:g}, and draws lines of {2e3 * self.brush.widest:.2g} mm"
+                f"this machine only lifts its pen, so the brush {self.brush_names} is held at one pressure, "
+                f"{self.request.options.held_pressure:g}, and draws lines of {widths} mm"
             )
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
@@ -105,7 +111,7 @@ class Prepared:
             return plan(self.problem, self.settings, watch, resume=resume)
         return plan_mural(
             self.mural,
-            self.brush,
+            self.brushes,
             self.style,
             self.settings,
             watch,
@@ -118,7 +124,7 @@ class Prepared:
 
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
-        painting = as_painting(planned, self.layout, self.brush, self.style, self.provenance, self.names)
+        painting = as_painting(planned, self.layout, self.brushes, self.style, self.provenance, self.names)
         arrangement = self.style.arrangement
         if arrangement is not None and self.settings.one_ink and self.settings.arrange:
             painting = painting.model_copy(update={"succession": arrangement.succession})
@@ -131,7 +137,7 @@ class Prepared:
         provenance = self.provenance.model_copy(update={"options": {**self.provenance.options, "weights": used}})
         problem = problem_of(
             self.layout,
-            self.brush,
+            self.brushes,
             self.style,
             self.settings,
             loss_options,
@@ -143,17 +149,18 @@ class Prepared:
 
 
 def prepare(
-    request: PlanRequest, image: Image | None = None, *, brush: Brush | None = None, style: Style | None = None
+    request: PlanRequest, image: Image | None = None, *, brushes: tuple[Brush, ...] = (), style: Style | None = None
 ) -> Prepared:
     """Return what planning needs, from the files of a request.
 
     image: the picture, (H, W, 3), sRGB in [0, 1], where it is in memory and not in a file that the request names.
-    brush, style: replace those that the options name.
+    brushes, style: replace those that the options name.
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
     options, device = request.options, choose_device(request.options.device)
-    whole, picture = brush or load_brush(options.brush), _picture(request, image)
-    brush, sheet = _held(whole, options), _sheet(options, picture)
+    whole, picture = brushes or load_brushes(options.brush), _picture(request, image)
+    brushes, sheet = tuple(_held(brush, options) for brush in whole), _sheet(options, picture)
+    finest = min(brushes, key=lambda brush: brush.finest)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.strokes != AUTO and len(tubes) > options.strokes:
@@ -161,34 +168,42 @@ def prepare(
     if options.drawing == "lines":
         if picture is None:
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
-        picture = lines_for(picture, sheet, brush, options.fit, margin)
-    mural = _mural(options, picture, sheet, brush, margin)
+        picture = lines_for(picture, sheet, finest, options.fit, margin)
+    mural = _mural(options, picture, sheet, finest, margin)
     if mural is None:
-        layout = lay_out_for(picture, sheet, brush, options.fit, options.px, margin)
+        layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
         layout = mural.overview(LONGEST_PX)
-    check_room(layout.room, brush)
+    check_room(layout.room, brushes)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     settings, supply = _settings(options, tubes), None
     if settings.one_ink:
-        supply = InkSupply.of(layout, brush, style, settings.palette[0], with_lines=options.drawing == "both")
+        supply = InkSupply.of(layout, finest, style, settings.palette[0], with_lines=options.drawing == "both")
     if options.strokes == AUTO:
         settings = replace(settings, strokes=_enough(supply))
     look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
     clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
     loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights}, options.drawing != "tones")
-    sums = {"Maulstick": version("maulstick"), "the brush": sum_of(brush.model_dump(mode="json"))}
+    sums = {
+        "Maulstick": version("maulstick"),
+        "the brush": sum_of([brush.model_dump(mode="json") for brush in brushes]),
+    }
     request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(_network, options))
     tones = None if supply is None else supply.tones(settings.strokes)
     if tones is not None and tones.compressed:  # none can be spared
         settings = replace(settings, exact=True)
-    problem = problem_of(layout, brush, style, settings, loss_options, network, device=device.device, tones=tones)
+    problem = problem_of(layout, brushes, style, settings, loss_options, network, device=device.device, tones=tones)
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
-    used = {"brush": brush.name, "style": style.name, "weights": weights, "device": device.device.type}
+    used = {
+        "brush": ",".join(brush.name for brush in brushes),
+        "style": style.name,
+        "weights": weights,
+        "device": device.device.type,
+    }
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
@@ -196,7 +211,7 @@ def prepare(
     return Prepared(
         request,
         layout,
-        brush,
+        brushes,
         style,
         settings,
         problem,
@@ -207,7 +222,8 @@ def prepare(
         network,
         device,
         supply,
-        is_held=options.pressure is None and whole.pressure_matters and not brush.pressure_matters,
+        is_held=options.pressure is None
+        and any(was.pressure_matters != brush.pressure_matters for was, brush in zip(whole, brushes, strict=True)),
     )
 
 

@@ -39,8 +39,8 @@ def _preview(painting: Painting) -> bytes:
 
 
 def _palette(painting: Painting) -> bytes:
-    metres = painting.metres_of_paints()
-    labels = [f"{i + 1}   {paint.label}   {metres[i]:.2f} m" for i, paint in enumerate(painting.paints)]
+    colours = painting.colours()
+    labels = [f"{i}   {paint.label}   {metres:.2f} m" for i, (paint, metres) in enumerate(colours, start=1)]
     file = io.BytesIO()
-    swatches([paint.colour for paint in painting.paints], labels).save(file, format="PNG")
+    swatches([paint.colour for paint, _ in colours], labels).save(file, format="PNG")
     return file.getvalue()

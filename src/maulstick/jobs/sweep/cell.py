@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, JsonValue
 
 from maulstick.errors import InputError, MaulstickError, OutputError
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
-from maulstick.painting.brush import load_brush
+from maulstick.painting.brush import load_brushes
 from maulstick.storage.files import atomic_write, file_sum, file_to_read, held
 from maulstick.storage.folders import as_output_error
 from maulstick.storage.records import read_record, write_record
@@ -104,9 +104,8 @@ def summed(request: PlanRequest, sum_file: Callable[[Path], str] = file_sum) -> 
     if request.picture is not None:
         file_to_read(request.picture, "picture")
     style = "" if options.style == "free" else sum_file(style_path(options.style))
-    return request.with_sums(
-        {_BRUSH: sum_of(load_brush(options.brush).model_dump(mode="json")), _STYLE: style}, sum_file
-    )
+    brushes = [brush.model_dump(mode="json") for brush in load_brushes(options.brush)]
+    return request.with_sums({_BRUSH: sum_of(brushes), _STYLE: style}, sum_file)
 
 
 def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | None:

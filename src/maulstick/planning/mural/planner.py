@@ -18,6 +18,7 @@ from torch import Generator, Tensor
 
 from maulstick.colour.palette import lightness
 from maulstick.errors import InputError
+from maulstick.ordering.layers import by_paint
 from maulstick.painting.brush import Brush
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
@@ -47,7 +48,7 @@ Watch = Callable[[PlanProgress], bool]
 
 def plan_mural(
     mural: Mural,
-    brush: Brush,
+    brushes: tuple[Brush, ...],
     style: Style,
     options: PlannerSettings,
     watch: Watch = lambda progress: True,
@@ -72,7 +73,7 @@ def plan_mural(
         raise InputError("a text is about a whole picture, and a mural is planned in windows; leave the text out")
     if window_px < 1:
         raise InputError.of_range("the side of a window", f"{window_px} pixels", "at least 1")
-    planning = _Planning(mural, brush, style, options, loss_options, cache(network), window_px, device, tones)
+    planning = _Planning(mural, brushes, style, options, loss_options, cache(network), window_px, device, tones)
     current = None if resume is None else planning.restore(resume)
     while not planning.done and planning.advance(watch, current):
         current = None
@@ -85,7 +86,7 @@ class _Planning:
     def __init__(
         self,
         mural: Mural,
-        brush: Brush,
+        brushes: tuple[Brush, ...],
         style: Style,
         options: PlannerSettings,
         loss_options: LossOptions,
@@ -94,11 +95,11 @@ class _Planning:
         device: torch.device,
         tones: Tones | None,
     ) -> None:
-        self._mural, self._brush, self._style, self._options = mural, brush, style, options
+        self._mural, self._brushes, self._style, self._options = mural, brushes, style, options
         self._loss_options, self._network, self._device, self._tones = loss_options, network, device, tones
         self._whole = mural.overview(window_px)
         self._importance = importance_of(self._whole, loss_options.faces)
-        self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brush, style, options))
+        self._windows = Windows.of(mural.canvas, window_px, _margin(mural, brushes, style, options))
         self._all: PlanResult | None = None
         self._finished, self._windows_done = torch.zeros(0, dtype=torch.bool), 0
 
@@ -134,9 +135,10 @@ class _Planning:
         return _below(_CURRENT, state)
 
     def finish(self) -> PlanResult:
-        """Return all strokes, paint by paint."""
+        """Return all strokes, brush by brush and paint by paint."""
         assert self._all is not None
-        order = torch.argsort(self._all.paint_of, stable=True)
+        paint_of, brush_of = self._all.paint_of.numpy(), self._all.strokes.brush_of.numpy()
+        order = torch.from_numpy(by_paint(paint_of, brush_of, np.arange(len(paint_of))))
         return PlanResult(self._all.strokes[order], self._all.paints, self._all.paint_of[order])
 
     def _state(self, current: State) -> State:
@@ -168,14 +170,15 @@ class _Planning:
         trajectories = before.strokes.trajectories(self._style)
         trajectories[..., :2] -= corner
         first, last = trajectories[..., :2].amin(dim=1), trajectories[..., :2].amax(dim=1)
-        size, reach = torch.tensor([canvas.width, canvas.height]), self._brush.widest
+        size, reach = torch.tensor([canvas.width, canvas.height]), _widest(self._brushes)
         mine = ((first > -_SLACK) & (last < size + _SLACK)).all(dim=1) & ~self._finished
         near = ((last > -reach) & (first < size + reach)).all(dim=1) & ~mine
         if mine.any():
             options = self._options_for(int(mine.sum()), paints)
             importance = enlarged(self._importance, self._mural.canvas, box)
             problem = self._problem(self._mural.window(box), importance, options)
-            problem = replace(problem, neighbours=Neighbours(trajectories[near], paints[before.paint_of[near]]))
+            neighbours = Neighbours(trajectories[near], paints[before.paint_of[near]], before.strokes.brush_of[near])
+            problem = replace(problem, neighbours=neighbours)
             start = before.strokes[mine]
             start = replace(start, centres=start.centres - corner)
             planned = plan(problem, options, watch, start=start, resume=current)
@@ -202,7 +205,7 @@ class _Planning:
         """Return the planning problem of a layout of all or a part of the sheet."""
         return problem_of(
             layout,
-            self._brush,
+            self._brushes,
             self._style,
             options,
             self._loss_options,
@@ -213,15 +216,19 @@ class _Planning:
         )
 
 
-def _margin(mural: Mural, brush: Brush, style: Style, options: PlannerSettings) -> int:
+def _margin(mural: Mural, brushes: tuple[Brush, ...], style: Style, options: PlannerSettings) -> int:
     """Return the largest usual distance in pixels between the centres of two strokes that touch."""
     spacing = (mural.canvas.width_px * mural.canvas.height_px / options.strokes) ** 0.5
     origin = np.zeros((_REACH_SAMPLES, 2))
     places = Places(origin, origin[:, 0], np.full(_REACH_SAMPLES, spacing), np.zeros((_REACH_SAMPLES, 3)))
     torch_rng, resolution = Generator().manual_seed(options.seed), mural.canvas.pixels_per_metre
-    usual = start_strokes(places, style, brush, resolution, torch_rng)
-    reaches = usual.trajectories(style)[..., :2].norm(dim=-1).amax(dim=1) + brush.widest
+    usual = start_strokes(places, style, brushes[0], resolution, torch_rng)
+    reaches = usual.trajectories(style)[..., :2].norm(dim=-1).amax(dim=1) + _widest(brushes)
     return ceil(2 * torch.quantile(reaches, _REACH_QUANTILE).item() * resolution)
+
+
+def _widest(brushes: tuple[Brush, ...]) -> float:
+    return max(brush.widest for brush in brushes)
 
 
 def _below(prefix: str, state: State) -> State:

@@ -73,7 +73,7 @@ class SimulatedEasel(Robot):
 
     def easel(self, width: float, height: float) -> Easel:
         """Return an easel at the machine's origin, with the depth of the sheet's medium."""
-        return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=self.sheet.depth, travel=5e-3)
+        return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), deepest=self.sheet.deepest, travel=5e-3)
 
     def hold(self, colour: Colour) -> None:
         """Hold a pen of this colour from now on."""

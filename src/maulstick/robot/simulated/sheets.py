@@ -1,7 +1,8 @@
 """Sheets that take ink, for the simulator: painted by libmypaint, or where that is missing, by the brush model."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -33,17 +34,24 @@ _TOOLS = {  # by the brush that was fitted to such a tool
     "fineliner": _Tool("marker_fat", 0.5e-3, 0.2e-3, 8e-3),
     "marker": _Tool("marker", 1.2e-3, 1.8e-3, 2e-3),
     "round": _Tool("acrylic", 3.2e-3, 7.9e-3, 8e-3),
+    "wash": _Tool("marker", 8.5e-3, 9.4e-3, 5e-3),
 }
 
 
 class InkedSheet(ABC):
-    """White sheet that takes the marks of a medium.
+    """White sheet that takes the marks of a tool.
 
-    canvas: size of the sheet, and pixels of `image`.  depth: metres below first touch at pressure 1.
+    canvas: size of the sheet, and pixels of `image`.  depth: of the tool, metres below first touch at pressure 1.
+    deepest: of all tools that it was made for.
     """
 
     canvas: Canvas
     depth: float
+    deepest: float
+
+    @abstractmethod
+    def take(self, brush: Brush) -> None:
+        """Draw from now on with a tool like the one that the brush was fitted to."""
 
     @abstractmethod
     def draw(self, trajectory: Floats, colour: Colour) -> None:
@@ -56,16 +64,22 @@ class InkedSheet(ABC):
 
 @final
 class MyPaintSheet(InkedSheet):
-    """Sheet that libmypaint draws on; medium, radius: as in `mypaint.MyPaintPaper.draw`."""
+    """Sheet that libmypaint draws on; medium, radius: of the tool, as in `mypaint.MyPaintPaper.draw`."""
 
     def __init__(self, canvas: Canvas, medium: str, radius: float, depth: float) -> None:
         """Make a sheet. Raises InputError where libmypaint is not installed."""
-        self.canvas, self.depth, self._medium, self._radius = canvas, depth, medium, radius
-        self._paper, self._speed = MyPaintPaper(canvas), max(_SLOWLY * radius, 1e-3)
+        self.canvas, self.depth, self.deepest, self._paper = canvas, depth, depth, MyPaintPaper(canvas)
+        self._medium, self._radius = medium, radius
+
+    def take(self, brush: Brush) -> None:
+        """As in `InkedSheet`."""
+        tool = _tool_like(brush)
+        self._medium, self._radius, self.depth = tool.medium, tool.radius, tool.depth
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""
-        self._paper.draw(trajectory, self._medium, radius=self._radius, colour=colour, speed=self._speed)
+        speed = max(_SLOWLY * self._radius, 1e-3)
+        self._paper.draw(trajectory, self._medium, radius=self._radius, colour=colour, speed=speed)
 
     def lay(self, picture: Image) -> None:
         """Put a picture that `image` returned on the sheet, in place of what is there."""
@@ -81,8 +95,14 @@ class ModelSheet(InkedSheet):
     """A sheet that takes ink as the brush model says; for a computer without libmypaint."""
 
     def __init__(self, canvas: Canvas, brush: Brush) -> None:
-        self.canvas, self.depth, self._brush = canvas, max(brush.depth) or _DEPTH, brush
+        self.canvas = canvas
         self._image = np.ones((3, canvas.height_px, canvas.width_px), dtype=np.float32)
+        self.take(brush)
+        self.deepest = self.depth
+
+    def take(self, brush: Brush) -> None:
+        """As in `InkedSheet`, but with the brush itself."""
+        self.depth, self._brush = max(brush.depth) or _DEPTH, brush
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         """As in `InkedSheet`."""
@@ -107,11 +127,21 @@ class ModelSheet(InkedSheet):
         return np.ascontiguousarray(self._image.transpose(1, 2, 0)).clip(0, 1)
 
 
-def sheet_for(brush: Brush, canvas: Canvas) -> InkedSheet:
-    """Make a sheet whose medium is a tool like the one that the brush was fitted to, not the fitted brush itself."""
-    tool = _TOOLS[min(_TOOLS, key=lambda name: (name != brush.name, abs(_TOOLS[name].widest - brush.widest)))]
-    depth = max(brush.depth) or tool.depth
+def sheet_for(brushes: Sequence[Brush], canvas: Canvas) -> InkedSheet:
+    """Make a sheet for tools like those that the brushes were fitted to, and take up the first."""
+    first = _tool_like(brushes[0])
+    sheet: InkedSheet
     try:
-        return MyPaintSheet(canvas, tool.medium, tool.radius, depth)
+        sheet = MyPaintSheet(canvas, first.medium, first.radius, first.depth)
     except InputError:  # libmypaint is not installed
-        return ModelSheet(canvas, brush)
+        sheet = ModelSheet(canvas, brushes[0])
+    for brush in (*brushes[1:], brushes[0]):
+        sheet.take(brush)
+        sheet.deepest = max(sheet.deepest, sheet.depth)
+    return sheet
+
+
+def _tool_like(brush: Brush) -> _Tool:
+    """Return the tool of that name, else the one that is about as broad, as deep as the brush says."""
+    tool = _TOOLS[min(_TOOLS, key=lambda name: (name != brush.name, abs(_TOOLS[name].widest - brush.widest)))]
+    return replace(tool, depth=max(brush.depth) or tool.depth)
