@@ -50,7 +50,7 @@ def test_the_python_of_the_readme_runs(folder: Path) -> None:
 def test_the_commands_of_the_readme_run_in_order(folder: Path) -> None:
     lines = [line for block in blocks("sh") for line in block.splitlines()]
     commands = [line for line in lines if line.startswith("maulstick ") and line != "maulstick studio"]
-    assert len(commands) == 4
+    assert len(commands) == 5
     for command in commands:
         ran = subprocess.run(
             [BIN / "maulstick", *quickly(command).split()[1:]], cwd=folder, capture_output=True, text=True
