@@ -83,4 +83,4 @@ class SheetChoice:
         self._image.visible = True
         self._image.props["src"] = as_source(made.sheet)
         self._told.set_text(made.told)
-        self._editor.show(made.picture)
+        self._editor.show(made.picture, made.ratio)
