@@ -4,6 +4,7 @@ import asyncio
 from typing import final
 
 from maulstick.studio.state.by_hand import ByHand
+from maulstick.studio.state.camera_views import CAMERAS, CameraViews
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
@@ -26,7 +27,7 @@ class Studio:
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
     settings: what was chosen last.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
-    by_hand: machine that a person sets up.  trash: what was thrown away.
+    camera_views: of cameras over a sheet.  by_hand: machine that a person sets up.  trash: what was thrown away.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -39,6 +40,7 @@ class Studio:
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)
+        self.camera_views = CameraViews(folder, self.desk)
         self.by_hand = ByHand(self.run.easels)
         self.trash = Trash(
             folder,
@@ -52,6 +54,7 @@ class Studio:
                 STYLES_FOLDER: self.styles.take_back,
                 ".": lambda trashed, _: self.mixing.take_back(trashed),
                 "easels": lambda trashed, _: self.run.easels.take_back(trashed),
+                CAMERAS: lambda trashed, _: self.camera_views.take_back(trashed),
             },
         )
 

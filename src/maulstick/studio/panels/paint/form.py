@@ -78,6 +78,11 @@ class OptionsForm:
         """Whether the chosen machine is a simulated easel."""
         return str(self._machine.value).startswith("sim")
 
+    @property
+    def usb_camera(self) -> str | None:
+        """Spec of the chosen camera that a person has put over the sheet, or None."""
+        return None if self.is_simulated else str(self._camera.value or "") or None
+
     def begin(self, machine: str | None, dips: bool) -> None:
         """Show what is usual for a plan that has no options yet.
 

@@ -1,6 +1,5 @@
 """Editor of the chosen picture: it is turned, straightened, cut and toned, by fingers, pens, mice and keys."""
 
-import base64
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -9,6 +8,7 @@ from nicegui import ui
 
 from maulstick.painting.edit import MOST_STRAIGHTENED, NO_EDIT, WHOLE, Crop, PictureEdit
 from maulstick.studio.panels.plan.cropping import CropFrame, shaped
+from maulstick.studio.widgets.showing import as_source
 from maulstick.studio.widgets.slider import Slider
 
 _MOST_STOPS, _MOST_CONTRAST = 3.0, 2.0  # that a slider reaches; the command line goes further
@@ -108,11 +108,6 @@ class PictureEditor:
         self._straighten.set(edit.straighten)
         self._exposure.set(edit.exposure)
         self._contrast.set(edit.contrast)
-
-
-def as_source(jpeg: bytes) -> str:
-    """Return a JPEG as the source of an image on the page."""
-    return f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}"
 
 
 def _rounded(crop: Crop) -> Crop:
