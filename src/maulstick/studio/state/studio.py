@@ -10,6 +10,7 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.settings import Settings
 from maulstick.studio.state.styles import Styles
@@ -24,7 +25,8 @@ from maulstick.studio.workers.desk import Desk
 class Studio:
     """State of the studio; made in the server's event loop.
 
-    drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
+    drawing: of the hand that is being drawn.  reference: picture to look at meanwhile.
+    gallery: pictures to paint.  plans: finished ones, and those being made.
     settings: what was chosen last.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
     camera_views: of cameras over a sheet.  by_hand: machine that a person sets up.  trash: what was thrown away.
@@ -32,7 +34,7 @@ class Studio:
 
     def __init__(self, folder: Folder) -> None:
         self.folder, self.desk = folder, Desk()
-        self.drawing = Drawing(folder, self.desk)
+        self.drawing, self.reference = Drawing(folder, self.desk), Reference()
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
         self.plans, self.settings = Plans(folder), Settings(folder)
