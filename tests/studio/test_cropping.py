@@ -13,6 +13,7 @@ from playwright.sync_api import Page, expect
 from maulstick.painting.edit import Crop, PictureEdit
 from maulstick.studio.panels.plan.cropping import crop_of, shaped
 from tests.studio.conftest import RunningStudio
+from tests.studio.test_everybody import faults_by_axe
 from tests.studio.test_sheet_page import bring
 
 EDGES = ("Left", "Upper", "Right", "Lower")
@@ -86,6 +87,8 @@ def test_a_picture_is_cut_by_a_mouse_a_finger_and_keys_and_in_the_shape_of_the_s
     tab.keyboard.press("ArrowLeft")
     tab.keyboard.press("Shift+ArrowUp")
     assert kept() == pytest.approx((0.24, 0.199, 0.89, 0.999), abs=_PIXEL)
+
+    assert faults_by_axe(tab) == {}
 
     tab.get_by_role("checkbox", name="Keep the sheet's shape").click()
     told = tab.locator(".sketch .hint")
