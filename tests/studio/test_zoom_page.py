@@ -1,19 +1,25 @@
 """Closer look at a plan in a browser: two pictures are zoomed and moved together, by all that a person has."""
 
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
+from maulstick.painting.brush import load_brush
 from maulstick.painting.svg import painting_svg
+from maulstick.studio.workers.plan_pictures import LARGE, keep_large_picture
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_everybody import faults_of_dialog
 from tests.support.studio.plans_to_paint import LINES, put_plan
 
 MILLIMETRE = 96 / 25.4  # CSS pixels
 _WIDE = 60.0  # mm, of the sheet of these plans
+LARGE_PX = 3072
 _ROUNDED = 1e-3  # share of a length: browsers lay out by 64ths of a pixel
 PLACES = """() => [...document.querySelectorAll(".zoomed img")].map((each) => {
   const [box, view] = [each, each.closest(".zoomed")].map((one) => one.getBoundingClientRect());
@@ -41,7 +47,7 @@ def test_two_plans_are_zoomed_and_moved_together_and_lines_stay_sharp(
     view = tab.get_by_role("group", name="other, which arrow keys move")
     expect(view).to_be_visible()
     expect(view.get_by_alt_text("The strokes of other")).to_have_attribute(
-        "src", re.compile("^/picture/plans/other/preview.png")
+        "src", re.compile("^/picture/plans/other/large.png")
     )
     tab.get_by_role("checkbox", name="As sharp lines").click()
     for name in ("other", "lines"):
@@ -91,6 +97,27 @@ def test_two_plans_are_zoomed_and_moved_together_and_lines_stay_sharp(
     assert faults_of_dialog(tab) == {}
     tab.keyboard.press("Escape")
     expect(view).to_have_count(0)
+
+
+def test_a_larger_picture_is_made_once_and_anew_for_a_plan_that_was_planned_again(tmp_path: Path) -> None:
+    folder = put_plan(tmp_path, "lines", LINES).parent
+    assert keep_large_picture(folder)
+    with Image.open(folder / LARGE) as picture:
+        assert picture.width == LARGE_PX
+        assert np.asarray(picture).min() < 128, "strokes are on it"
+    made = (folder / LARGE).stat().st_mtime_ns
+    assert keep_large_picture(folder)
+    assert (folder / LARGE).stat().st_mtime_ns == made
+    os.utime(folder / LARGE, ns=(0, 0))
+    assert keep_large_picture(folder)
+    assert (folder / LARGE).stat().st_mtime_ns > 0
+
+
+def test_strokes_that_would_take_too_long_get_no_larger_picture(tmp_path: Path) -> None:
+    wide = load_brush("round").model_copy(update={"alpha": 1e3})
+    folder = put_plan(tmp_path, "lines", LINES.model_copy(update={"brushes": {LINES.paints[0].brush: wide}})).parent
+    assert not keep_large_picture(folder)
+    assert not (folder / LARGE).exists()
 
 
 def pinch(view: Locator, x: float, y: float, before: float, after: float) -> None:

@@ -16,11 +16,11 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.titles import retitle
 from maulstick.studio.workers.desk import Desk
 
-LARGE = "large.jpg"
+SCREEN = "screen.jpg"
 """File of a picture as large as a screen, made once it is wanted."""
 
 _SMALL = "small.jpg"
-_SMALL_PX, _LARGE_PX = 480, 1920  # longest side of a thumbnail, and of a picture to look at
+_SMALL_PX, _SCREEN_PX = 480, 1920  # longest side of a thumbnail, and of a picture to look at
 _PORTRAIT, _PORTRAIT_TITLE = "portrait", "Portrait"
 
 
@@ -45,11 +45,11 @@ class Gallery:
         """Return the file of a picture's thumbnail. Raises InputError for an invalid name."""
         return self.path(name).with_name(_SMALL)
 
-    async def large(self, name: str) -> Path:
+    async def screen(self, name: str) -> Path:
         """Return the file of a picture as large as a screen. Raises InputError where the picture is gone."""
-        path = self.path(name).with_name(LARGE)
+        path = self.path(name).with_name(SCREEN)
         if not path.is_file():
-            await self._desk.do(keep_large, self.path(name), path)
+            await self._desk.do(keep_screen, self.path(name), path)
         return path
 
     def shape(self, name: str) -> tuple[int, int]:
@@ -107,9 +107,9 @@ def keep_picture(brought: Path, folder: Path) -> None:
             small.save(made / _SMALL, quality=85)
 
 
-def keep_large(picture: Path, path: Path) -> None:
+def keep_screen(picture: Path, path: Path) -> None:
     """Write a picture as large as a screen. Raises InputError where there is none, OutputError where no room is."""
-    atomic_write(path, encode_jpeg(read_picture(picture), _LARGE_PX))
+    atomic_write(path, encode_jpeg(read_picture(picture), _SCREEN_PX))
 
 
 def picture_of(folder: Path) -> Path:

@@ -82,7 +82,7 @@ class ReferencePicture:
 
     async def _load(self, name: str) -> None:
         try:
-            path = await self._studio.gallery.large(name)
+            path = await self._studio.gallery.screen(name)
         except MaulstickError:
             self._reference.show(None)
             raise

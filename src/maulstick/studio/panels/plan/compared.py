@@ -57,7 +57,7 @@ class ComparedPictures:
         other = Shown.target(self._plan) if self._has_picture else None
         if chosen:
             other = Shown.strokes(self._studio.plans.of(chosen), titles.get(chosen, chosen))
-        CloserLook(self._plan, titles.get(self._plan.name, self._plan.name), other)
+        CloserLook(self._studio.desk, self._plan, titles.get(self._plan.name, self._plan.name), other)
 
     @property
     def _has_picture(self) -> bool:

@@ -31,7 +31,7 @@ class ExportDialog:
 
     def __init__(self, desk: Desk, painting: Path, name: str) -> None:
         self._desk, self._painting, self._name = desk, painting, name
-        with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet"):
+        with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet saves"):
             html.h2("Save as")
             self._kind = ui.select(_KINDS, label="What for", value="svg", on_change=self._fit).props("outlined")
             self._height = ui.number("Pixels high", value=2000, min=16, max=_MOST_PX, precision=0).props("outlined")
