@@ -37,8 +37,9 @@ class CameraViews:
             self._root.mkdir(exist_ok=True)
         except OSError as error:
             raise OutputError(f"cannot make the folder {self._root}: {error.strerror}; make room for it") from error
+        await self._desk.do(keep_corners, new := self._folder.incoming(), corners, sheet, seen.size)
         self._folder.keep_former(path, title=_TITLE)
-        await self._desk.do(keep_corners, path, corners, sheet, seen.size)
+        new.replace(path)
 
     def throw_away(self, camera: str, sheet: tuple[float, float]) -> None:
         """Move the view into the trash, after which the sheet is found by its tags."""

@@ -14,7 +14,6 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import as_source
 from maulstick.studio.workers.camera_work import Corners, SeenSheet
 
-_THROTTLE = 0.1  # seconds between two places of a corner while somebody drags it
 _HOW = (
     "Drag each number onto its corner of the sheet: 1 is the upper left one of the plan, and 2 the upper right one. Or "
     "take one by Tab, and move it by arrow keys, finely with Shift."
@@ -29,7 +28,7 @@ class SheetCorners(Element, component="corners.js"):
         super().__init__()
         self.corners = corners
         self._props.update(source=source, corners=[list(corner) for corner in corners])
-        self.on("placed", self._take, throttle=_THROTTLE)
+        self.on("placed", self._take)
 
     def _take(self, event: events.GenericEventArguments) -> None:
         self.corners = corners_of(event.args) or self.corners

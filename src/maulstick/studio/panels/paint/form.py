@@ -74,14 +74,14 @@ class OptionsForm:
             self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
 
     @property
-    def is_simulated(self) -> bool:
-        """Whether the chosen machine is a simulated easel."""
-        return str(self._machine.value).startswith("sim")
-
-    @property
     def usb_camera(self) -> str | None:
         """Spec of the chosen camera that a person has put over the sheet, or None."""
         return None if self.is_simulated else str(self._camera.value or "") or None
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the chosen machine is a simulated easel."""
+        return str(self._machine.value).startswith("sim")
 
     def begin(self, machine: str | None, dips: bool) -> None:
         """Show what is usual for a plan that has no options yet.

@@ -219,10 +219,10 @@ class _Setting:
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
         options = self._form.options(None if known is None else known.request.picture)
-        options = self._corners.applied(options, None if self._status is None else self._status.options)
         if self._is_drawing:
             options = options.model_copy(update={"drawing": self._reading.options})
-        return self.plan, options
+        before = None if self._status is None else self._status.options
+        return self.plan, self._corners.applied(options, before)
 
     def _rehearse(self) -> None:
         self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)
