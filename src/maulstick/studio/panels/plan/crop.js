@@ -23,7 +23,7 @@ export default {
       <img ref="picture" :src="source" alt="The picture as it is corrected" draggable="false">
       <div class="cut-off" aria-hidden="true"><div class="kept" :style="place(all)"></div></div>
       <div v-for="each in handles" :key="each.name" tabindex="0" :role="isEdge(each) ? 'slider' : 'button'"
-        :class="['handle', 'x' + each.x, 'y' + each.y, { held: each === held }]" :style="place(each)"
+        :class="['handle', 'x' + each.x, 'y' + each.y, { held: each === held, idle: each === all && isWhole }]" :style="place(each)"
         :aria-label="each.name" v-bind="told(each)" @pointerdown="grasp($event, each)" @pointermove="move"
         @pointerup="release" @pointercancel="release" @keydown="step($event, each)"></div>
     </div>
@@ -31,6 +31,11 @@ export default {
   props: { source: String, crop: Array, ratio: Number }, // ratio: width over height to keep, in shares; 0 for any
   data() {
     return { now: this.crop, held: null, all: ALL, handles: [ALL, ...EDGES, ...CORNERS] };
+  },
+  computed: {
+    isWhole() {
+      return this.now.every((share, i) => share === (i < 2 ? 0 : 1));
+    },
   },
   methods: {
     lay(crop) {
