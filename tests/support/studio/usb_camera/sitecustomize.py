@@ -23,7 +23,7 @@ class _Video:
 
     def read(self) -> tuple[bool, np.ndarray]:
         picture = np.full((SIZE[1], SIZE[0], 3), 90, dtype=np.uint8)
-        return True, cv2.fillPoly(picture, [np.array(CORNERS)], (250, 250, 250))
+        return True, cv2.fillPoly(picture, [np.array(CORNERS)], (220, 220, 220))
 
     def release(self) -> None:
         pass

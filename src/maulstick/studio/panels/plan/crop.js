@@ -23,9 +23,9 @@ export default {
       <img ref="picture" :src="source" alt="The picture as it is corrected" draggable="false">
       <div class="cut-off" aria-hidden="true"><div class="kept" :style="place(all)"></div></div>
       <div v-for="each in handles" :key="each.name" tabindex="0" :role="isEdge(each) ? 'slider' : 'button'"
-        :class="['handle', 'x' + each.x, 'y' + each.y, { held: each === held, idle: each === all && isWhole }]" :style="place(each)"
-        :aria-label="each.name" v-bind="told(each)" @pointerdown="grasp($event, each)" @pointermove="move"
-        @pointerup="release" @pointercancel="release" @keydown="step($event, each)"></div>
+        :class="['handle', 'x' + each.x, 'y' + each.y, { held: each === held, idle: each === all && isWhole }]"
+        :style="place(each)" :aria-label="each.name" v-bind="told(each)" @pointerdown="grasp($event, each)"
+        @pointermove="move" @pointerup="release" @pointercancel="release" @keydown="step($event, each)"></div>
     </div>
   `,
   props: { source: String, crop: Array, ratio: Number }, // ratio: width over height to keep, in shares; 0 for any
