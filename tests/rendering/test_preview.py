@@ -11,7 +11,7 @@ from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
 from maulstick.rendering import preview as rendering
-from maulstick.rendering.preview import coverage, preview, truth
+from maulstick.rendering.preview import coverage, growing, preview, truth
 from tests.support.nominal import nominal
 from tests.support.tolerances import BESIDE_A_POINT
 
@@ -46,6 +46,13 @@ def test_an_image_has_the_pixels_of_the_canvas_the_paper_s_colour_and_each_strok
     assert image[2, 2] == pytest.approx([0.9, 0.8, 0.7], abs=FLOAT32)
     assert image[15, 40] == pytest.approx([1, 0, 0], abs=FLOAT32)
     assert image[45, 40] == pytest.approx([0, 0, 1], abs=FLOAT32)
+
+
+def test_images_that_grow_are_the_previews_of_so_many_strokes() -> None:
+    painting = a_painting([(i % 2, across(0.01 + 0.004 * i, 0.3 + 0.1 * i)) for i in range(6)])
+    ends = [0, 2, 2, 5, 6]
+    for end, image in zip(ends, growing(painting, CANVAS, ends), strict=True):
+        np.testing.assert_allclose(image, preview(painting, CANVAS, end), atol=FLOAT32)
 
 
 def test_each_paint_is_applied_by_its_own_brush() -> None:

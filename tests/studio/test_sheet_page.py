@@ -54,10 +54,10 @@ def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned
     opened.get_by_text("Correct the picture").click()
     opened.get_by_role("button", name="Turn right").click()
     expect(told).to_contain_text("A sheet of 200 by 160 mm.")
-    right = opened.get_by_label("Cut off at the right")
+    right = opened.get_by_label("Right edge")
     right.focus()
     for _ in range(3):
-        right.press("ArrowRight")
+        right.press("ArrowLeft")
     opened.get_by_label("Darker or lighter").fill("1")
     opened.get_by_label("Sheet").click()
     opened.get_by_role("option", name="Another size").click()

@@ -12,8 +12,13 @@ from maulstick.storage.arrays import Pixels
 FORMATS = ("gif", "mp4")
 """Kinds of video that can be written."""
 
-_FRAMES_PER_SECOND, _LAST_SECONDS = 20, 2  # speed, and how long the last frame stays
-_LARGEST = (1280, 720)  # pixels: 160 frames hold less than half a gigabyte
+FRAMES_PER_SECOND = 20
+"""Speed of a video."""
+
+LARGEST = (1280, 720)
+"""Width and height of the largest frame, pixels: 160 frames hold less than half a gigabyte."""
+
+_LAST_SECONDS = 2  # that the last frame stays
 
 
 class Video:
@@ -33,7 +38,7 @@ class Video:
     def add(self, frame: Pixels) -> None:
         """Add a frame, scaled down to at most 1280x720; all frames must be of one size."""
         image = Image.fromarray(np.round(frame * 255).astype(np.uint8))
-        image.thumbnail(_LARGEST)
+        image.thumbnail(LARGEST)
         self._frames.append(image)
 
     def encode(self) -> bytes:
@@ -43,7 +48,7 @@ class Video:
 
 def _gif(frames: list[Image.Image]) -> bytes:
     file = io.BytesIO()
-    milliseconds = [1000 // _FRAMES_PER_SECOND] * len(frames)
+    milliseconds = [1000 // FRAMES_PER_SECOND] * len(frames)
     milliseconds[-1] += 1000 * _LAST_SECONDS
     frames[0].save(file, format="GIF", save_all=True, append_images=frames[1:], duration=milliseconds, loop=0)
     return file.getvalue()
@@ -54,10 +59,10 @@ def _mp4(frames: list[Image.Image]) -> bytes:
 
     file = io.BytesIO()
     with av.open(file, "w", format="mp4") as container:
-        stream = container.add_stream("libx264", rate=_FRAMES_PER_SECOND)
+        stream = container.add_stream("libx264", rate=FRAMES_PER_SECOND)
         width, height = (side + side % 2 for side in frames[0].size)  # the format halves its colours
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-        for image in frames + frames[-1:] * (_FRAMES_PER_SECOND * _LAST_SECONDS):
+        for image in frames + frames[-1:] * (FRAMES_PER_SECOND * _LAST_SECONDS):
             frame = av.VideoFrame.from_ndarray(np.asarray(image.resize((width, height))), format="rgb24")
             container.mux(stream.encode(frame))
         container.mux(stream.encode())

@@ -8,18 +8,19 @@ from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from maulstick.errors import InputError
+from maulstick.studio.state.gallery import SCREEN
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name, title_of
-from maulstick.studio.workers.plan_pictures import AGAIN
+from maulstick.studio.workers.plan_pictures import AGAIN, LARGE
 from maulstick.studio.workers.planner import TARGET
 
 routes = APIRouter()
 
 _FRESH = {"Cache-Control": "no-cache"}
 _SHOWN = {  # files that a page may show, by kind
-    "plans": {"preview.png", "palette.png", "painting-painted.png", TARGET},
+    "plans": {"preview.png", "palette.png", "painting-painted.png", TARGET, LARGE},
     "drawings": {"preview.png", "drawing-painted.png"},
-    "pictures": {"small.jpg"},
+    "pictures": {"small.jpg", SCREEN},
     "hands": {"hand.png"},
 }
 _MOST_FRAMES = 100  # their file names have two digits

@@ -9,15 +9,18 @@ from PIL import Image
 
 from maulstick.errors import InputError
 from maulstick.jobs.plan.request import demo_picture
-from maulstick.painting.picture import LONGEST_KEPT_PX, encode_png, read_picture
+from maulstick.painting.picture import LONGEST_KEPT_PX, encode_jpeg, encode_png, read_picture
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import whole_folder
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.titles import retitle
 from maulstick.studio.workers.desk import Desk
 
+SCREEN = "screen.jpg"
+"""File of a picture as large as a screen, made once it is wanted."""
+
 _SMALL = "small.jpg"
-_SMALL_PX = 480  # longest side of a thumbnail
+_SMALL_PX, _SCREEN_PX = 480, 1920  # longest side of a thumbnail, and of a picture to look at
 _PORTRAIT, _PORTRAIT_TITLE = "portrait", "Portrait"
 
 
@@ -41,6 +44,13 @@ class Gallery:
     def small(self, name: str) -> Path:
         """Return the file of a picture's thumbnail. Raises InputError for an invalid name."""
         return self.path(name).with_name(_SMALL)
+
+    async def screen(self, name: str) -> Path:
+        """Return the file of a picture as large as a screen. Raises InputError where the picture is gone."""
+        path = self.path(name).with_name(SCREEN)
+        if not path.is_file():
+            await self._desk.do(keep_screen, self.path(name), path)
+        return path
 
     def shape(self, name: str) -> tuple[int, int]:
         """Return height and width of a picture, pixels, by the head of its file. Raises InputError where it is gone."""
@@ -95,6 +105,11 @@ def keep_picture(brought: Path, folder: Path) -> None:
         with Image.open(made / "picture.png") as small:
             small.thumbnail((_SMALL_PX, _SMALL_PX))
             small.save(made / _SMALL, quality=85)
+
+
+def keep_screen(picture: Path, path: Path) -> None:
+    """Write a picture as large as a screen. Raises InputError where there is none, OutputError where no room is."""
+    atomic_write(path, encode_jpeg(read_picture(picture), _SCREEN_PX))
 
 
 def picture_of(folder: Path) -> Path:

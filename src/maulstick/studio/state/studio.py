@@ -4,11 +4,13 @@ import asyncio
 from typing import final
 
 from maulstick.studio.state.by_hand import ByHand
+from maulstick.studio.state.camera_views import CAMERAS, CameraViews
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.settings import Settings
 from maulstick.studio.state.styles import Styles
@@ -23,15 +25,16 @@ from maulstick.studio.workers.desk import Desk
 class Studio:
     """State of the studio; made in the server's event loop.
 
-    drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
+    drawing: of the hand that is being drawn.  reference: picture to look at meanwhile.
+    gallery: pictures to paint.  plans: finished ones, and those being made.
     settings: what was chosen last.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
-    by_hand: machine that a person sets up.  trash: what was thrown away.
+    camera_views: of cameras over a sheet.  by_hand: machine that a person sets up.  trash: what was thrown away.
     """
 
     def __init__(self, folder: Folder) -> None:
         self.folder, self.desk = folder, Desk()
-        self.drawing = Drawing(folder, self.desk)
+        self.drawing, self.reference = Drawing(folder, self.desk), Reference()
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
         self.plans, self.settings = Plans(folder), Settings(folder)
@@ -39,6 +42,7 @@ class Studio:
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
         self.run = Run(folder, self.desk, self.mixing)
+        self.camera_views = CameraViews(folder, self.desk)
         self.by_hand = ByHand(self.run.easels)
         self.trash = Trash(
             folder,
@@ -52,6 +56,7 @@ class Studio:
                 STYLES_FOLDER: self.styles.take_back,
                 ".": lambda trashed, _: self.mixing.take_back(trashed),
                 "easels": lambda trashed, _: self.run.easels.take_back(trashed),
+                CAMERAS: lambda trashed, _: self.camera_views.take_back(trashed),
             },
         )
 

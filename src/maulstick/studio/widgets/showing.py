@@ -1,5 +1,6 @@
-"""Refreshing of what is on a page after changes of the studio's state, and the focus of what is new."""
+"""Refreshing of what is on a page after changes of the studio's state, the focus of what is new, and pictures in it."""
 
+import base64
 from collections.abc import Callable
 
 from nicegui import Event
@@ -26,3 +27,8 @@ def shown_by(root: Element, event: Event[[]], refresh: Callable[[], object]) -> 
 def focus(element: Element) -> None:
     """Give a new element the focus once it is shown: the element that had it is gone."""
     element.on("vnodeMounted", js_handler="(node) => node.el.focus()")
+
+
+def as_source(jpeg: bytes) -> str:
+    """Return a JPEG as the source of an image on the page."""
+    return f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}"

@@ -36,7 +36,8 @@ class Slider:
         self._most = self._most if most is None else most
         self.value = value
         self._range.props["max"] = self._most
-        ui.run_javascript(f"setTimeout(() => {{ document.getElementById('{self._range.html_id}').value = {value}; }})")
+        slider = f"document.getElementById('{self._range.html_id}')"  # none where it is in a menu that is closed
+        ui.run_javascript(f"setTimeout(() => {{ const slider = {slider}; if (slider) slider.value = {value}; }})")
 
     def _moved(self, event: events.GenericEventArguments) -> None:
         sent = event.args

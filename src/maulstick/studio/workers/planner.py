@@ -142,15 +142,15 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
 
 def _write_order(painting: Painting, folder: Path) -> None:
     """Write pictures of the first strokes, each with more of them than the one before."""
-    from maulstick.rendering.preview import preview
+    from maulstick.rendering.preview import growing
 
     width, height = painting.sheet.width, painting.sheet.height
     canvas = Canvas(width, height, _FRAME_PX / max(width, height))
     ends = np.unique(np.linspace(0, len(painting.strokes), _FRAMES).astype(int))
     shutil.rmtree(order_frame(folder, 0).parent, ignore_errors=True)
     order_frame(folder, 0).parent.mkdir()
-    for number, end in enumerate(ends.tolist()):
-        atomic_write(order_frame(folder, number), encode_jpeg(preview(painting, canvas, end)))
+    for number, image in enumerate(growing(painting, canvas, ends.tolist())):
+        atomic_write(order_frame(folder, number), encode_jpeg(image))
 
 
 def _metrics(painting: Painting) -> tuple[str, ...]:

@@ -21,11 +21,13 @@ class Sketch:
     """Pictures for the form, JPEGs: the picture as it is turned and toned, before it is cut; and the sheet with it.
 
     told: how large the sheet is, where it stays bare, and what of the picture is cut off.
+    ratio: of width to height of the sheet inside its margin, in shares of the picture's.
     """
 
     picture: bytes
     sheet: bytes
     told: str
+    ratio: float
 
 
 def sketch(thumbnail: Path, edit: PictureEdit, size: str, fit: str, margin: str) -> Sketch:
@@ -39,7 +41,8 @@ def sketch(thumbnail: Path, edit: PictureEdit, size: str, fit: str, margin: str)
     inset = parse_margin(margin, (width, height))
     canvas = Canvas(width, height, _LONGEST_PX / max(width, height))
     laid, area = lay_out(picture, canvas, fit, margin=inset)
-    return Sketch(encode_jpeg(whole), encode_jpeg(laid), _told(picture, (width, height), area))
+    ratio = (width - 2 * inset) / (height - 2 * inset) * whole.shape[0] / whole.shape[1]
+    return Sketch(encode_jpeg(whole), encode_jpeg(laid), _told(picture, (width, height), area), ratio)
 
 
 def _told(picture: Pixels, sheet: tuple[float, float], area: tuple[float, float, float, float]) -> str:

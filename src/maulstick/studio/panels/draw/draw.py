@@ -8,6 +8,7 @@ from nicegui import html, ui
 from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.panels.draw.learned import learn_hand
 from maulstick.studio.panels.draw.others import OtherHands
+from maulstick.studio.panels.draw.reference import ReferencePicture, ReferenceTool
 from maulstick.studio.panels.draw.sheet_form import choose_sheet
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
@@ -49,6 +50,9 @@ class _Sheet:
         self._shown_title = self._refusal = ""
         self._build_tools()
         self._table = ui.element().classes("table")
+        ReferencePicture(studio, self._table)
+        with self._table:
+            self._place = ui.element().classes("place")
         self._build_learning()
         shown_by(self._table, self._drawing.renewed, self._lay)
         shown_by(self._table, self._drawing.changed, self._tell)
@@ -60,6 +64,7 @@ class _Sheet:
             self._undo = _tool("Undo", "undo", self._drawing.undo).tooltip("Ctrl+Z")
             self._redo = _tool("Redo", "redo", self._drawing.redo).tooltip("Ctrl+Shift+Z")
             _tool("New sheet", "note_add", lambda: choose_sheet(self._drawing))
+            ReferenceTool(self._studio)
             whole = ui.button("Full screen", icon="fullscreen").props("flat stack no-caps")
             whole.on("click", js_handler=_FILL_SCREEN)
 
@@ -74,8 +79,8 @@ class _Sheet:
             ui.label("Every stroke is kept at once; there is nothing to save.").classes("hint")
 
     def _lay(self) -> None:
-        self._table.clear()
-        with self._table:
+        self._place.clear()
+        with self._place:
             self._pen = DrawingSheet(self._drawing, self._complain)
         self._take(False)
 

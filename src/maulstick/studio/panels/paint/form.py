@@ -74,6 +74,11 @@ class OptionsForm:
             self._port.set_options([*dict.fromkeys([*ports, *filter(None, [self._port.value])])])
 
     @property
+    def usb_camera(self) -> str | None:
+        """Spec of the chosen camera that a person has put over the sheet, or None."""
+        return None if self.is_simulated else str(self._camera.value or "") or None
+
+    @property
     def is_simulated(self) -> bool:
         """Whether the chosen machine is a simulated easel."""
         return str(self._machine.value).startswith("sim")

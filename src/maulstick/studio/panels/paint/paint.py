@@ -10,6 +10,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.status import PaintStatus
 from maulstick.jobs.paintable import is_svg
 from maulstick.studio.panels.paint.by_hand import ByHandForm
+from maulstick.studio.panels.paint.corners import CornersForm
 from maulstick.studio.panels.paint.drawings import Drawings
 from maulstick.studio.panels.paint.form import SHORT_MENU, USUAL_MACHINE, OptionsForm
 from maulstick.studio.panels.paint.going import Controls, Sheets
@@ -102,6 +103,8 @@ class _Setting:
                     ui.button("Leave it", on_click=self._new_sheet.close).props("flat autofocus")
                     ui.button("Take a new sheet", icon="note_add", on_click=self._begin_anew)
         self._form = OptionsForm(studio, first, later, touched=self._touch)
+        with later:
+            self._corners = CornersForm(studio, lambda: self._form.usb_camera, lambda: self.plan, self._touch)
         with self.root:
             ByHandForm(studio, lambda: self._filled_in()[1], lambda: self.plan, self._form.take_easel)
         self._plan.set_options(self._run.plans(), value=plan if plan in self._run.plans() else None)
@@ -194,6 +197,7 @@ class _Setting:
     def _show_buttons(self) -> None:
         self._mix.text = "" if self._form.is_simulated else _to_be_mixed(self._missing)
         status, there = self._status, bool(self.plan)
+        self._corners.show()
         goes_on = status is not None and not status.is_over
         self._none.visible, self._plan.visible = not there, there
         self._check.visible = there
@@ -217,7 +221,8 @@ class _Setting:
         options = self._form.options(None if known is None else known.request.picture)
         if self._is_drawing:
             options = options.model_copy(update={"drawing": self._reading.options})
-        return self.plan, options
+        before = None if self._status is None else self._status.options
+        return self.plan, self._corners.applied(options, before)
 
     def _rehearse(self) -> None:
         self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)

@@ -2,6 +2,7 @@
 
 from nicegui import html, ui
 
+from maulstick.studio.panels.plan.closer import CloserLook, Shown
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.workers.planner import TARGET
@@ -23,7 +24,9 @@ class ComparedPictures:
         with html.label().classes("weight") as self._split:
             self._split_label = ui.label("Picture or plan")
             html.input_(type="range", min=0, max=100).on("input", js_handler=_SPLIT).props["^value"] = 100
-        self._with = ui.select({}, label="Compared with", on_change=self._show_other).classes("compared-with")
+        with ui.element().classes("line") as self._choice:
+            self._with = ui.select({}, label="Compared with", on_change=self._show_other).classes("compared-with")
+            self._closer = ui.button("Look closer", icon="zoom_in", on_click=self._look_closer).props("flat")
 
     def show(self, source: str) -> None:
         """Show the strokes by the address of their picture, "" where there are none yet."""
@@ -34,6 +37,8 @@ class ComparedPictures:
         if self._with.options != offered:
             self._with.set_options(offered, value=self._with.value if self._with.value in offered else "")
         self._with.visible = bool(source) and len(offered) > 1
+        self._closer.visible = bool(source) and not self._plan.is_busy
+        self._choice.visible = self._with.visible or self._closer.visible
         self._show_other()
 
     def _show_other(self) -> None:
@@ -45,6 +50,14 @@ class ComparedPictures:
             source = f"/picture/plans/{chosen}/preview.png" if chosen else f"/picture/plans/{self._plan.name}/{TARGET}"
             if self._other.props.get("src") != source:
                 self._other.props["src"] = source
+
+    def _look_closer(self) -> None:
+        """Open what the card compares, as large as the window."""
+        titles, chosen = self._studio.plans.titles(), str(self._with.value or "")
+        other = Shown.target(self._plan) if self._has_picture else None
+        if chosen:
+            other = Shown.strokes(self._studio.plans.of(chosen), titles.get(chosen, chosen))
+        CloserLook(self._studio.desk, self._plan, titles.get(self._plan.name, self._plan.name), other)
 
     @property
     def _has_picture(self) -> bool:

@@ -8,9 +8,10 @@ from maulstick.errors import InputError
 from maulstick.jobs.export import ExportOptions
 from maulstick.robot.easel import Pen
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.export_work import Taken, export_for_machine, export_picture
+from maulstick.studio.workers.export_work import Taken, export_film, export_for_machine, export_picture
 
 _PNG, _PDF, _PER_PEN = "png", "pdf", "per pen"
+_FILMS = {"mp4": "MP4, a film of its strokes", "gif": "GIF, a small film for web pages"}
 _GCODE = {"grbl": "G-code for Grbl and FluidNC", "marlin": "G-code for Marlin"}
 _KINDS = {
     "svg": "SVG, for AxiDraw's own program",
@@ -19,8 +20,10 @@ _KINDS = {
     "hpgl": "HPGL, for pen plotters of that time",
     _PNG: "PNG, a picture of any size",
     _PDF: "PDF, to print at its true size",
+    **_FILMS,
 }
 _MOST_PX = 8000  # of a picture's height, which a browser still shows
+_MOST_SECONDS = 20  # of a film, whose frames are all in memory: 400 hold a gigabyte
 
 
 class ExportDialog:
@@ -28,27 +31,33 @@ class ExportDialog:
 
     def __init__(self, desk: Desk, painting: Path, name: str) -> None:
         self._desk, self._painting, self._name = desk, painting, name
-        with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet"):
+        with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet saves"):
             html.h2("Save as")
             self._kind = ui.select(_KINDS, label="What for", value="svg", on_change=self._fit).props("outlined")
             self._height = ui.number("Pixels high", value=2000, min=16, max=_MOST_PX, precision=0).props("outlined")
+            self._seconds = ui.number("Seconds", value=10, min=1, max=_MOST_SECONDS, precision=0).props("outlined")
             self._servo = ui.checkbox("A servo lifts the pen", on_change=self._fit)
             with ui.element().classes("numbers") as self._positions:
                 self._up = ui.number("Its number for up", value=30).props("outlined")
                 self._down = ui.number("and for down", value=90).props("outlined")
             with ui.element().classes("line end"):
                 ui.button("Leave it", on_click=self._dialog.close).props("flat")
-                ui.button("Save", icon="download", on_click=self._save)
+                self._go = ui.button("Save", icon="download", on_click=self._save)
         self._dialog.on("hide", self._dialog.delete)
         self._fit()
 
     def _fit(self) -> None:
         self._height.visible = self._kind.value == _PNG
+        self._seconds.visible = self._kind.value in _FILMS
         self._servo.visible = self._kind.value in _GCODE
         self._positions.visible = self._servo.visible and bool(self._servo.value)
 
     async def _save(self) -> None:
-        taken = await self._taken()
+        self._go.props("loading")
+        try:
+            taken = await self._taken()
+        finally:
+            self._go.props(remove="loading")
         self._dialog.close()
         for note in taken.notes:
             ui.notify(note, type="warning", multi_line=True)
@@ -57,7 +66,11 @@ class ExportDialog:
     async def _taken(self) -> Taken:
         kind, painting, name = str(self._kind.value), self._painting, self._name
         if kind in (_PNG, _PDF):
-            return await self._desk.do(export_picture, painting, name, self._px if kind == _PNG else None)
+            px = _whole(self._height, "the height in pixels", 16, _MOST_PX) if kind == _PNG else None
+            return await self._desk.do(export_picture, painting, name, px)
+        if kind in _FILMS:
+            seconds = _whole(self._seconds, "the seconds of a film", 1, _MOST_SECONDS)
+            return await self._desk.do(export_film, painting, name, kind, seconds)
         options = ExportOptions(
             format="gcode" if kind in _GCODE else "svg" if kind == _PER_PEN else kind,
             dialect=kind if kind in _GCODE else None,
@@ -67,15 +80,15 @@ class ExportDialog:
         return await self._desk.do(export_for_machine, painting, name, options)
 
     @property
-    def _px(self) -> int:
-        value = self._height.value
-        if value is None or not 16 <= value <= _MOST_PX or value != int(value):
-            shown = "nothing" if value is None else f"{value:g}"
-            raise InputError.of_range("the height in pixels", shown, f"a whole number from 16 to {_MOST_PX}")
-        return int(value)
-
-    @property
     def _pen(self) -> Pen:
         if self._up.value is None or self._down.value is None:
             raise InputError("the servo's numbers for up and down are missing; write both")
         return Pen(up=self._up.value, down=self._down.value)
+
+
+def _whole(number: ui.number, what: str, least: int, most: int) -> int:
+    value = number.value
+    if value is None or not least <= value <= most or value != int(value):
+        shown = "nothing" if value is None else f"{value:g}"
+        raise InputError.of_range(what, shown, f"a whole number from {least} to {most}")
+    return int(value)

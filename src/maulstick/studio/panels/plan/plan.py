@@ -10,11 +10,13 @@ from maulstick.studio.panels.plan.form import PlanForm
 from maulstick.studio.state.studio import Studio
 
 _STYLE = Path(__file__).with_name("plan.css")
+_CLOSER = Path(__file__).with_name("closer.css")
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
     ui.add_css(_STYLE)
+    ui.add_css(_CLOSER)
     html.h1("Plan a painting")
     html.p(
         "Choose a picture, and a hand: somebody's way of drawing. Watch the strokes find their places, "

@@ -6,11 +6,12 @@ from nicegui import background_tasks, html, ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.errors import MaulstickError
-from maulstick.studio.panels.plan.editor import PictureEditor, as_source
+from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.state.placing import AS_SUITS, Placing
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.sheet_sizes import in_words
+from maulstick.studio.widgets.showing import as_source
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.sketch import sketch
 
@@ -83,4 +84,4 @@ class SheetChoice:
         self._image.visible = True
         self._image.props["src"] = as_source(made.sheet)
         self._told.set_text(made.told)
-        self._editor.show(made.picture)
+        self._editor.show(made.picture, made.ratio)

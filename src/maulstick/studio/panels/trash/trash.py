@@ -20,6 +20,7 @@ _KINDS = {
     "surveys": "Survey, with its answers",
     STYLES_FOLDER: "Learned hand",
     "easels": "Where a sheet lay",
+    "cameras": "Where a camera saw it",
     ".": "Settings",
 }
 """Words for things, by the folder that they were in."""
