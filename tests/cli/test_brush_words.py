@@ -26,7 +26,7 @@ def test_the_list_has_the_brushes_that_come_along_and_the_own_ones(here: Path) -
     ran = run("brush", "list")
     listed = rows(ran.stdout)
     assert ran.code == 0
-    assert list(listed) == ["fineliner", "marker", "round", "twig"]
+    assert list(listed) == ["fineliner", "marker", "round", "wash", "twig"]
     assert listed["fineliner"].startswith("0.312 mm comes with Maulstick: a fineliner")
     assert listed["round"].startswith("0.686 to 15.8 mm comes with Maulstick: a 6 mm round")
     assert listed["twig"] == "0 to 2 mm your own: a [b]test[/b]"
