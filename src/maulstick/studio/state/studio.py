@@ -9,6 +9,7 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.settings import Settings
 from maulstick.studio.state.styles import Styles
@@ -24,7 +25,7 @@ class Studio:
     """State of the studio; made in the server's event loop.
 
     drawing: of the hand that is being drawn.  gallery: pictures to paint.  plans: finished ones, and those being made.
-    settings: what was chosen last.
+    settings: what was chosen last.  presets: settings that were kept under a title.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
     by_hand: machine that a person sets up.  trash: what was thrown away.
     """
@@ -34,7 +35,7 @@ class Studio:
         self.drawing = Drawing(folder, self.desk)
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
-        self.plans, self.settings = Plans(folder), Settings(folder)
+        self.plans, self.settings, self.presets = Plans(folder), Settings(folder), Presets(folder)
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -51,6 +52,7 @@ class Studio:
                 "surveys": self.surveys.take_back,
                 STYLES_FOLDER: self.styles.take_back,
                 ".": lambda trashed, _: self.mixing.take_back(trashed),
+                PRESETS_FOLDER: lambda trashed, _: self.presets.take_back(trashed),
                 "easels": lambda trashed, _: self.run.easels.take_back(trashed),
             },
         )

@@ -32,5 +32,9 @@ def values_of(options: PlanOptions) -> dict[str, Any]:
         "strokes": usual["strokes"] if takes_enough else options.strokes,
         "enough": takes_enough,
         "drawing": options.drawing,
+        "weights": options.weights or usual["weights"],
+        "arrange": options.arrange,
         "effort": options.steps,
+        "paper": usual["paper"] if options.paper == PlanOptions().paper else options.paper,
+        "unmixed": options.paints_from is not None,
     }
