@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 
@@ -15,7 +15,8 @@ from maulstick.jobs.plan.options import MOST_SEED, PlanOptions
 from maulstick.painting.video import Video
 from maulstick.storage.files import file_sum
 
-_MOST_TRIES = 64  # largest number of plans, each of which is a process of its own
+MOST_TRIES: Final = 64
+"""Largest number of tries: more take as many times as long as one, and their best is hardly better."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,8 @@ class PlanRequest:
     def __post_init__(self) -> None:
         if self.picture is not None:
             object.__setattr__(self, "picture", self.picture.absolute())
-        if not 1 <= self.tries <= _MOST_TRIES:
-            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {_MOST_TRIES}")
+        if not 1 <= self.tries <= MOST_TRIES:
+            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {MOST_TRIES}")
         if self.options.seed + self.tries - 1 > MOST_SEED:
             raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {MOST_SEED + 1 - self.tries}")
         if self.video is not None:

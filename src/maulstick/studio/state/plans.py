@@ -46,7 +46,8 @@ class Phase(Enum):
 class Plan:
     """Plan of one picture or text.
 
-    curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG.  seen: number of canvases that came.
+    curve: (done, parts of the loss) so far.  attempt: number of the try that is planned, from 1.
+    canvas: the newest, a JPEG.  seen: number of canvases that came.
     left: estimated seconds, None while unknown.  metrics: of the painting, once there is one.
     notes: sentences on what may be other than people expect.  why: reason of a failure.
     stepped: event at every message of its process.
@@ -57,7 +58,7 @@ class Plan:
         self.stepped = Event[[]]()
         self.phase = Phase.WAITING
         self.curve: list[tuple[float, Mapping[str, float]]] = []
-        self.canvas, self.seen = b"", 0
+        self.canvas, self.seen, self.attempt = b"", 0, 1
         self.left: float | None = None
         self.metrics: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -121,7 +122,7 @@ class Plan:
         self.curve.append((step.done, step.parts))
         if len(self.curve) > _MOST_POINTS:
             self.curve = self.curve[::2]
-        self.canvas, self.seen = step.canvas, self.seen + 1
+        self.canvas, self.seen, self.attempt = step.canvas, self.seen + 1, step.attempt
 
 
 @final
@@ -183,8 +184,8 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, while a plan is made."""
-        if plan.phase is Phase.PLANNING:
+        """Change the weights of the terms, by name, while a plan is made; those of several tries stay comparable."""
+        if plan.phase is Phase.PLANNING and plan.request.tries == 1:
             plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
             plan.write_request()
             self._processes[plan.name].tell(Weigh(weights))

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import DRAWINGS, MOST_STROKES, PlanOptions
+from maulstick.jobs.plan.request import MOST_TRIES
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.placing import AS_SUITS
@@ -30,7 +31,7 @@ class Choices(BaseModel):
     machine: kind of the machine that will paint, "" for none yet.  own_size: where `size` names none.
     turned, fit, margin: of the sheet, millimetres.  kind: whether it paints in paints or in one ink.
     enough: whether there are as many strokes as the picture needs.  effort: steps of the optimiser.
-    unmixed: whether only the paints of the studio's tubes are used.
+    unmixed: whether only the paints of the studio's tubes are used.  tries: number of plans, the best of which is kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -56,6 +57,7 @@ class Choices(BaseModel):
     effort: Annotated[int, Field(ge=1)] = _USUAL.steps
     paper: _Text = WHITE
     unmixed: bool = False
+    tries: Annotated[int, Field(ge=1, le=MOST_TRIES)] = 1
 
 
 @final

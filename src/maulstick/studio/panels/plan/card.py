@@ -91,7 +91,7 @@ class PlanCard:
         self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
-        self._weights.visible = plan.phase is Phase.PLANNING
+        self._weights.visible = plan.phase is Phase.PLANNING and plan.request.tries == 1
         self._weights.follow()
         if finished and self._frames != plan.frames:
             self._frames = plan.frames
@@ -197,6 +197,8 @@ def _summary(request: PlanRequest, style: str) -> str:
         parts.append(DRAWN[options.drawing].lower())
     if options.arrange != usual.arrange:
         parts.append(f"{options.arrange:.0%} as the hand arranges")
+    if request.tries > 1:
+        parts.append(f"the best of {request.tries} tries")
     if options.robot is not None:
         parts.append(f"for {planned_for(options.robot)}")
     return ", ".join(parts)
@@ -208,7 +210,8 @@ def outcome(plan: Plan) -> str:
         return plan.why
     if plan.is_busy:
         left = "" if plan.left is None or plan.phase is not Phase.PLANNING else f", about {_time(plan.left)} left"
-        return f"{plan.done:.0%}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
+        of = f", try {plan.attempt} of {plan.request.tries}" if plan.request.tries > 1 else ""
+        return f"{plan.done:.0%}{of}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
     return ", ".join(plan.metrics)
 
 

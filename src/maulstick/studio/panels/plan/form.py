@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, MaulstickError, option, validation_fault
 from maulstick.jobs.plan.options import AUTO, PlanOptions
-from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.request import MOST_TRIES, PlanRequest
 from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.editor import PictureEditor
@@ -176,7 +176,7 @@ class PlanForm:
         Raises InputError where its picture is not in the studio any more; the rest is filled in all the same.
         """
         options = plan.request.options
-        self._set(values_of(options))
+        self._set(values_of(plan.request))
         ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
         self._picture.choose(plan.request.picture)
         self._editor.correct(options.edit)
@@ -260,7 +260,7 @@ class PlanForm:
             arrange=self._arrange.value if self._arrange.element.visible else _DEFAULT.arrange,
             steps=int(self._effort.value or 0),
         )
-        return PlanRequest(picture, options)
+        return PlanRequest(picture, options, _whole(self._more.tries, "the number of tries", MOST_TRIES))
 
 
 def _offered(choices: Choices) -> dict[str, Any]:
