@@ -53,7 +53,7 @@ class PlanRequest:
 
     def with_sums(self, more: dict[str, str], sum_file: Callable[[Path], str] = file_sum) -> "PlanRequest":
         """Return the same with the sums of its files, and `more` sums by name."""
-        return replace(self, sums={**{str(path): sum_file(path) for path in self._files()}, **more})
+        return replace(self, sums={**{str(path): sum_file(path) for path in self.files}, **more})
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the request as JSON, for a file."""
@@ -88,7 +88,9 @@ class PlanRequest:
                     f"{name} has changed since planning began; put it back, or plan anew with {option('overwrite')}"
                 )
 
-    def _files(self) -> list[Path]:
+    @property
+    def files(self) -> list[Path]:
+        """Files that it names: the picture, and those of the options."""
         options = self.options
         files = (self.picture, options.look, options.background, options.paints_from, options.clip_weights)
         return [file for file in files if file is not None]

@@ -1,8 +1,10 @@
 """State that all pages show: one studio, however many pages are open."""
 
 import asyncio
+from pathlib import Path
 from typing import final
 
+from maulstick.errors import InputError
 from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
@@ -56,6 +58,19 @@ class Studio:
                 "easels": lambda trashed, _: self.run.easels.take_back(trashed),
             },
         )
+
+    def throw_picture_away(self, name: str) -> Path:
+        """Move a picture into the trash, while plans that are made from it keep it; return its place there.
+
+        Raises InputError while something is made from it, and OutputError where it cannot be kept or moved.
+        """
+        picture = self.gallery.path(name)
+        if self.run.state.is_on and self.run.state.options.picture == picture:
+            raise InputError(
+                f"{self.run.title} is planned again by that picture after each look; stop the machine first"
+            )
+        self.plans.part_with(picture)
+        return self.gallery.throw_away(name)
 
     def stop(self) -> str:
         """Stop every machine at once and lift its pen; return what was stopped, for people."""

@@ -215,7 +215,7 @@ class _Setting:
 
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        options = self._form.options(None if known is None else known.request.picture)
+        options = self._form.options(None if known is None else known.picture)
         if self._is_drawing:
             options = options.model_copy(update={"drawing": self._reading.options})
         return self.plan, options
