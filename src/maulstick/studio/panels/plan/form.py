@@ -98,7 +98,7 @@ class PlanForm:
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
         self._is_arranged = False
-        for choice in (self._kind, self._enough, self._text):
+        for choice in (self._machine, self._kind, self._enough, self._text):
             choice.on_value_change(self._follow)
         self._offer_brushes(kept["brush"])
         self._machine.on_value_change(self._change_machine)
