@@ -109,9 +109,7 @@ class PlanCard:
         plan, plans = self.plan, self._studio.plans
         self._stop = ui.button("Stop and keep", icon="back_hand", on_click=lambda: plans.stop(plan))
         self._on = ui.button("Go on", icon="play_arrow", on_click=lambda: plans.go_on(plan)).props("outline")
-        self._mix = ui.button(
-            "Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}")
-        )
+        self._mix = _paint_button(plan)
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():
@@ -175,6 +173,15 @@ class PlanCard:
             raise InputError(f"{title} is being painted; stop the machine first")
         trashed = plans.throw_away(self.plan)
         offer_undo(client, f"{title} is in the trash", lambda: plans.take_back(trashed))
+
+
+def _paint_button(plan: Plan) -> ui.button:
+    """Make the button that leads on, to the paints where there are some to be mixed."""
+    options = plan.request.options
+    if options.ink is not None or options.mixed_paints == 1:  # the machine asks for the only one
+        to_paint = f"/paint?plan={plan.name}"
+        return ui.button("Paint it", icon="precision_manufacturing", on_click=lambda: ui.navigate.to(to_paint))
+    return ui.button("Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}"))
 
 
 def _words(request: PlanRequest) -> str:
