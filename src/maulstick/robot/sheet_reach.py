@@ -19,7 +19,6 @@ _DOWNWARDS: Final = np.diag([1.0, -1.0, -1.0])  # orientation of a flange that p
 _HALVINGS: Final = 20  # of the size of a sheet, to a thousandth of a millimetre
 
 
-@lru_cache
 def sheet_fault(spec: str, width: float, height: float) -> str:
     """Return, as part of a sentence, why a machine cannot reach all of a sheet; "" where it can, or nobody knows.
 
@@ -50,6 +49,7 @@ def _shrunk(kind: str, width: float, height: float) -> tuple[float, float]:
     return least * width, least * height
 
 
+@lru_cache(maxsize=1024)
 def _is_reached(kind: str, width: float, height: float) -> bool:
     """Return whether a machine of the kind reaches a sheet somewhere; True where nobody knows."""
     if kind == "axidraw":  # its sheet begins at the home corner, and is not turned

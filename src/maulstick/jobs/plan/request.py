@@ -16,7 +16,7 @@ from maulstick.painting.video import Video
 from maulstick.storage.files import file_sum
 
 MOST_TRIES: Final = 64
-"""Largest number of tries: more take as many times as long as one, and their best is hardly better."""
+"""Largest number of tries: each takes as long as a plan, and on the command line a process of its own."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Copies of pictures that plans keep of their own once those are thrown away: others may come to have their names."""
 
 import os
-import shutil
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
 
 
@@ -23,7 +23,7 @@ def keep_own(folder: Path, request: PlanRequest, picture: Path) -> None:
         with suppress(OSError):  # a disk that has no links
             os.link(picture, own)
             return
-        shutil.copyfile(picture, own)
+        atomic_write(own, picture.read_bytes())
 
 
 def with_own(request: PlanRequest, folder: Path) -> PlanRequest:

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.storage.files import atomic_write
-from maulstick.storage.folders import as_output_error
+from maulstick.storage.folders import MAKE_ROOM, as_output_error
 from maulstick.storage.library import NAME
 from maulstick.storage.records import read_record
 from maulstick.studio.state.folder import Folder
@@ -89,7 +89,7 @@ class Presets:
         names = [path.stem for path in self._root.glob("*.json")]
         former = next((name for name in names if self._title(name) == title), None)
         path = self._path(former or free_among(names, title, "settings"))
-        with as_output_error(self._root):
+        with as_output_error(self._root, MAKE_ROOM):
             self._root.mkdir(exist_ok=True)
         if former is not None:
             self._folder.keep_former(path, title=title)

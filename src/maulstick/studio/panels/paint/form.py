@@ -119,10 +119,8 @@ class OptionsForm:
 
         Raises InputError for options that are invalid or do not fit each other.
         """
-        looks, every = (
-            bool(self._camera.value),
-            _whole(self._every.value, "the number of strokes between two looks", 0, MOST_STROKES),
-        )
+        looks = bool(self._camera.value)
+        every = _whole(self._every.value, "the number of strokes between two looks", 0, MOST_STROKES)
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
