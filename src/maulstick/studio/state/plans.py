@@ -73,7 +73,7 @@ class Plan:
 
     @property
     def picture(self) -> Path | None:
-        """File of the picture that it is of, its own where that was thrown away; None where it is of none."""
+        """File of the picture that it is of, its own where that was thrown away, or None."""
         return with_own(self.request, self.folder).picture
 
     @property
@@ -277,13 +277,9 @@ class Plans:
             del self._processes[plan.name]
             self._next()
 
+        request = with_own(plan.request, plan.folder)
         self._processes[plan.name] = Process(
-            plan_in_process,
-            with_own(plan.request, plan.folder),
-            plan.folder,
-            hear=hear,
-            ended=ended,
-            niceness=_NICENESS,
+            plan_in_process, request, plan.folder, hear=hear, ended=ended, niceness=_NICENESS
         )
         plan.begin()
 

@@ -48,7 +48,7 @@ class PresetChoice:
                 self._title.on("keydown.enter", self._keep)
                 ui.button("Keep", icon="bookmark_add", on_click=self._keep).props("outline")
             with ui.element().classes("line"):
-                ui.button("Save these settings as a file", icon="download", on_click=self._save).props("flat")
+                ui.button("Save these settings as a file", icon="download", on_click=self._save).props("flat no-wrap")
                 upload_button("Load settings from a file", ".json", self._load, beside=desk)
         shown_by(self._list, studio.presets.changed, self._show)
 
