@@ -115,7 +115,7 @@ def paint(page: Page, url: str, out: Path) -> None:
     """Until the machine is well on its way."""
     page.goto(f"{url}/paint?plan=portrait")
     choose(page, "Machine", "as fast as it can")
-    page.get_by_role("button", name="Speed, sheet and camera").click()
+    page.get_by_role("button", name="Speed, sheet, camera and copies").click()
     choose(page, "Camera", "own camera")
     page.get_by_role("button", name="Start painting").click()
     expect(page.locator(".doing")).to_have_text(re.compile("stroke [4-6].. of"), timeout=PATIENCE)

@@ -230,6 +230,18 @@ def test_an_upload_that_is_no_picture_is_told_and_leaves_nothing(
     assert sorted(running.folder.parent.rglob("*")) == before
 
 
+def test_an_upload_that_holds_no_settings_is_told_and_leaves_nothing(
+    intruder: Intruder, running: RunningStudio
+) -> None:
+    before = sorted(running.folder.parent.rglob("*"))
+    with intruder.tab("/plan") as tab:
+        first = re.findall(r"/_nicegui/client/[^/]+/upload/(\d+)", tab.html)[0]
+        path = f"/_nicegui/client/{tab.client}/upload/{first}"
+        assert intruder.upload(path, b"[" * 100_000, "../../evil.json").status == 200
+        assert tab.heard("holds no settings of a plan")
+    assert sorted(running.folder.parent.rglob("*")) == before
+
+
 @pytest.mark.parametrize(
     "message",
     [
@@ -366,7 +378,5 @@ def test_strangers_leave_no_trace_in_the_terminal(abroad: RunningStudio) -> None
 
 
 def _chooser(html: str) -> str:
-    """Find the element that takes uploads."""
-    url = re.search(r"/_nicegui/client/[^/]+/upload/(\d+)", html)
-    assert url is not None
-    return url[1]
+    """Find the last element that takes uploads: of a form of a plan, the one for pictures."""
+    return re.findall(r"/_nicegui/client/[^/]+/upload/(\d+)", html)[-1]

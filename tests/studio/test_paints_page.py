@@ -65,7 +65,7 @@ def test_a_plan_in_one_ink_has_nothing_to_tick_since_the_machine_asks_for_its_pe
 ) -> None:
     put_plan(studio.folder, "line", mixed=False)
     shown = page("/paints")
-    expect(shown.get_by_text("Everything is ready to paint.")).to_be_visible()
+    expect(shown.get_by_text("Nothing is to be mixed: the machine asks for this one.")).to_be_visible()
     expect(shown.get_by_text("Goes into the pen holder when the machine asks for it.")).to_be_visible()
     expect(shown.get_by_role("checkbox")).to_have_count(0)
 

@@ -205,7 +205,7 @@ def test_what_does_not_fit_the_machine_is_said_and_nothing_moves(tmp_path: Path)
             run.check("fast", SLOW)
             sentence = await outcome(run)
             assert "the machine's fastest is 250" in sentence
-            assert sentence.endswith("; slow all strokes down: write 250 under “Speed, sheet and camera”")
+            assert sentence.endswith("; slow all strokes down: write 250 under “Speed, sheet, camera and copies”")
             assert run.state.fault
             await run.begin("fast", PaintOptions(robot="grbl:/dev/null/none"))
             assert (await outcome(run)).startswith("cannot open the port /dev/null/none")

@@ -25,7 +25,7 @@ PLANNED_FOR: Final = {
 }
 """Names of the machines that a plan can be for, by kind."""
 
-DETAILS_LABEL = "Speed, sheet and camera"
+DETAILS_LABEL = "Speed, sheet, camera and copies"
 """Label of the part of the form that is closed at first."""
 
 RESTART_LABEL = "Start again on a new sheet"
@@ -63,6 +63,7 @@ _OPTIONS: Final = {
     "replan": "the number of strokes between two looks",
     "hatch": "the distance between hatching lines",
     "px": "sheet",
+    "pause_at": "the number of a stroke to wait before",
     "name": "name",
     "out": "folder",
 }

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from dataclasses import replace
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.queues import Queue
 from multiprocessing.synchronize import Event
@@ -16,8 +15,8 @@ from threading import Lock, Thread
 
 from maulstick.errors import OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.tries import best_of, prepare_try, seeds_of
 from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.painting.painting import Painting
 from maulstick.planning.planner import PlanProgress
@@ -32,7 +31,7 @@ def plan_in_processes(
     wanted: Callable[[], bool],
 ) -> Painting:
     """Plan from as many seeds as the request tries, each in a process; returns the painting with the least loss."""
-    seeds = range(request.options.seed, request.options.seed + request.tries)
+    seeds = seeds_of(request)
     context = get_context("spawn")
     reports, stop = context.Queue(), context.Event()
     said = dict.fromkeys(seeds, (0.0, float("inf")))
@@ -56,7 +55,7 @@ def plan_in_processes(
             for process in active_children():
                 process.terminate()
             raise
-    return min(paintings, key=lambda painting: painting.provenance.metrics["loss"])
+    return best_of(paintings)
 
 
 _reports: "Queue[tuple[int, float, float]]"
@@ -98,7 +97,4 @@ def _plan_from(request: PlanRequest, out: Path, seed: int) -> Painting:
             _reports.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
-    prepared = prepare(replace(request, options=replace(request.options, seed=seed), tries=1))
-    options = {**prepared.provenance.options, "tries": request.tries}
-    provenance = prepared.provenance.model_copy(update={"options": options})
-    return plan_with(replace(prepared, provenance=provenance), out, request, watch)
+    return plan_with(prepare_try(request, seed), out, request, watch)

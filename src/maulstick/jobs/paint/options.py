@@ -4,7 +4,7 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
@@ -14,7 +14,9 @@ from maulstick.errors import InputError, Remedy, machine, option, validation_fau
 
 _TAG = 0.02  # side of a tag's black square in metres, as `maulstick calibrate tags` prints them
 _REFILL = r"(\d+(?:\.\d+)?) ?(m|min)"  # after metres or minutes
-_MOST_COPIES = 1000  # more is a slip of the hand
+MOST_COPIES: Final = 1000
+"""Largest number of copies: more is a slip of the hand."""
+
 _SLOWEST, _FASTEST = 1e-4, 10.0  # metres per second: beyond, the unit is probably wrong
 
 
@@ -64,8 +66,8 @@ class PaintOptions(BaseModel):
             raise InputError.of_range(option("refill_after"), repr(self.refill_after), allowed)
         if self.refill_at is not None and not np.isfinite(self.refill_at).all():
             raise InputError.of_range(option("refill_at"), self.refill_at, "two lengths on the canvas")
-        if self.copies is not None and not 1 <= self.copies <= _MOST_COPIES:
-            raise InputError.of_range(option("copies"), self.copies, f"1 to {_MOST_COPIES}")
+        if self.copies is not None and not 1 <= self.copies <= MOST_COPIES:
+            raise InputError.of_range(option("copies"), self.copies, f"1 to {MOST_COPIES}")
 
     def check_together(self) -> None:
         """Raise InputError for options that do not go together, once those of an earlier run are among them."""

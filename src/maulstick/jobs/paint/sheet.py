@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -78,7 +78,8 @@ def paint_sheet(
             raise StoppedError
         robot = stack.enter_context(setup.robot)
         home = robot.place if sheet.home is None else sheet.home
-        operator.expect(Estimate.of(actions, setup.plan, robot.limits, robot.place))
+        estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
+        operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
             return PaintSheet(sheet.number + 1, load=sheet.load, home=home)
         if operator.stopped:

@@ -31,6 +31,7 @@ from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.room import check_room, surface_of
 from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
+from maulstick.robot.sheet_reach import sheet_fault
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
@@ -82,6 +83,9 @@ class Prepared:
                 f"this machine only lifts its pen, so the brush {self.brush_names} is held at one pressure, "
                 f"{self.request.options.held_pressure:g}, and draws lines of {widths} mm"
             )
+        if self.request.options.robot is not None:
+            canvas = self.layout.canvas
+            notes.append(sheet_fault(self.request.options.robot, canvas.width, canvas.height) or None)
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
                 notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 
@@ -15,7 +15,8 @@ from maulstick.jobs.plan.options import MOST_SEED, PlanOptions
 from maulstick.painting.video import Video
 from maulstick.storage.files import file_sum
 
-_MOST_TRIES = 64  # largest number of plans, each of which is a process of its own
+MOST_TRIES: Final = 64
+"""Largest number of tries: each takes as long as a plan, and on the command line a process of its own."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,8 @@ class PlanRequest:
     def __post_init__(self) -> None:
         if self.picture is not None:
             object.__setattr__(self, "picture", self.picture.absolute())
-        if not 1 <= self.tries <= _MOST_TRIES:
-            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {_MOST_TRIES}")
+        if not 1 <= self.tries <= MOST_TRIES:
+            raise InputError.of_range(option("tries"), self.tries, f"from 1 to {MOST_TRIES}")
         if self.options.seed + self.tries - 1 > MOST_SEED:
             raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {MOST_SEED + 1 - self.tries}")
         if self.video is not None:
@@ -52,7 +53,7 @@ class PlanRequest:
 
     def with_sums(self, more: dict[str, str], sum_file: Callable[[Path], str] = file_sum) -> "PlanRequest":
         """Return the same with the sums of its files, and `more` sums by name."""
-        return replace(self, sums={**{str(path): sum_file(path) for path in self._files()}, **more})
+        return replace(self, sums={**{str(path): sum_file(path) for path in self.files}, **more})
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the request as JSON, for a file."""
@@ -87,7 +88,9 @@ class PlanRequest:
                     f"{name} has changed since planning began; put it back, or plan anew with {option('overwrite')}"
                 )
 
-    def _files(self) -> list[Path]:
+    @property
+    def files(self) -> list[Path]:
+        """Files that it names: the picture, and those of the options."""
         options = self.options
         files = (self.picture, options.look, options.background, options.paints_from, options.clip_weights)
         return [file for file in files if file is not None]

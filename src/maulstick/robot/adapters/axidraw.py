@@ -1,7 +1,7 @@
 """The AxiDraw: its EiBotBoard takes slices of even steps, so speed is planned here."""
 
 from contextlib import suppress
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ _MILLISECONDS = 1000  # per second
 _SERVO = 6000, 30000  # units of 1/12 microsecond: 0.5 to 2.5 ms, the pulses that servos understand
 _UNPOWERED = "the AxiDraw's motors have no power; plug its supply in, and push its pen to the home corner"
 _USUAL_PEN = Pen(up=20641, down=15248, seconds=0.3)  # 60 % and 30 % of the range of the V3's servo
-_V3 = Limits(
+V3: Final = Limits(
     lower=(0, -0.218, -0.1),
     upper=(0.3, 0, 0.1),
     speed=0.2,  # where both motors add up, along a diagonal, that is 22,600 steps per second
@@ -32,6 +32,7 @@ _V3 = Limits(
     deviation=1e-5,
     varies_pressure=False,
 )
+"""Limits: an AxiDraw V3, from its home corner."""
 
 
 @final
@@ -51,7 +52,7 @@ class AxiDraw(LetsGo, HasServo):
         patience: float = 5.0,
     ) -> None:
         pen = pen or _USUAL_PEN
-        own = _V3.model_copy(update={"lifting": pen.seconds})
+        own = V3.model_copy(update={"lifting": pen.seconds})
         super().__init__(own if limits is None else own.narrowed(limits))
         _check_pen(pen)
         self._port, self._pen = port, pen
@@ -105,7 +106,7 @@ class AxiDraw(LetsGo, HasServo):
         self._board.pressed()  # what was pressed before does not count
         place = np.array([*(_grid_of(self._board.position()) / _STEPS_PER_METRE), 0.0])
         try:
-            _V3.check_path(place[None])  # not the narrower limits, which may leave out its home
+            V3.check_path(place[None])  # not the narrower limits, which may leave out its home
         except InputError as error:
             raise MachineError(
                 f"the AxiDraw is not where it may be; switch it off and on at its home: {error}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from nicegui import PageArguments, html, ui
 
 from maulstick.errors import MaulstickError
+from maulstick.studio.panels.bell import bell
 from maulstick.studio.panels.tab_title import TabTitle
 from maulstick.studio.panels.tablet import Door, tablet_button
 from maulstick.studio.state.studio import Studio
@@ -78,6 +79,7 @@ def page(studio: Studio, door: Door) -> None:
         ui.label("Maulstick").classes("name")
         links = _links()
         _doing(studio)
+        bell(studio)
         tablet_button(studio, door)
         _stop(studio)
     with ui.element().classes("panel"):

@@ -26,7 +26,7 @@ _PORTRAIT, _PORTRAIT_TITLE = "portrait", "Portrait"
 
 @final
 class Gallery:
-    """Pictures by their names. changed: emitted after one was added."""
+    """Pictures by their names. changed: emitted after one came, went or has another title."""
 
     def __init__(self, folder: Folder, desk: Desk) -> None:
         self.changed = Event[[]]()
@@ -81,6 +81,14 @@ class Gallery:
         """Give a picture another title. Raises InputError as `titles.retitle`."""
         retitle(self._folder.of("pictures", name), title)
         self.changed.emit()
+
+    def throw_away(self, name: str) -> Path:
+        """Move a picture into the trash; return its place there. Raises InputError where there is none of that name."""
+        if not (path := self.path(name)).is_file():
+            raise InputError("that picture is there no more; look in the trash")
+        trashed = self._folder.throw_away(path.parent)
+        self.changed.emit()
+        return trashed
 
     def take_back(self, trashed: Path, name: str = "") -> None:
         """Move a picture back out of the trash; raises, and name, as `Folder.take_back`."""

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
 from pathlib import Path
-from typing import Any, final
+from typing import final
 
 from nicegui import Event
 
@@ -17,7 +17,9 @@ from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
+from maulstick.studio.state.carrying import carried_here, carried_off
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.own_pictures import keep_own, with_own
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
@@ -27,7 +29,6 @@ _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server a
 _NICENESS = 10  # below the server and a run, whose machine must not wait
 _PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
 _REQUEST, _STORY = "request.json", "story.json"  # files in a plan's folder
-_ROOT = "studio:/"  # stands for the studio's folder in its files, so that it may be moved, or copied
 _MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
 
 
@@ -46,7 +47,8 @@ class Phase(Enum):
 class Plan:
     """Plan of one picture or text.
 
-    curve: (done, parts of the loss) so far.  canvas: the newest, a JPEG.  seen: number of canvases that came.
+    curve: (done, parts of the loss) so far.  attempt: number of the try that is planned, from 1.
+    canvas: the newest, a JPEG.  seen: number of canvases that came.
     left: estimated seconds, None while unknown.  metrics: of the painting, once there is one.
     notes: sentences on what may be other than people expect.  why: reason of a failure.
     stepped: event at every message of its process.
@@ -57,7 +59,7 @@ class Plan:
         self.stepped = Event[[]]()
         self.phase = Phase.WAITING
         self.curve: list[tuple[float, Mapping[str, float]]] = []
-        self.canvas, self.seen = b"", 0
+        self.canvas, self.seen, self.attempt = b"", 0, 1
         self.left: float | None = None
         self.metrics: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -68,6 +70,11 @@ class Plan:
     def title(self) -> str:
         """Title for people."""
         return title_of(self.folder)
+
+    @property
+    def picture(self) -> Path | None:
+        """File of the picture that it is of, its own where that was thrown away, or None."""
+        return with_own(self.request, self.folder).picture
 
     @property
     def done(self) -> float:
@@ -96,7 +103,7 @@ class Plan:
 
     def write_request(self) -> None:
         """Write its request into its folder."""
-        plain = _carried(self.request.as_json(), _root_of(self.folder), _ROOT)
+        plain = carried_off(self.request.as_json(), self.folder.parent.parent)
         atomic_write(self.folder / _REQUEST, json.dumps(plain, indent=1).encode())
 
     def write_story(self) -> None:
@@ -121,7 +128,7 @@ class Plan:
         self.curve.append((step.done, step.parts))
         if len(self.curve) > _MOST_POINTS:
             self.curve = self.curve[::2]
-        self.canvas, self.seen = step.canvas, self.seen + 1
+        self.canvas, self.seen, self.attempt = step.canvas, self.seen + 1, step.attempt
 
 
 @final
@@ -183,8 +190,8 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, while a plan is made."""
-        if plan.phase is Phase.PLANNING:
+        """Change the weights of the terms, by name, while a plan is made; those of several tries stay comparable."""
+        if plan.phase is Phase.PLANNING and plan.request.tries == 1:
             plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
             plan.write_request()
             self._processes[plan.name].tell(Weigh(weights))
@@ -198,6 +205,17 @@ class Plans:
         """Change fields of a plan's `titles.Label`, while it is planned or painted, too."""
         relabel(plan.folder, **changes)
         self.changed.emit()
+
+    def part_with(self, picture: Path) -> None:
+        """Let all plans that are made from a picture keep it, before it is thrown away.
+
+        Raises InputError while one is being made, and OutputError where one cannot keep it.
+        """
+        using = [plan for plan in self.plans.values() if picture in plan.request.files]
+        if busy := [plan.title for plan in using if plan.is_busy]:
+            raise InputError(f"{busy[0]} is being planned from that picture; stop it first")
+        for plan in using:
+            keep_own(plan.folder, plan.request, picture)
 
     def throw_away(self, plan: Plan) -> Path:
         """Move a plan into the trash; return its place there. Raises InputError while it is planned."""
@@ -259,35 +277,18 @@ class Plans:
             del self._processes[plan.name]
             self._next()
 
+        request = with_own(plan.request, plan.folder)
         self._processes[plan.name] = Process(
-            plan_in_process, plan.request, plan.folder, hear=hear, ended=ended, niceness=_NICENESS
+            plan_in_process, request, plan.folder, hear=hear, ended=ended, niceness=_NICENESS
         )
         plan.begin()
-
-
-def _root_of(folder: Path) -> str:
-    """Return how paths in the studio of a plan's folder begin."""
-    return f"{folder.parent.parent}{os.sep}"
-
-
-def _carried(plain: Any, before: str, now: str) -> Any:
-    """Return JSON whose texts, names of fields included, begin with `now` where they began with `before`."""
-    match plain:
-        case str():
-            return now + plain.removeprefix(before) if plain.startswith(before) else plain
-        case list():
-            return [_carried(each, before, now) for each in plain]
-        case dict():
-            return {_carried(name, before, now): _carried(each, before, now) for name, each in plain.items()}
-        case _:
-            return plain
 
 
 def _read_plan(name: str, folder: Path) -> Plan | None:
     """Return the plan that an earlier studio left in the folder, or None where there is none of this version."""
     path = folder / _REQUEST
     try:
-        plain = _carried(json.loads(path.read_bytes()), _ROOT, _root_of(folder))
+        plain = carried_here(json.loads(path.read_bytes()), folder.parent.parent)
         plan = Plan(name, folder, PlanRequest.from_json(plain, path))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick
         return None

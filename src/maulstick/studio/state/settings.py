@@ -4,15 +4,19 @@ import asyncio
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Literal, final
+from typing import Annotated, Final, Literal, final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import DRAWINGS, MOST_STROKES, PlanOptions
+from maulstick.jobs.plan.request import MOST_TRIES
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.placing import AS_SUITS
+
+WHITE: Final = "#ffffff"
+"""Colour of paper, as a field for colours shows it."""
 
 _PAUSE = 0.5  # seconds between two writings: a person who types a number changes it with every key
 _USUAL = PlanOptions()
@@ -27,6 +31,7 @@ class Choices(BaseModel):
     machine: kind of the machine that will paint, "" for none yet.  own_size: where `size` names none.
     turned, fit, margin: of the sheet, millimetres.  kind: whether it paints in paints or in one ink.
     enough: whether there are as many strokes as the picture needs.  effort: steps of the optimiser.
+    unmixed: whether only the paints of the studio's tubes are used.  tries: number of plans, the best of which is kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -50,6 +55,9 @@ class Choices(BaseModel):
     weights: dict[_Text, _Weight] = {"tone": 1.0}
     arrange: Annotated[float, Field(ge=0, le=1)] = _USUAL.arrange
     effort: Annotated[int, Field(ge=1)] = _USUAL.steps
+    paper: _Text = WHITE
+    unmixed: bool = False
+    tries: Annotated[int, Field(ge=1, le=MOST_TRIES)] = 1
 
 
 @final

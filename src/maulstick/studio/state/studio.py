@@ -1,8 +1,10 @@
 """State that all pages show: one studio, however many pages are open."""
 
 import asyncio
+from pathlib import Path
 from typing import final
 
+from maulstick.errors import InputError
 from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.camera_views import CAMERAS, CameraViews
 from maulstick.studio.state.drawing import Drawing
@@ -10,6 +12,7 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
 from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
 from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.settings import Settings
@@ -27,7 +30,7 @@ class Studio:
 
     drawing: of the hand that is being drawn.  reference: picture to look at meanwhile.
     gallery: pictures to paint.  plans: finished ones, and those being made.
-    settings: what was chosen last.
+    settings: what was chosen last.  presets: settings that were kept under a title.
     svgs: drawings to paint as they are.  mixing: of paints.  run: of a machine that paints.
     camera_views: of cameras over a sheet.  by_hand: machine that a person sets up.  trash: what was thrown away.
     """
@@ -37,7 +40,7 @@ class Studio:
         self.drawing, self.reference = Drawing(folder, self.desk), Reference()
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
-        self.plans, self.settings = Plans(folder), Settings(folder)
+        self.plans, self.settings, self.presets = Plans(folder), Settings(folder), Presets(folder)
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -55,10 +58,24 @@ class Studio:
                 "surveys": self.surveys.take_back,
                 STYLES_FOLDER: self.styles.take_back,
                 ".": lambda trashed, _: self.mixing.take_back(trashed),
+                PRESETS_FOLDER: lambda trashed, _: self.presets.take_back(trashed),
                 "easels": lambda trashed, _: self.run.easels.take_back(trashed),
                 CAMERAS: lambda trashed, _: self.camera_views.take_back(trashed),
             },
         )
+
+    def throw_picture_away(self, name: str) -> Path:
+        """Move a picture into the trash, while plans that are made from it keep it; return its place there.
+
+        Raises InputError while something is made from it, and OutputError where it cannot be kept or moved.
+        """
+        picture = self.gallery.path(name)
+        if self.run.state.is_on and self.run.state.options.picture == picture:
+            raise InputError(
+                f"{self.run.title} is planned again by that picture after each look; stop the machine first"
+            )
+        self.plans.part_with(picture)
+        return self.gallery.throw_away(name)
 
     def stop(self) -> str:
         """Stop every machine at once and lift its pen; return what was stopped, for people."""

@@ -20,7 +20,14 @@ _ALLOW_DROP = """(event) => {
   if (event.dataTransfer.types.includes("Files")) event.preventDefault();
 }"""
 _TAKE_DROP = """(event) => {
-  if (!event.dataTransfer.files.length) return;
+  if (event.defaultPrevented || !event.dataTransfer.files.length) return;
+  event.preventDefault();
+  runMethod(CHOOSER, "addFiles", [event.dataTransfer.files]);
+}"""
+_TAKE_OWN_DROP = """(event) => {
+  const files = [...event.dataTransfer.files];
+  const isOwn = (file) => "ENDINGS".split(",").some((ending) => file.name.toLowerCase().endsWith(ending));
+  if (!files.length || !files.every(isOwn)) return;
   event.preventDefault();
   runMethod(CHOOSER, "addFiles", [event.dataTransfer.files]);
 }"""
@@ -38,12 +45,15 @@ def upload_button(
     accept: str,
     take: Callable[[events.UploadEventArguments], Awaitable[None]],
     onto: ui.element | None = None,
+    beside: ui.element | None = None,
     camera: bool = False,
 ) -> ui.button:
     """Make a button that lets a person choose a file, and says beside it that the file is being read.
 
     accept: endings that the browser offers, as ".png,.jpg", but does not enforce.  take: called with the file.
     onto: part of the page onto which a file can be dropped as well, or pasted while the page has it.
+    beside: part of the page onto which another button, made later, lets all kinds of files be dropped; those with these
+    endings come here.
     camera: whether a photograph may be taken instead.
     """
 
@@ -72,6 +82,8 @@ def upload_button(
         ui.label("Reading it …")
     reading.visible = False
     button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
+    if beside is not None:
+        beside.on("drop", js_handler=_TAKE_OWN_DROP.replace("ENDINGS", accept).replace("CHOOSER", str(chooser.id)))
     if onto is not None:
         onto.on("dragover", js_handler=_ALLOW_DROP)
         onto.on("drop", js_handler=_TAKE_DROP.replace("CHOOSER", str(chooser.id)))

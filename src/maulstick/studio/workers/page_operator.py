@@ -41,13 +41,13 @@ class _Moment:
 class PageOperator(Operator):
     """Operator who sees and answers on the page, over the line to the studio.
 
-    painted: number of strokes that are painted already.
+    painted: number of strokes that are painted already.  questions: numbers of requests, each of which comes once.
     """
 
-    def __init__(self, line: Line, setup: PaintSetup, painted: int) -> None:
+    def __init__(self, line: Line, setup: PaintSetup, painted: int, questions: Iterator[int]) -> None:
         super().__init__(setup.robot)
         self._line, self._setup = line, setup
-        self._question, self._done = 0, threading.Event()
+        self._questions, self._question, self._done = questions, 0, threading.Event()
         self._stroke = painted
         self._strokes: int | None = len(setup.plan.strokes)
         self._wants_a_look = False
@@ -101,7 +101,7 @@ class PageOperator(Operator):
 
     def ask(self, action: Prompt) -> None:
         """As in `Operator`."""
-        self._question += 1
+        self._question = next(self._questions)
         self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
         message = action.message.replace(f"the paint {paint.label}", display_name(paint, action.paint))

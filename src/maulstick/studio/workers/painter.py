@@ -6,6 +6,7 @@ It stops the machine, lifts the pen and ends by itself once the studio is gone, 
 import signal
 import threading
 from collections.abc import Collection
+from itertools import count
 from typing import TYPE_CHECKING
 
 from maulstick.errors import InputError, MaulstickError
@@ -38,8 +39,10 @@ def paint_in_process(line: Line, request: "PaintRequest", unfinished: bool | Non
             raise InputError(f"stroke {number} was under the brush when it ended; say whether it is on the paper")
         return unfinished
 
+    questions = count(1)
+
     def operator_for(setup: "PaintSetup", painted: Collection[int]) -> PageOperator:
-        operator = PageOperator(line, setup, len(painted))
+        operator = PageOperator(line, setup, len(painted), questions)
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1):
             signal.signal(number, operator.interrupt)
         commands.belong_to(operator)
@@ -64,7 +67,9 @@ class _Commands:
         self._is_to_stop = False
 
     def belong_to(self, operator: "PageOperator") -> None:
-        """Pass commands to this operator from now on, and a stop that came before."""
+        """Pass commands to this operator from now on, and a stop or a pause that came before, during another sheet."""
+        if self.operator is not None:
+            operator.pause.held = self.operator.pause.held
         self.operator = operator
         if self._is_to_stop:
             operator.stop()

@@ -6,13 +6,14 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from maulstick.jobs.plan.request import PlanRequest, state_files
-from maulstick.painting.painting import Painting
+from maulstick.jobs.plan.request import PlanRequest, state_file, state_files
+from maulstick.painting.painting import Painting, read_painting, write_painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write, held
@@ -55,8 +56,13 @@ class Begun:
 
 @dataclass(frozen=True)
 class Step:
-    """Progress of planning. done: share in [0, 1].  parts: weighted terms of the loss by name.  canvas: a JPEG."""
+    """Progress of planning.
 
+    attempt: number of the try, from 1.  done: share of all tries in [0, 1].  parts: weighted terms of the loss by name.
+    canvas: a JPEG.
+    """
+
+    attempt: int
     done: float
     parts: Mapping[str, float]
     canvas: bytes
@@ -104,40 +110,73 @@ class _Control:
         return weights
 
 
+class _Watch:
+    """Watch over the steps of planning, which it shows to the studio until that ends it. attempt: number of the try."""
+
+    def __init__(self, line: Line, control: _Control, tries: int) -> None:
+        self.attempt, self.is_stopped = 1, False
+        self._line, self._control, self._tries = line, control, tries
+        self._sent = 0.0
+
+    def __call__(self, progress: "PlanProgress") -> bool:
+        """Show a step, and return whether to go on; ends the process once what going on later needs is stored."""
+        if self._control.leaves and self.is_stopped:
+            sys.exit()
+        if time.monotonic() - self._sent > _STEP_PERIOD:
+            self._sent = time.monotonic()
+            canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
+            done = (self.attempt - 1 + progress.done) / self._tries
+            self._line.say(Step(self.attempt, done, progress.parts, encode_jpeg(canvas)))
+        self.is_stopped = not self._control.goes_on  # where it is, `plan_with` stores the plan before the next step
+        return self._control.goes_on
+
+
 def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     """Plan, or go on with the plan in its folder; store there what going on later needs, once the studio is gone."""
-    from maulstick.jobs.plan.checkpoints import plan_with  # these load torch, which the server goes without
-    from maulstick.jobs.plan.prepare import prepare
-    from maulstick.jobs.plan.results import write_results
+    from maulstick.jobs.plan.results import write_results  # these load torch, which the server goes without
+    from maulstick.jobs.plan.tries import best_of, seeds_of
 
-    control, sent, kept = _Control(), 0.0, False
-
-    def watch(progress: "PlanProgress") -> bool:
-        nonlocal sent, kept
-        if control.leaves and kept:
-            sys.exit()
-        if time.monotonic() - sent > _STEP_PERIOD:
-            sent = time.monotonic()
-            canvas = progress.canvas.clamp(0, 1).permute(1, 2, 0).cpu().numpy()
-            line.say(Step(progress.done, progress.parts, encode_jpeg(canvas)))
-        kept = not control.goes_on  # where it does not, `plan_with` stores the plan before the next step
-        return control.goes_on
-
+    control = _Control()
+    watch = _Watch(line, control, request.tries)
     line.heard_by(control.hear, alone=control.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
-        prepared = prepare(request)
-        line.say(Begun(tuple(prepared.notes)))
-        if prepared.layout.target is not None:
-            atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
-        painting = plan_with(prepared, folder, request, watch, control.take_weights)
+        made: list[Painting] = []
+        for watch.attempt, seed in enumerate(seeds_of(request), start=1):
+            made.append(_tried(line, request, folder, seed, watch, control))
+            if watch.is_stopped:
+                break
+        painting = best_of(made)
         write_results(painting, folder, None)
         _write_order(painting, folder)
-        if control.goes_on:
-            for file in state_files(folder):
-                file.unlink()
+        if not watch.is_stopped:
+            for file in (*state_files(folder), *map(partial(_try_file, folder), seeds_of(request))):
+                file.unlink(missing_ok=True)
         line.say(Planned(_metrics(painting)))
+
+
+def _tried(line: Line, request: PlanRequest, folder: Path, seed: int, watch: _Watch, control: _Control) -> Painting:
+    """Return the painting of one try, which is kept in the folder where others follow, for when they are stopped."""
+    from maulstick.jobs.plan.checkpoints import plan_with
+    from maulstick.jobs.plan.tries import prepare_try
+
+    if (kept := _try_file(folder, seed)).is_file():
+        return read_painting(kept)
+    prepared = prepare_try(request, seed)
+    line.say(Begun(tuple(prepared.notes)))
+    if prepared.layout.target is not None:
+        atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))
+    painting = plan_with(prepared, folder, request, watch, control.take_weights)
+    if request.tries > 1 and not watch.is_stopped:
+        write_painting(painting, kept)
+        state_file(folder, seed).unlink(missing_ok=True)
+    return painting
+
+
+def _try_file(folder: Path, seed: int) -> Path:
+    """Return the path of the painting of a try that is over, while others follow."""
+    return folder / f"try-{seed}.json"
 
 
 def _write_order(painting: Painting, folder: Path) -> None:

@@ -1,13 +1,15 @@
 """Form for the options of a run: machine, speed, sheet, tray and camera."""
 
 import asyncio
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 from nicegui import events, ui
 
 from maulstick.errors import InputError
-from maulstick.jobs.paint.options import PaintOptions
+from maulstick.jobs.paint.options import MOST_COPIES, PaintOptions
+from maulstick.jobs.plan.options import MOST_STROKES
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.uploading import upload_button
 from maulstick.studio.wording import MACHINES
@@ -23,7 +25,6 @@ _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB c
 _EASEL_S_OWN = "easel"
 _LARGEST_EASEL = 2**16  # bytes; an easel file has a few hundred
 _SLOWEST, _FASTEST = 0.1, 10_000  # mm/s: no limit, where the machine has one of its own, as all have
-_MOST_STROKES = 100_000  # between two looks; more than any painting has
 _LONGEST_ADDRESS = 253  # letters, as of a host name
 
 
@@ -53,6 +54,9 @@ class OptionsForm:
             self._camera = ui.select({}, label="Camera", on_change=self.fit).props(SHORT_MENU)
             self._every = ui.number("Look and plan again every … strokes", value=0, min=0, precision=0)
             self._every.props("outlined hint='0: only when you ask for it'")
+            self._copies = ui.number("Copies", value=1, min=1, max=MOST_COPIES, precision=0).props("outlined")
+            self._copies.props("hint='each on a new sheet, which it asks you for'")
+            self._pauses = ui.input("Wait before strokes").props("outlined hint='by number: 40, 120; empty: never'")
         for field in (
             self._machine,
             self._port,
@@ -62,6 +66,8 @@ class OptionsForm:
             self._tray,
             self._camera,
             self._every,
+            self._copies,
+            self._pauses,
         ):
             field.on("update:model-value", touched, args=[])  # unlike on_change, not when it is filled in for them
         self._offer_easels("")
@@ -82,6 +88,10 @@ class OptionsForm:
     def is_simulated(self) -> bool:
         """Whether the chosen machine is a simulated easel."""
         return str(self._machine.value).startswith("sim")
+
+    def leave_plan(self) -> None:
+        """Forget what was asked for one plan alone, once another is chosen."""
+        self._copies.value, self._pauses.value = 1, ""
 
     def begin(self, machine: str | None, dips: bool) -> None:
         """Show what is usual for a plan that has no options yet.
@@ -106,13 +116,16 @@ class OptionsForm:
         watched = bool(options.replan or options.look)
         self._camera.value = (_EASEL_S_OWN if options.simulated else options.camera or "") if watched else ""
         self._every.value = options.replan or 0
+        self._copies.value = options.sheets
+        self._pauses.value = ", ".join(map(str, options.pause_at or ()))
 
     def options(self, picture: Path | None) -> PaintOptions:
         """Return the options as filled in. picture: that the plan is of, None where it is of none.
 
         Raises InputError for options that are invalid or do not fit each other.
         """
-        looks, every = bool(self._camera.value), _whole(self._every.value)
+        looks = bool(self._camera.value)
+        every = _whole(self._every.value, "the number of strokes between two looks", 0, MOST_STROKES)
         if looks and picture is None:
             raise InputError("a camera is for plans of a picture, and this one is of none; let nobody look")
         easel = str(self._easel.value)
@@ -125,6 +138,8 @@ class OptionsForm:
             look=looks,
             camera=None if self._camera.value in ("", _EASEL_S_OWN) else str(self._camera.value),
             picture=picture if looks else None,
+            copies=_whole(self._copies.value, "the number of copies", 1, MOST_COPIES) if self._copies.visible else None,
+            pause_at=_numbers(str(self._pauses.value or "")) if self._pauses.visible else None,
         )
 
     def _show_machine(self, spec: str) -> None:
@@ -165,6 +180,8 @@ class OptionsForm:
         if self._camera.options != cameras:
             self._camera.set_options(cameras, value=self._camera.value if self._camera.value in cameras else "")
         self._every.visible = bool(self._camera.value)
+        self._copies.visible = not simulated and not self._camera.value  # a camera sees one sheet
+        self._pauses.visible = not self._camera.value  # strokes that are planned again have other numbers
 
     def take_easel(self, name: str) -> None:
         """Choose an easel that was kept."""
@@ -206,8 +223,19 @@ def _speed(value: float | None) -> float:
     return value
 
 
-def _whole(value: float | None) -> int:
-    if value is None or not 0 <= value <= _MOST_STROKES or value != int(value):
+def _whole(value: float | None, name: str, least: int, most: int) -> int:
+    """Check a whole number. name: in errors. Raises InputError where it is none from `least` to `most`."""
+    if value is None or not least <= value <= most or value != int(value):
         shown = "nothing" if value is None else f"{value:g}"
-        raise InputError.of_range("the number of strokes between two looks", shown, f"from 0 to {_MOST_STROKES}")
+        raise InputError.of_range(name, shown, f"from {least} to {most}")
     return int(value)
+
+
+def _numbers(text: str) -> tuple[int, ...] | None:
+    """Read numbers of strokes, apart by commas or spaces; None for none. Raises InputError where one is no number."""
+    words = text.replace(",", " ").split()
+    for word in words:
+        if not (re.fullmatch("[0-9]{1,6}", word) and 1 <= int(word) <= MOST_STROKES):
+            allowed = f"a number from 1 to {MOST_STROKES}, as in 40, 120"
+            raise InputError.of_range("the stroke to wait before", repr(word[:20]), allowed)
+    return tuple(map(int, words)) or None

@@ -184,7 +184,15 @@ def _doing(state: State) -> str:
     if progress.doing != PAINTING:
         return f"{progress.doing.capitalize()} …"
     of = "" if progress.strokes is None else f" of {progress.strokes}"
-    return f"Stroke {progress.stroke}{of}{'; then it looks' if state.will_look else ''}"
+    return f"Stroke {progress.stroke}{of}{_sheet(state)}{'; then it looks' if state.will_look else ''}"
+
+
+def _sheet(state: State) -> str:
+    """Return which of several sheets is painted, "" where there is one."""
+    sheets = state.options.sheets
+    return (
+        "" if sheets == 1 or state.estimate is None else f" on sheet {sheets - state.estimate.more_sheets} of {sheets}"
+    )
 
 
 def _metrics(state: State) -> str:
@@ -217,7 +225,9 @@ def _summary(estimate: Estimate) -> str:
     paints = "1 paint" if estimate.paints == 1 else f"{estimate.paints} paints"
     strokes = "1 stroke" if estimate.strokes == 1 else f"{estimate.strokes} strokes"
     time = f"about {max(1, ceil(estimate.seconds / 60))} min"
-    return f"{strokes}, {_length(estimate.metres)}, {paints}, {time}."
+    more = estimate.more_sheets
+    then = "" if not more else "; then another sheet" if more == 1 else f"; then {more} other sheets"
+    return f"{strokes}, {_length(estimate.metres)}, {paints}, {time}{then}."
 
 
 def _why_bare(state: State) -> str:

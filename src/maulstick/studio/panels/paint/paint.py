@@ -153,6 +153,7 @@ class _Setting:
         self._status, self._unfilled = None, True
         self._begun.text = self._mix.text = ""  # they are about what was chosen before
         self._reading.show(self.plan)
+        self._form.leave_plan()
         self._follow()
         self.on_choice()
 
@@ -218,7 +219,7 @@ class _Setting:
 
     def _filled_in(self) -> tuple[str, PaintOptions]:
         known = self._studio.plans.plans.get(self.plan)
-        options = self._form.options(None if known is None else known.request.picture)
+        options = self._form.options(None if known is None else known.picture)
         if self._is_drawing:
             options = options.model_copy(update={"drawing": self._reading.options})
         before = None if self._status is None else self._status.options
@@ -250,7 +251,9 @@ def _begun_text(status: PaintStatus | None) -> str:
         return ""
     if status.is_over:
         return f"All {_counted(status.strokes, 'stroke')} are painted."
-    return f"It was begun: {status.painted} of {_counted(status.strokes, 'stroke')} are painted."
+    sheets = status.options.sheets
+    sheet = f" on sheet {status.sheet} of {sheets}" if sheets > 1 else ""
+    return f"It was begun: {status.painted} of {_counted(status.strokes, 'stroke')} are painted{sheet}."
 
 
 def _to_be_mixed(missing: int) -> str:

@@ -114,9 +114,10 @@ class _Paints:
                     self._ticks.append((paint.label, tick))
 
     def _count_them(self, paints: int, missing: int) -> None:
-        self._count.text = (
-            "Everything is ready to paint." if not missing else f"{paints - missing} of {paints} are mixed."
+        ready = (
+            "Everything is ready to paint." if paints > 1 else "Nothing is to be mixed: the machine asks for this one."
         )
+        self._count.text = ready if not missing else f"{paints - missing} of {paints} are mixed."
         self._bar.visible = paints > 1
         self._bar.value = (paints - missing) / max(paints, 1)
         self._all.visible = paints > 1 and missing > 0

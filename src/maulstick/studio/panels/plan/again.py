@@ -3,14 +3,16 @@
 from typing import Any
 
 from maulstick.jobs.plan.options import AUTO, PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.raster import parse_length, parse_size, size_of
 from maulstick.studio.panels.plan.sheet import OWN
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.wording import PLANNED_FOR
 
 
-def values_of(options: PlanOptions) -> dict[str, Any]:
+def values_of(request: PlanRequest) -> dict[str, Any]:
     """Return the values of the form's fields by their keys; the usual ones for what was not asked for."""
+    options = request.options
     usual, takes_enough = Choices().model_dump(), options.strokes == AUTO
     width, height = parse_size(size_of(options.size))
     machine = (options.robot or "").partition(":")[0]
@@ -32,5 +34,10 @@ def values_of(options: PlanOptions) -> dict[str, Any]:
         "strokes": usual["strokes"] if takes_enough else options.strokes,
         "enough": takes_enough,
         "drawing": options.drawing,
+        "weights": options.weights or usual["weights"],
+        "arrange": options.arrange,
         "effort": options.steps,
+        "paper": usual["paper"] if options.paper == PlanOptions().paper else options.paper,
+        "unmixed": options.paints_from is not None,
+        "tries": request.tries,
     }

@@ -91,7 +91,7 @@ class PlanCard:
         self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
-        self._weights.visible = plan.phase is Phase.PLANNING
+        self._weights.visible = plan.phase is Phase.PLANNING and plan.request.tries == 1
         self._weights.follow()
         if finished and self._frames != plan.frames:
             self._frames = plan.frames
@@ -109,9 +109,7 @@ class PlanCard:
         plan, plans = self.plan, self._studio.plans
         self._stop = ui.button("Stop and keep", icon="back_hand", on_click=lambda: plans.stop(plan))
         self._on = ui.button("Go on", icon="play_arrow", on_click=lambda: plans.go_on(plan)).props("outline")
-        self._mix = ui.button(
-            "Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}")
-        )
+        self._mix = _paint_button(plan)
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():
@@ -177,6 +175,15 @@ class PlanCard:
         offer_undo(client, f"{title} is in the trash", lambda: plans.take_back(trashed))
 
 
+def _paint_button(plan: Plan) -> ui.button:
+    """Make the button that leads on, to the paints where there are some to be mixed."""
+    options = plan.request.options
+    if options.ink is not None or options.mixed_paints == 1:  # the machine asks for the only one
+        to_paint = f"/paint?plan={plan.name}"
+        return ui.button("Paint it", icon="precision_manufacturing", on_click=lambda: ui.navigate.to(to_paint))
+    return ui.button("Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}"))
+
+
 def _words(request: PlanRequest) -> str:
     """Return what a plan was asked for in words, and whether a picture counts beside them."""
     return f"“{request.options.text}”" + ("" if request.picture is None else ", beside the picture")
@@ -197,6 +204,8 @@ def _summary(request: PlanRequest, style: str) -> str:
         parts.append(DRAWN[options.drawing].lower())
     if options.arrange != usual.arrange:
         parts.append(f"{options.arrange:.0%} as the hand arranges")
+    if request.tries > 1:
+        parts.append(f"the best of {request.tries} tries")
     if options.robot is not None:
         parts.append(f"for {planned_for(options.robot)}")
     return ", ".join(parts)
@@ -208,7 +217,8 @@ def outcome(plan: Plan) -> str:
         return plan.why
     if plan.is_busy:
         left = "" if plan.left is None or plan.phase is not Phase.PLANNING else f", about {_time(plan.left)} left"
-        return f"{plan.done:.0%}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
+        of = f", try {plan.attempt} of {plan.request.tries}" if plan.request.tries > 1 else ""
+        return f"{plan.done:.0%}{of}{left}" if plan.curve else "looking at it …" if plan.phase is Phase.PLANNING else ""
     return ", ".join(plan.metrics)
 
 

@@ -7,16 +7,18 @@ from typing import Any, Literal
 
 from nicegui import app, html, ui
 from nicegui.elements.mixins.value_element import ValueElement
+from pydantic import ValidationError
 
 from maulstick.colour.palette import parse_colour
-from maulstick.errors import InputError, MaulstickError, option
+from maulstick.errors import InputError, MaulstickError, option, validation_fault
 from maulstick.jobs.plan.options import AUTO, PlanOptions
-from maulstick.jobs.plan.request import PlanRequest
+from maulstick.jobs.plan.request import MOST_TRIES, PlanRequest
 from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.more import MoreChoices
 from maulstick.studio.panels.plan.pictures import PictureChoice
+from maulstick.studio.panels.plan.presets import PresetChoice
 from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
 from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
 from maulstick.studio.state.plans import Plan
@@ -33,6 +35,14 @@ DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones a
 
 _FREE = "free"  # the style of nobody's hand
 _EFFORTS = {150: "A sketch, quickly", _DEFAULT.steps: "As usual", 1500: "Fine, and slowly"}  # by steps of the optimiser
+_OFFERS: dict[str, Container[object]] = {
+    "machine": PLANNED_FOR,
+    "size": SIZES,
+    "turned": TURNS,
+    "fit": FITS,
+    "drawing": DRAWN,
+    "effort": _EFFORTS,
+}
 _SHOW_NEWEST = """setTimeout(() => document.querySelector(".plans .plan")?.scrollIntoView({ block: "nearest" }), 100)"""
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
@@ -48,6 +58,7 @@ class PlanForm:
         self._studio = studio
         first = {"text": "", **_offered(studio.settings.choices)}
         self._kept = kept = app.storage.client.setdefault("plan", first)  # while a person is at other panels
+        PresetChoice(studio, desk, self._now, self.take)
         with ui.element().classes("sheet"):
             html.h2("For which machine")
             self._machine = ui.select(PLANNED_FOR, label="Machine").bind_value(kept, "machine")
@@ -87,7 +98,7 @@ class PlanForm:
             ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
         )
         self._is_arranged = False
-        for choice in (self._kind, self._enough, self._text):
+        for choice in (self._machine, self._kind, self._enough, self._text):
             choice.on_value_change(self._follow)
         self._offer_brushes(kept["brush"])
         self._machine.on_value_change(self._change_machine)
@@ -100,7 +111,7 @@ class PlanForm:
     def _fields(self) -> tuple[ValueElement[Any], ...]:
         numbers = (self._hand_size, self._paints, self._strokes, self._enough, self._effort)
         choices = (self._machine, self._style, self._brush, self._kind, self._ink, self._drawing)
-        return (*choices, *numbers, *self._sheet.fields)
+        return (*choices, *numbers, *self._sheet.fields, *self._more.fields)
 
     def _keep(self) -> None:
         """Keep all that is chosen, for this page while a person is at other panels, and for those opened later."""
@@ -164,21 +175,44 @@ class PlanForm:
 
         Raises InputError where its picture is not in the studio any more; the rest is filled in all the same.
         """
-        options, values = plan.request.options, values_of(plan.request.options)
-        self._machine.value = values["machine"]
-        self._offer_brushes(options.brush)
-        self._effort.set_options({options.steps: f"{options.steps} steps", **_EFFORTS})
-        self._kept.update(values)
-        if options.style in self._style.options:
-            self._style.value = options.style
-        for name, slider in self._weights.items():
-            slider.set(options.weights.get(name, 0.0) if options.weights else float(name == "tone"))
-        self._arrange.set(options.arrange)
+        options = plan.request.options
+        self._set(values_of(plan.request))
         ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
         self._picture.choose(plan.request.picture)
         self._editor.correct(options.edit)
         self._more.fill(options)
         ui.notify(f"The form is filled as for {plan.title}. Change what you like, then “Plan it”.", type="positive")
+
+    def take(self, choices: Choices) -> list[str]:
+        """Show settings; return the names of the fields whose value this studio does not have, which stay."""
+        values = choices.model_dump()
+        machine = choices.machine if choices.machine in PLANNED_FOR else str(self._machine.value)
+        offers = {**_OFFERS, "style": self._style.options, "brush": brushes_for(machine), "effort": [choices.effort]}
+        if self._studio.mixing.tubes_file is None:
+            offers["unmixed"] = [False]
+        gone = [name for name, offered in offers.items() if values[name] not in offered]
+        self._set({**values, **{name: self._kept[name] for name in gone}})
+        return gone
+
+    def _set(self, values: dict[str, Any]) -> None:
+        """Show values, by the names of what the page keeps."""
+        self._machine.value = values["machine"]
+        self._offer_brushes(values["brush"])
+        self._effort.set_options({values["effort"]: f"{values['effort']} steps", **_EFFORTS})
+        self._kept.update(values)
+        if values["style"] in self._style.options:
+            self._style.value = values["style"]
+        for name, slider in self._weights.items():
+            slider.set(values["weights"].get(name, 0.0))
+        self._arrange.set(values["arrange"])
+
+    def _now(self) -> Choices:
+        """Return all that is chosen but what it is of. Raises InputError for a value that is out of its range."""
+        self._keep()
+        try:
+            return Choices.model_validate({**self._kept})
+        except ValidationError as error:
+            raise InputError(f"these settings cannot be kept: {validation_fault(error)}") from error
 
     def _plan(self) -> None:
         plan = self._studio.plans.add(self._request())
@@ -226,21 +260,13 @@ class PlanForm:
             arrange=self._arrange.value if self._arrange.element.visible else _DEFAULT.arrange,
             steps=int(self._effort.value or 0),
         )
-        return PlanRequest(picture, options)
+        return PlanRequest(picture, options, _whole(self._more.tries, "the number of tries", MOST_TRIES))
 
 
 def _offered(choices: Choices) -> dict[str, Any]:
     """Return what was chosen last, and what is usual for what is no longer offered."""
     usual = Choices()
-    offers: dict[str, Container[object]] = {
-        "machine": PLANNED_FOR,
-        "size": SIZES,
-        "turned": TURNS,
-        "fit": FITS,
-        "drawing": DRAWN,
-        "effort": _EFFORTS,
-    }
-    gone = {name for name, offered in offers.items() if getattr(choices, name) not in offered}
+    gone = {name for name, offered in _OFFERS.items() if getattr(choices, name) not in offered}
     return choices.model_copy(update={name: getattr(usual, name) for name in gone}).model_dump()
 
 

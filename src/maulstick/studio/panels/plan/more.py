@@ -1,36 +1,44 @@
-"""Choices that few plans need: the paper, the look of another picture, and paints as they come out of the tubes."""
+"""Choices that few plans need: the paper, the look of another picture, paints out of the tubes, and several tries."""
 
 from pathlib import Path
 from typing import Any
 
 from nicegui import html, ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import MOST_TRIES
+from maulstick.studio.state.settings import WHITE
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 
-_WHITE = "#ffffff"
-_FIRST_VALUES = {"paper": _WHITE, "under": "", "look": "", "unmixed": False}
+_FIRST_VALUES = {"under": "", "look": ""}  # of what is for one picture, and is not kept for others
 _USUAL = PlanOptions()
 
 
 class MoreChoices:
-    """Fields that are closed at first. kept: what the page keeps."""
+    """Fields that are closed at first.
+
+    kept: what the page keeps.  fields: those whose values are kept for other plans, `tries` among them.
+    """
 
     def __init__(self, studio: Studio, kept: dict[str, Any]) -> None:
         self._studio, self._kept = studio, kept
         for name, value in _FIRST_VALUES.items():
             kept.setdefault(name, value)
-        self.root = ui.expansion("Paper, look and tubes").classes("more")
+        self.root = ui.expansion("More: paper, look, tubes, tries").classes("more")
         with self.root:
             with ui.element().classes("numbers"):
-                self._paper = ui.color_input("Colour of the paper").bind_value(kept, "paper")
-                self._under = ui.select({}, label="Or a photograph of it").bind_value(kept, "under")
-                self._look = ui.select({}, label="With the look of").bind_value(kept, "look")
+                self._paper = ui.color_input("Colour of the paper").bind_value(kept, "paper").classes("whole")
+                self._under = ui.select({}, label="Or a photograph of it").bind_value(kept, "under").classes("whole")
+                self._look = ui.select({}, label="With the look of").bind_value(kept, "look").classes("whole")
+                self.tries = ui.number("Tries, the best one is kept", min=1, max=MOST_TRIES, precision=0)
+                self.tries.bind_value(kept, "tries").classes("whole")
             self._unmixed = ui.checkbox("Only the paints of your tubes, unmixed").bind_value(kept, "unmixed")
             html.p("Bring photographs and other pictures above, under “What to paint”; tubes stand under Mix.").classes(
                 "hint"
             )
+        self.fields: tuple[ValueElement[Any], ...] = (self._paper, self._unmixed, self.tries)
         shown_by(self.root, studio.gallery.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._offer)
 
@@ -39,17 +47,15 @@ class MoreChoices:
         paper, under, look = (str(field.value or "") for field in (self._paper, self._under, self._look))
         tubes = self._studio.mixing.tubes_file if self._unmixed.value and not one_ink else None
         return {
-            "paper": _USUAL.paper if paper.lower() == _WHITE else paper,
+            "paper": _USUAL.paper if paper.lower() == WHITE else paper,
             "background": self._studio.gallery.path(under) if under else None,
             "look": self._studio.gallery.path(look) if look else None,
             **({} if tubes is None else {"paints_from": tubes, "paints": None}),
         }
 
     def fill(self, options: PlanOptions) -> None:
-        """Show what a plan was asked for; pictures that are not here any more are left out."""
-        self._kept["paper"] = _WHITE if options.paper == _USUAL.paper else options.paper
+        """Show the pictures that a plan was asked for; those that are not here any more are left out."""
         self._kept["under"], self._kept["look"] = self._name(options.background), self._name(options.look)
-        self._kept["unmixed"] = options.paints_from is not None
 
     def _offer(self) -> None:
         titles = self._studio.gallery.titles()

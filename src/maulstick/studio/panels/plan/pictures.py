@@ -10,6 +10,7 @@ from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import title_of
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.showing import shown_by
+from maulstick.studio.widgets.undoing import offer_undo
 from maulstick.studio.widgets.uploading import incoming, upload_button
 
 _ENDINGS = ".jpg,.jpeg,.png,.heic,.heif,.webp,.tif,.tiff,.gif,.bmp"
@@ -35,6 +36,8 @@ class PictureChoice:
             upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True)
             self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat")
             self._rename.tooltip("Rename the picture").props('aria-label="Rename the picture"')
+            self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat")
+            self._away.tooltip("Throw the picture away").props('aria-label="Throw the picture away"')
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 
@@ -57,24 +60,30 @@ class PictureChoice:
         ui.run_javascript(_SCROLL.replace("GROUP", self._group.html_id))
         self._on_chosen()
         if path is not None and self._chosen is None:
-            raise InputError("the picture of that plan is not here any more; bring it again, or choose another")
+            raise InputError(
+                "the picture of that plan is not here any more; put it back from the Trash, or choose another"
+            )
 
     def _show(self) -> None:
         names, titles = self._studio.gallery.names(), self._studio.gallery.titles()
+        if is_gone := self._chosen is not None and self._chosen not in names:
+            self._chosen = names[0] if names else None
         self._group.clear()
         with self._group:
             for name in names:
                 self._offer(name, titles.get(name, name))
             if names:
                 self._offer(None, "No picture")
-        self._rename.visible = self._chosen in names
+        self._rename.visible = self._away.visible = self._chosen in names
         self._group.visible = bool(names)
         self._portrait.visible = "portrait" not in names
+        if is_gone:
+            self._on_chosen()
 
     def _offer(self, name: str | None, title: str) -> None:
         def choose() -> None:
             self._chosen = name
-            self._rename.visible = name is not None
+            self._rename.visible = self._away.visible = name is not None
             self._on_chosen()
 
         with html.label(title=title).classes("thumb"):
@@ -93,6 +102,13 @@ class PictureChoice:
         gallery, name = self._studio.gallery, self._chosen
         if name is not None:
             ask_for_title(title_of(gallery.path(name).parent), lambda typed: gallery.retitle(name, typed))
+
+    def _throw_away(self) -> None:
+        gallery, name, client = self._studio.gallery, self._chosen, ui.context.client
+        if name is not None:
+            title = title_of(gallery.path(name).parent)
+            trashed = self._studio.throw_picture_away(name)
+            offer_undo(client, f"{title} is in the trash", lambda: gallery.take_back(trashed))
 
     async def _use_portrait(self) -> None:
         await self._take(self._studio.gallery.keep_portrait())

@@ -1,11 +1,14 @@
 """Choice of the sheet: its size, how it is turned, its margins, and how the picture fits it, with a sketch of it."""
 
+from contextlib import suppress
 from typing import Any
 
 from nicegui import background_tasks, html, ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from maulstick.errors import MaulstickError
+from maulstick.painting.raster import parse_size
+from maulstick.robot.sheet_reach import is_beyond, sheet_fault
 from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.state.placing import AS_SUITS, Placing
@@ -28,7 +31,7 @@ class SheetChoice:
     """Fields about the sheet, and a sketch of it. kept: what the page keeps, the size among it."""
 
     def __init__(self, studio: Studio, kept: dict[str, Any], picture: PictureChoice, editor: PictureEditor) -> None:
-        self._studio, self._picture, self._editor = studio, picture, editor
+        self._studio, self._kept, self._picture, self._editor = studio, kept, picture, editor
         self._is_sketching = self._is_stale = False
         with ui.element().classes("numbers") as self.root:
             self._size = ui.select(SIZES, label="Sheet").bind_value(kept, "size")
@@ -37,6 +40,7 @@ class SheetChoice:
             self._own.props("debounce=400 hint='in mm, cm or in: 17 by 23 cm'")
             self._fit = ui.select(FITS, label="How the picture fits").bind_value(kept, "fit")
             self._margin = ui.number("Margin, mm", min=0).bind_value(kept, "margin").props("debounce=400")
+        self._beyond = ui.label().classes("beyond").props('role="status"')
         with html.figure().classes("sketch") as self._sketch:
             self._image = html.img(alt="The picture on its sheet")
             with html.figcaption():
@@ -53,13 +57,29 @@ class SheetChoice:
         return Placing.of(size, str(self._turned.value), str(self._fit.value), self._margin.value or 0, shape)
 
     def follow(self) -> None:
-        """Show the fields that mean something, and sketch the sheet again."""
+        """Show the fields that mean something, what the machine does not reach, and sketch the sheet again."""
         self._own.visible = self._size.value == OWN
         self._fit.visible = self._sketch.visible = self._picture.name is not None
+        self._compare_with_machine()
         self._is_stale = self._picture.name is not None
         if self._is_stale and not self._is_sketching:
             self._is_sketching = True
             background_tasks.create(self._sketch_until_fresh(), context=self.root)
+
+    def _compare_with_machine(self) -> None:
+        """Mark the sizes that the machine does not reach, and say it of the sheet that is chosen."""
+        machine, fault = str(self._kept["machine"]), ""
+        beyond = [size for size in SIZES if size != OWN and is_beyond(machine, *parse_size(size))]
+        sizes = {
+            size: f"{words}: larger than the machine reaches" if size in beyond else words
+            for size, words in SIZES.items()
+        }
+        if sizes != self._size.options:
+            self._size.set_options(sizes)
+        with suppress(MaulstickError):  # the sketch says what is wrong with the size
+            fault = sheet_fault(machine, *parse_size(self.placing().size))
+        self._beyond.text = fault[:1].upper() + fault[1:] + ("." if fault else "")
+        self._beyond.visible = bool(fault)
 
     async def _sketch_until_fresh(self) -> None:
         """Sketch what is chosen now, and again where it changed meanwhile."""

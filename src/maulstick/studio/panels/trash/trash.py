@@ -5,6 +5,7 @@ from pathlib import Path
 
 from nicegui import html, ui
 
+from maulstick.studio.state.presets import PRESETS_FOLDER
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.thrown import STYLES_FOLDER
 from maulstick.studio.state.trash import Thrown
@@ -19,6 +20,7 @@ _KINDS = {
     "drawings": "Drawing",
     "surveys": "Survey, with its answers",
     STYLES_FOLDER: "Learned hand",
+    PRESETS_FOLDER: "Settings kept for plans",
     "easels": "Where a sheet lay",
     "cameras": "Where a camera saw it",
     ".": "Settings",
@@ -47,8 +49,8 @@ class _Things:
         self._studio, self._shown = studio, list[Thrown]()
         self._empty = html.p("Nothing was thrown away.")
         self._list = html.ul().classes("thrown")
-        states = (studio.plans, studio.drawing.hands, studio.svgs, studio.surveys, studio.styles, studio.mixing)
-        for state in states:
+        states = (studio.plans, studio.drawing.hands, studio.gallery, studio.svgs, studio.surveys, studio.styles)
+        for state in (*states, studio.mixing, studio.presets):
             shown_by(self._list, state.changed, self._show)
 
     def _show(self) -> None:
