@@ -133,6 +133,29 @@ def step_cost_table() -> str:
     return table_of(rows_of("step_cost"), columns)
 
 
+def several_brushes_table() -> str:
+    """How near plans of one and of several brushes come to photographs, and how much several gain."""
+    rows = rows_of("several_brushes")
+    images = list(dict.fromkeys(row["image"] for row in rows))
+    lines = []
+    for style, names in dict.fromkeys((row["style"], row["brushes"]) for row in rows):
+        found = [
+            [row for row in rows if (row["style"], row["brushes"], row["image"]) == (style, names, i)] for i in images
+        ]
+        gains = [np.array([row["gain"] for row in each if "gain" in row]) for each in found]
+        line = [style, f"`{names}`"]
+        for each, more in zip(found, gains, strict=True):
+            psnr = f"{np.mean([row['psnr'] for row in each]):.2f}"
+            line.append(psnr if not len(more) else f"{psnr} ({np.mean(more):+.2f})")
+        if all(map(len, gains)):
+            low, high = interval(gains, mean)
+            line.append(f"{mean(np.concatenate(gains)):+.2f} ({low:+.2f} to {high:+.2f}) dB")
+        else:
+            line.append("")
+        lines.append(line)
+    return table(["style", "brushes", *images, "gain"], lines)
+
+
 def steps_table() -> str:
     """How good plans of fewer steps are beside those of before."""
     found: dict[tuple[str, str, int], dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
