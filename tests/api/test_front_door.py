@@ -201,6 +201,15 @@ def test_options_are_defaults_that_single_ones_differ_from() -> None:
     assert again == ms.plan(demo_picture(), **QUICK, seed=5)
 
 
+def test_several_brushes_are_named_or_given(painting: ms.Painting) -> None:
+    brushes = [ms.load_brush("fineliner"), ms.load_brush("marker")]
+    named, given = (ms.plan(demo_picture(), brush=brush, **QUICK) for brush in ("marker,fineliner", brushes))
+    assert given.strokes == named.strokes
+    assert given.provenance.options["brush"] == "marker,fineliner"
+    with pytest.raises(InputError, match="the brush marker is named twice"):
+        ms.plan(demo_picture(), brush=[brushes[1], brushes[1]], **QUICK)
+
+
 def test_a_hand_that_was_learned_plans_without_being_kept(drawing: Path) -> None:
     style = ms.fit_style(ms.read_ink(drawing), "arcs")
     painting = ms.plan(demo_picture(), **QUICK, style=style, brush=ms.load_brush("marker"))

@@ -36,7 +36,9 @@ def test_names_of_cells_depend_on_their_own_values_alone() -> None:
 
 
 def test_files_are_beside_the_grid_and_names_of_libraries_are_not_files(tmp_path: Path) -> None:
-    (cell,) = cells({"style": ["loops"], "brush": ["mine.json"]}, tmp_path, picture="photos/a.png", look="b.png")
+    brushes = ["mine.json", "wash, mine.json"]
+    cell, several = cells({"style": ["loops"], "brush": brushes}, tmp_path, picture="photos/a.png", look="b.png")
+    assert several.request.options.brush == f"wash,{tmp_path / 'mine.json'}"
     options = cell.request.options
     assert cell.request.picture == tmp_path / "photos" / "a.png"
     assert (options.look, options.brush, options.style) == (tmp_path / "b.png", str(tmp_path / "mine.json"), "loops")

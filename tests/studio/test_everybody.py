@@ -63,6 +63,11 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
                 found[panel, width] = overlaps
         found |= {(panel, rule): nodes for rule, nodes in faults_by_axe(opened).items()}
     assert found == {}
+    links.get_by_text("Plan", exact=True).click()
+    opened.get_by_label("Hand", exact=True).click()
+    expect(opened.get_by_role("option", selected=True)).to_be_visible()
+    assert _faults(Axe().run(opened, ".q-menu").response) == {}
+    opened.keyboard.press("Escape")
     opened.evaluate("document.querySelector('h1').style.marginBottom = '-3rem'")
     assert len(opened.evaluate(OVERLAPS)) == 1, "what overlaps is seen"
 

@@ -37,4 +37,4 @@ class Estimate:
         turns = turns_of(actions, painting, limits, place)
         seconds = sum(turn.seconds for turn in turns)
         painted = len(painting.strokes) - strokes
-        return cls(strokes, drawn_metres(actions), seconds, painted, len(painting.paints), turns=turns)
+        return cls(strokes, drawn_metres(actions), seconds, painted, len(painting.colours()), turns=turns)

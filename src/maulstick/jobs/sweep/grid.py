@@ -122,9 +122,11 @@ def grid_of(plain: Mapping[str, object], source: str) -> Grid:
 
 def _placed(name: str, value: JsonValue, folder: Path) -> Any:
     """Return the path of a file that is named relative to a folder, and any other value as it is."""
-    if isinstance(value, str) and (name in _FILES or (name in _LIBRARIES and Path(value).suffix == ".json")):
-        path = (folder / value).absolute()
-        return path if name in _FILES else str(path)
+    if isinstance(value, str) and name in _FILES:
+        return (folder / value).absolute()
+    if isinstance(value, str) and name in _LIBRARIES:
+        named = [each.strip() for each in value.split(",")]  # several brushes
+        return ",".join(str((folder / each).absolute()) if Path(each).suffix == ".json" else each for each in named)
     return value
 
 

@@ -193,6 +193,6 @@ def _write_order(painting: Painting, folder: Path) -> None:
 
 
 def _metrics(painting: Painting) -> tuple[str, ...]:
-    paints = len(painting.paints)
+    paints = len(painting.colours())
     metres = f"{painting.metres_of_paints().sum():.1f} m drawn"
     return f"{len(painting.strokes)} strokes", metres, "1 paint" if paints == 1 else f"{paints} paints"
