@@ -11,6 +11,7 @@ from typing import Final, Literal, final
 import numpy as np
 
 from maulstick.errors import MachineError
+from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.robot.adapters.axidraw import AxiDraw
 from maulstick.robot.adapters.grbl import Grbl
@@ -267,8 +268,11 @@ class _Sheet(InkedSheet):
     """A sheet whose strokes are in a file."""
 
     def __init__(self, world: Path) -> None:
-        self.canvas, self.depth = Canvas(WIDTH, HEIGHT, 1000), 0.004
+        self.canvas, self.depth, self.deepest = Canvas(WIDTH, HEIGHT, 1000), 0.004, 0.004
         self._world = world
+
+    def take(self, brush: Brush) -> None:
+        pass
 
     def draw(self, trajectory: Floats, colour: Colour) -> None:
         with self._world.open("a") as file:
