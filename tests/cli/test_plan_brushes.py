@@ -52,6 +52,15 @@ def test_a_machines_file_asks_for_each_brush(tmp_path: Path) -> None:
         assert f"{paint_.brush} with the paint {paint_.label}" in text
 
 
+def test_one_tube_is_one_ink_and_drawn_with_one_brush(tmp_path: Path) -> None:
+    (tmp_path / "tube.csv").write_text("black,#000000\n")
+    ran = run(
+        "plan", "--demo", "--brush", "wash,marker", "--paints-from", tmp_path / "tube.csv", "--out", tmp_path / "a"
+    )
+    assert ran.code == 2
+    assert ran.mistake.startswith("--brush wash,marker names several, and one ink is drawn with one")
+
+
 @pytest.mark.parametrize(
     ("words", "fault"),
     [

@@ -16,7 +16,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting import painting as records
-from maulstick.painting.brush import Brush, in_painting_order
+from maulstick.painting.brush import Brush, in_painting_order, names_of
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.picture import READ_PX, Picture, image_of
 from maulstick.planning.planner import PlanProgress
@@ -63,7 +63,7 @@ def plan(
         changes["brush"] = brush
     elif brush is not None:
         brushes = in_painting_order([brush] if isinstance(brush, Brush) else brush)
-        changes["brush"] = ",".join(each.name for each in brushes)
+        changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
     if picture is None and changes.get("text") is None and (options is None or options.text is None):

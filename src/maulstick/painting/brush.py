@@ -224,6 +224,16 @@ def in_painting_order(brushes: Iterable[Brush]) -> tuple[Brush, ...]:
     return ordered
 
 
+def finest_of(brushes: Iterable[Brush]) -> Brush:
+    """Return the brush that draws the finest lines."""
+    return min(brushes, key=lambda brush: brush.finest)
+
+
+def names_of(brushes: Iterable[Brush]) -> str:
+    """Return the names of brushes as `load_brushes` takes them."""
+    return ",".join(brush.name for brush in brushes)
+
+
 def pen_brush(name: str, pen: PenModel) -> Brush:
     """Return the brush of a pen: a fineliner's mark, which is half as dark as its middle where the pen's line ends."""
     mark = load_brush(_MARK_OF_PENS)

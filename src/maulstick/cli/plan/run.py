@@ -15,6 +15,7 @@ from maulstick.jobs.plan.checkpoints import plan_with
 from maulstick.jobs.plan.prepare import Prepared, prepare
 from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.jobs.plan.results import write_results
+from maulstick.painting.brush import finest_of
 from maulstick.painting.video import Video
 from maulstick.planning.planner import PlanProgress
 from maulstick.planning.state import read_state
@@ -93,7 +94,7 @@ def _note(prepared: Prepared, console: Console) -> None:
 
 
 def _note_pale_lines(prepared: Prepared, console: Console) -> None:
-    brush = min(prepared.brushes, key=lambda brush: brush.finest)
+    brush = finest_of(prepared.brushes)
     thinnest = brush.thinnest * prepared.layout.canvas.pixels_per_metre
     if 0 < thinnest < 1:
         console.print(

@@ -13,7 +13,7 @@ import torch
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
 from maulstick.jobs.plan.device import choose_device
-from maulstick.painting.brush import Brush
+from maulstick.painting.brush import Brush, finest_of
 from maulstick.painting.edit import PictureEdit
 from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
 from maulstick.painting.picture import encode_png
@@ -107,7 +107,7 @@ def replanned(
     pixels = pixels if isinstance(pixels, int) else HEIGHT_PX
     margin = parse_margin(str(options.get("margin", "0mm")), (sheet.width, sheet.height))
     picture = PictureEdit.of(options).applied(picture)
-    finest = min(brushes, key=lambda brush: brush.finest)
+    finest = finest_of(brushes)
     if options.get("drawing") == "lines":
         picture = lines_for(picture, sheet, finest, fit, margin)
     canvas = canvas_for(picture, sheet, finest, fit, pixels, margin)

@@ -115,11 +115,6 @@ class PlanOptions:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())
         object.__setattr__(self, "style", _absolute(self.style))
         object.__setattr__(self, "brush", ",".join(_absolute(name.strip()) for name in self.brush.split(",")))
-        if "," in self.brush and self.ink is not None:
-            raise InputError(
-                f"{option('brush')} {self.brush} names several, and one ink is drawn with one; name one, or paint in "
-                "colours"
-            )
         from maulstick.colour.palette import parse_colour  # loads scikit-image
 
         if self.strokes != AUTO:

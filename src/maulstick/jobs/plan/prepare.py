@@ -13,7 +13,7 @@ from maulstick.errors import InputError, option
 from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
-from maulstick.painting.brush import Brush, load_brushes
+from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
 from maulstick.painting.edit import NO_EDIT
 from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
 from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
@@ -64,11 +64,6 @@ class Prepared:
     is_held: bool
 
     @property
-    def brush_names(self) -> str:
-        """Names of the brushes, the broadest first."""
-        return ",".join(brush.name for brush in self.brushes)
-
-    @property
     def tones(self) -> Tones | None:
         """Tones that the picture is planned in; None where any can be reached."""
         return None if self.supply is None else self.supply.tones(self.settings.strokes)
@@ -80,7 +75,7 @@ class Prepared:
         if self.is_held:
             widths = " and ".join(f"{2e3 * brush.widest:.2g}" for brush in self.brushes)
             notes.append(
-                f"this machine only lifts its pen, so the brush {self.brush_names} is held at one pressure, "
+                f"this machine only lifts its pen, so the brush {names_of(self.brushes)} is held at one pressure, "
                 f"{self.request.options.held_pressure:g}, and draws lines of {widths} mm"
             )
         if self.request.options.robot is not None:
@@ -164,7 +159,7 @@ def prepare(
     options, device = request.options, choose_device(request.options.device)
     whole, picture = brushes or load_brushes(options.brush), _picture(request, image)
     brushes, sheet = tuple(_held(brush, options) for brush in whole), _sheet(options, picture)
-    finest = min(brushes, key=lambda brush: brush.finest)
+    finest = finest_of(brushes)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
     if options.strokes != AUTO and len(tubes) > options.strokes:
@@ -182,6 +177,11 @@ def prepare(
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     settings, supply = _settings(options, tubes), None
     if settings.one_ink:
+        if len(brushes) > 1:
+            raise InputError(
+                f"{option('brush')} {names_of(brushes)} names several, and one ink is drawn with one; name one, or "
+                "paint in colours"
+            )
         supply = InkSupply.of(layout, finest, style, settings.palette[0], with_lines=options.drawing == "both")
     if options.strokes == AUTO:
         settings = replace(settings, strokes=_enough(supply))
@@ -202,12 +202,7 @@ def prepare(
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
-    used = {
-        "brush": ",".join(brush.name for brush in brushes),
-        "style": style.name,
-        "weights": weights,
-        "device": device.device.type,
-    }
+    used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
