@@ -55,7 +55,7 @@ def test_a_height_without_sense_is_refused(painting: Path, px: str) -> None:
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"schema_version": 2}, "schema_version: it is 2, and this Maulstick reads version 1; update Maulstick"),
+        ({"schema_version": 3}, "schema_version: it is 3, and this Maulstick reads versions 1 to 2; update Maulstick"),
         ({"strokes": [{"id": -1}]}, "strokes[0].id: Input should be greater than or equal to 0 (got -1)"),
         ({"paints": []}, "strokes[0].paint: it is 0; it must be an index into the 0 paints, from 0"),
     ],

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from maulstick.ordering.sequence import sequenced
 from maulstick.painting import painting as paintings
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
+from maulstick.painting.fields import Point
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from maulstick.painting.raster import Canvas
 from maulstick.painting.succession import Succession
 from maulstick.rendering.preview import preview

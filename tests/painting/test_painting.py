@@ -171,6 +171,20 @@ def test_a_stroke_is_a_line_of_the_file(tmp_path: Path) -> None:
     assert json.loads(text)["provenance"]["options"] == {"steps": 9, "ink": None}
 
 
+def test_a_file_of_the_first_version_is_read_as_one_of_today(tmp_path: Path) -> None:
+    painting = a_painting()
+    write_painting(painting, tmp_path / "painting.json")
+    text = (tmp_path / "painting.json").read_text()
+    (tmp_path / "older.json").write_text(text.replace('"schema_version": 2', '"schema_version": 1'))
+    assert read_painting(tmp_path / "older.json") == painting
+
+
+def test_what_a_person_said_of_a_stroke_is_kept(tmp_path: Path) -> None:
+    drawn = Stroke(id=3, paint=1, trajectory=((0.01, 0.02, 0.5),), locked=True, origin="person", region="face")
+    write_painting(a_painting([drawn]), tmp_path / "painting.json")
+    assert read_painting(tmp_path / "painting.json").strokes == (drawn,)
+
+
 def test_the_order_of_a_hand_is_kept_where_it_is_known(tmp_path: Path) -> None:
     succession = Succession(jump=-1 / 3, distance=0, along=1, parallel=2, same_way=3, unlike=1e-12)
     painting = a_painting().model_copy(update={"succession": succession})
@@ -347,10 +361,16 @@ def of_point(*point: float) -> Damage:
 @pytest.mark.parametrize(
     ("damage", "text"),
     [
-        (lambda p: p.update(schema_version=2), "schema_version: it is 2, and this Maulstick reads version 1; update"),
-        (lambda p: p.update(schema_version=0), "schema_version: it is 0, and this Maulstick reads version 1; write"),
-        (lambda p: p.update(schema_version="1"), "schema_version: Input should be 1 (got '1')"),
-        (lambda p: p.pop("schema_version"), "schema_version: it is missing; write 1"),
+        (
+            lambda p: p.update(schema_version=3),
+            "schema_version: it is 3, and this Maulstick reads versions 1 to 2; u",
+        ),
+        (
+            lambda p: p.update(schema_version=0),
+            "schema_version: it is 0, and this Maulstick reads versions 1 to 2; w",
+        ),
+        (lambda p: p.update(schema_version="2"), "schema_version: Input should be 2 (got '2')"),
+        (lambda p: p.pop("schema_version"), "schema_version: it is missing; write 2"),
         (lambda p: (p.update(schema_version=9), p["sheet"].clear()), "schema_version: it is 9"),
         (lambda p: p.pop("sheet"), "sheet: Field required"),
         (lambda p: p["sheet"].update(width=0), "sheet.width: Input should be greater than 0 (got 0)"),

@@ -3,7 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Point, Provenance, Sheet, Stroke, StyleUse
+from maulstick.painting.fields import Point
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Sheet, Stroke, StyleUse
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Floats
 from tests.support.nominal import nominal

@@ -8,7 +8,8 @@ import pytest
 import vpype
 
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
+from maulstick.painting.fields import Point
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from maulstick.painting.refined import refined
 from maulstick.painting.svg import axidraw_svg, flattened_note, painting_svg
 from maulstick.strokes.refine import refine

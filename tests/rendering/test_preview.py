@@ -6,7 +6,8 @@ from torch import Tensor
 
 from maulstick.painting import painting as paintings
 from maulstick.painting.brush import Brush, load_brush
-from maulstick.painting.painting import Paint, Painting, Point, Provenance, Sheet, Stroke
+from maulstick.painting.fields import Point
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined

@@ -3,7 +3,6 @@
 Numbers are rounded when a painting is made (lengths to a micrometre), so that its file says all there is to say.
 """
 
-import base64
 import json
 from collections.abc import Iterator
 from itertools import pairwise
@@ -11,28 +10,19 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    JsonValue,
-    PlainSerializer,
-    ValidationError,
-    model_validator,
-)
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.painting.brush import Brush, Name
+from maulstick.painting.fields import Area, Colour, Length, NineDigits, Options, Png, Point, Pose, Text
 from maulstick.painting.picture import decode_png, spread
 from maulstick.painting.raster import Canvas
 from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write, file_to_read
 
-SCHEMA_VERSION: Final = 1
-"""Version of the format of the files that are written, and the only one that is read."""
+SCHEMA_VERSION: Final = 2
+"""Version of the format of the files that are written; version 1, whose strokes say less, is read too."""
 
 OFF_SHEET: Final = 1e-3
 """Metres that a commanded stroke may lie off its sheet: about as well as a sheet is cut, and laid before a machine."""
@@ -40,52 +30,6 @@ OFF_SHEET: Final = 1e-3
 _MOST_POINTS = 2**20  # of the trajectories of one part of a painting: 24 MiB of numbers, 32,768 strokes as planned
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
 _SLACK = 2e-6  # metres: how much rounding can change a sum of two lengths
-
-
-def _rounded(number: float) -> float:
-    return round(number, 6) + 0.0  # never -0.0
-
-
-def _nine_digits(number: float) -> float:
-    return float(f"{number:.9g}")  # all that a float32 holds
-
-
-def _encodable(text: Any) -> Any:
-    return text.encode(errors="replace").decode() if isinstance(text, str) else text  # names of files may be any bytes
-
-
-def _plain(options: dict[str, JsonValue]) -> dict[str, JsonValue]:
-    plain: dict[str, JsonValue] = json.loads(_encodable(json.dumps(options, ensure_ascii=False, allow_nan=False)))
-    return plain
-
-
-def _from_base64(content: Any) -> Any:
-    if not isinstance(content, str):
-        return content
-    try:
-        return base64.b64decode(content, validate=True)
-    except ValueError:
-        raise ValueError("it is not base64; embed a PNG in base64") from None
-
-
-def _to_base64(content: bytes) -> str:
-    return base64.b64encode(content).decode()
-
-
-def _decodable(content: bytes) -> bytes:
-    decode_png(content)
-    return content
-
-
-Metres = Annotated[float, AfterValidator(_rounded)]
-Length = Annotated[float, AfterValidator(_rounded), Field(gt=0)]
-Share = Annotated[float, Field(ge=0, le=1), AfterValidator(_rounded)]
-Point = tuple[Metres, Metres, Share]
-Colour = tuple[Share, Share, Share]
-Png = Annotated[
-    bytes, BeforeValidator(_from_base64), AfterValidator(_decodable), PlainSerializer(_to_base64, when_used="json")
-]
-Area = tuple[Metres, Metres, Length, Length]
 
 
 class _Part(BaseModel):
@@ -118,8 +62,8 @@ class StyleUse(_Part):
 
     name: Name
     hash: Name
-    code: tuple[Annotated[float, AfterValidator(_nine_digits)], ...]
-    pose: tuple[Metres, Metres, Annotated[float, AfterValidator(_nine_digits)]]
+    code: tuple[NineDigits, ...]
+    pose: Pose
 
 
 class Stroke(_Part):
@@ -127,6 +71,8 @@ class Stroke(_Part):
 
     id: a number that never changes, unique in the painting.  paint: index into the painting's paints.
     trajectory: n points (x, y, pressure), metres on the canvas and [0, 1].  speed: metres per second at each point.
+    locked: whether planning again leaves it as it is.  origin: who drew it; a guide also says where others go.
+    region: name of the region that it was planned in, None where the plan had none.
     """
 
     id: Annotated[int, Field(ge=0)]
@@ -134,6 +80,9 @@ class Stroke(_Part):
     trajectory: Annotated[tuple[Point, ...], Field(min_length=1)]
     speed: tuple[Length, ...] | None = None
     style: StyleUse | None = None
+    locked: bool = False
+    origin: Literal["planned", "person", "guide"] = "planned"
+    region: Name | None = None
 
     @model_validator(mode="after")
     def _one_speed_per_point(self) -> Self:
@@ -181,11 +130,15 @@ class Provenance(_Part):
     """
 
     version: Name
-    image: Annotated[str, BeforeValidator(_encodable)] | None = None
+    image: Text | None = None
     image_sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     seed: int = 0
-    options: Annotated[dict[str, JsonValue], AfterValidator(_plain)] = Field(default_factory=dict)
+    options: Options = Field(default_factory=dict)
     metrics: dict[Name, float] = Field(default_factory=dict)
+
+
+def _of_today(version: Any) -> Any:
+    return SCHEMA_VERSION if version == 1 and type(version) is int else version
 
 
 def _whole_sheet(fields: dict[str, Any]) -> Area:
@@ -205,7 +158,7 @@ class Painting(_Part):
     Raises ValidationError where a field is wrong or two of them do not agree.
     """
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Annotated[Literal[2], BeforeValidator(_of_today)] = SCHEMA_VERSION
     sheet: Sheet
     area: Area = Field(default_factory=_whole_sheet)
     provenance: Provenance
@@ -303,10 +256,11 @@ def write_painting(painting: Painting, path: str | Path) -> None:
 
     Raises OutputError where that fails; what was at `path` is then still there.
     """
-    fields = _said(painting.model_dump(mode="json", exclude=None if painting.literal else {"literal"}))
+    left_out = {"strokes"} if painting.literal else {"strokes", "literal"}
+    fields = _said(painting.model_dump(mode="json", exclude=left_out))
     fields["sheet"] = _said(fields["sheet"])
-    for name in ("paints", "strokes"):
-        fields[name] = [_said(entry) for entry in fields[name]]
+    fields["paints"] = [_said(entry) for entry in fields["paints"]]
+    fields["strokes"] = [stroke.model_dump(mode="json", exclude_defaults=True) for stroke in painting.strokes]
     body = ",\n".join(f"  {json.dumps(name)}: {_one_entry_per_line(value)}" for name, value in fields.items())
     atomic_write(path, f"{{\n{body}\n}}\n".encode())
 
@@ -322,7 +276,7 @@ def read_painting(path: str | Path) -> Painting:
     try:
         painting = Painting.model_validate_json(path.read_bytes(), strict=True)
     except ValidationError as error:
-        raise InputError(f"{path} is not a painting: {_fault(error)}") from error
+        raise InputError(f"{path} is not a painting: {painting_fault(error)}") from error
     except OSError as error:
         raise InputError(f"cannot read the painting {path}: {error.strerror}") from error
     if "schema_version" not in painting.model_fields_set:
@@ -345,12 +299,13 @@ def _one_entry_per_line(value: Any) -> str:
     return f"{opening}\n    " + ",\n    ".join(lines) + f"\n  {closing}" if lines else opening + closing
 
 
-def _fault(error: ValidationError) -> str:
+def painting_fault(error: ValidationError) -> str:
+    """Return what is wrong with a painting, of an error that making one raised."""
     faults = error.errors(include_url=False)
     for fault in faults:
         if fault["loc"] == ("schema_version",) and isinstance(came := fault["input"], int):
             remedy = "update Maulstick" if came > SCHEMA_VERSION else "write the painting again"
-            return f"schema_version: it is {came}, and this Maulstick reads version {SCHEMA_VERSION}; {remedy}"
+            return f"schema_version: it is {came}, and this Maulstick reads versions 1 to {SCHEMA_VERSION}; {remedy}"
     if not faults[0]["loc"] and faults[0]["type"] == "value_error":
         return str(faults[0]["ctx"]["error"])  # `Painting._agrees_with_itself` names the field
     return validation_fault(error)
