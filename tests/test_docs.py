@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from maulstick.cli.app import app
+from maulstick.cli.lazy import loaded
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -118,7 +119,7 @@ def is_understood(line: str) -> bool:
         names = words.pop(0).split("|")
         if not all(name in command.commands for name in names):
             return False
-        command = command.commands[names[0]]
+        command = loaded(command.commands[names[0]])
     for parameter in command.params:
         allowed |= {*parameter.opts, *parameter.secondary_opts}
     options = {word.partition("=")[0] for word in words if word.startswith("--")}
