@@ -8,28 +8,13 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import PORTRAIT, Ran, run, run_command
-
-NONE_THERE = """
-import sys
-
-
-class NoTorch:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] == "torch":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-
-
-sys.meta_path.insert(0, NoTorch())
-"""
-TAUGHT = "this needs PyTorch, which is not installed; run: pip install 'maulstick[plan]'"
+from tests.support.without_torch import TAUGHT, hide_torch
 
 
 @pytest.fixture(scope="module")
 def without(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A folder for PYTHONPATH, with which nothing finds torch."""
-    folder = tmp_path_factory.mktemp("without")
-    (folder / "sitecustomize.py").write_text(NONE_THERE)
-    return str(folder)
+    return hide_torch(tmp_path_factory.mktemp("without"))
 
 
 @pytest.fixture
