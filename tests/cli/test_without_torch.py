@@ -1,5 +1,6 @@
 """The command line and Python where there is no PyTorch, as on a small computer beside a plotter."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -60,14 +61,9 @@ def test_what_needs_torch_says_how_to_install_it_and_leaves_nothing_behind(
 
 def test_python_paints_without_torch_and_says_what_planning_needs(without: str, painting: Path) -> None:
     script = f"""
-import sys
-
-sys.path.insert(0, {without!r})
-import sitecustomize  # noqa: F401  this script's, whatever else was loaded under the name
-
 import maulstick as ms
 
-robot = ms.paint(ms.read_painting({str(painting)!r}), robot="sim")
+ms.paint(ms.read_painting({str(painting)!r}), robot="sim")
 for use in (lambda: ms.plan, lambda: ms.render, lambda: ms.load_style("loops"), lambda: ms.fit_brush("trials")):
     try:
         use()
@@ -75,7 +71,11 @@ for use in (lambda: ms.plan, lambda: ms.render, lambda: ms.load_style("loops"), 
         print(error)
 """
     ran = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={"PYTHONPATH": without}
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": without},
     )
     assert ran.stdout.splitlines() == 4 * [TAUGHT]
 
