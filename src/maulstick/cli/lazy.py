@@ -10,7 +10,8 @@ from maulstick.cli.loading import no_garbage
 
 SUMMARIES: Final = {
     "plan": "Plan a painting of a picture or a text.",
-    "edit": "Change strokes of a painting by hand; `maulstick plan --again` then plans the rest around the locked ones.",
+    "edit": "Change strokes of a painting by hand; `maulstick plan --again` then plans the rest around "
+    "the locked ones.",
     "sweep": "Plan every combination of some options, each in a folder of its own.",
     "paint": "Let a machine paint a painting, or draw an SVG.",
     "machine": "Move a machine with keys, set where the sheet begins and how high the pen is, and try both.",
