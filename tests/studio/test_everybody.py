@@ -73,6 +73,7 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
         found |= {(panel, rule): nodes for rule, nodes in faults_by_axe(opened).items()}
     assert found == {}
     links.get_by_text("Plan", exact=True).click()
+    expect(opened.get_by_role("img", name="The picture on its sheet")).to_be_visible()  # which moves what is below
     opened.get_by_label("Hand", exact=True).click()
     expect(opened.get_by_role("option", selected=True)).to_be_visible()
     expect(opened.locator(".q-menu")).to_have_css("opacity", "1")  # it fades in
