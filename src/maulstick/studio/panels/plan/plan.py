@@ -17,7 +17,7 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
-    with ui.element().classes("plan-desk") as desk:
+    with ui.element().classes("desk plan-desk") as desk:
         with ui.element().classes("intro"):
             html.h1("Plan a painting")
             html.p(
