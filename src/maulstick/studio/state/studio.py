@@ -7,6 +7,7 @@ from typing import final
 from maulstick.errors import InputError
 from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.camera_views import CAMERAS, CameraViews
+from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
@@ -41,6 +42,7 @@ class Studio:
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
         self.plans, self.settings, self.presets = Plans(folder), Settings(folder), Presets(folder)
+        self._directed: dict[str, Directing] = {}  # by the plan's name, once somebody does
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -63,6 +65,15 @@ class Studio:
                 CAMERAS: lambda trashed, _: self.camera_views.take_back(trashed),
             },
         )
+
+    def directing(self, name: str) -> Directing:
+        """Return a person's acts on the plan of that name. Raises InputError where there is no finished one."""
+        plan = self.plans.of(name)
+        if plan.is_busy or not plan.is_painting:
+            raise InputError(f"{plan.title} is not planned yet; direct it once it is")
+        if name not in self._directed or self._directed[name].planned != plan.planned:
+            self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
+        return self._directed[name]
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.
