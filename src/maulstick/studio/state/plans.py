@@ -21,6 +21,7 @@ from maulstick.studio.state.carrying import carried_here, carried_off
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.own_pictures import keep_own, with_own
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
+from maulstick.studio.state.versions import AGAIN, planned_around
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
@@ -152,14 +153,20 @@ class Plans:
             return ""
         return f"planning {self.titles()[busy[0].name]}" if len(busy) == 1 else f"planning {len(busy)} pictures"
 
-    def add(self, request: PlanRequest) -> Plan:
-        """Add a plan, and begin it at once or when others are finished."""
+    def add(self, request: PlanRequest, title: str = "", again: Path | None = None) -> Plan:
+        """Add a plan, and begin it at once or when others are finished.
+
+        title: another than that of its picture or text.  again: painting to plan around, which is moved to the plan.
+        """
         picture, text = request.picture, request.options.text or ""
-        title = self._folder.title_for("plans", clean_title(text) if picture is None else title_of(picture.parent))
+        usual = clean_title(text) if picture is None else title_of(picture.parent)
+        title = self._folder.title_for("plans", title or usual)
         name = self._folder.free_name("plans", title)
         plan = Plan(name, self._folder.of("plans", name), request)
         with as_output_error(plan.folder):
             plan.folder.mkdir()
+            if again is not None:
+                plan.request = planned_around(request, again.replace(plan.folder / AGAIN))
         plan.write_request()
         retitle(plan.folder, title)
         self.plans[name] = plan

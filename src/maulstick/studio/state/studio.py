@@ -12,7 +12,8 @@ from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
-from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.own_pictures import with_own
+from maulstick.studio.state.plans import Plan, Plans
 from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
 from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run
@@ -21,7 +22,9 @@ from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
 from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.state.thrown import STYLES_FOLDER
+from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
+from maulstick.studio.state.versions import version_title
 from maulstick.studio.workers.desk import Desk
 
 
@@ -74,6 +77,16 @@ class Studio:
         if name not in self._directed or self._directed[name].planned != plan.planned:
             self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
         return self._directed[name]
+
+    async def plan_around(self, name: str) -> Plan:
+        """Plan again around what a person has locked and changed in the plan of that name; return the new plan.
+
+        Raises InputError where there is no finished plan, and OutputError where there is no room.
+        """
+        directing, plan = self.directing(name), self.plans.of(name)
+        await directing.write(again := self.folder.incoming())
+        title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
+        return self.plans.add(with_own(plan.request, plan.folder), title, again)
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

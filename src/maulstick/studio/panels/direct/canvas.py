@@ -15,7 +15,7 @@ CHOOSE: Final = "choose"
 DRAW: Final = "draw"
 """Tool that draws strokes."""
 
-TOOLS: Final = {CHOOSE: "Choose", "pan": "Move the view", DRAW: "Draw"}
+TOOLS: Final = {CHOOSE: "Choose", "pan": "Look around", DRAW: "Draw"}
 """Tools of the canvas with their labels."""
 
 _SCRIPTS = Path(__file__).with_name("view")
@@ -56,7 +56,7 @@ class StrokeCanvas(Element, component="view/canvas.js"):
     def buttons(self) -> None:
         """Make the buttons that zoom."""
         for text, icon, words, method in _BUTTONS:
-            button = ui.button(text, icon=icon).props("flat round").tooltip(words)
+            button = ui.button(text, icon=icon).props("flat round dense").tooltip(words)
             button.on("click", js_handler=self.calling(method)).props["aria-label"] = words.partition(" (")[0]
 
     def calling(self, method: str, given: str = "") -> str:

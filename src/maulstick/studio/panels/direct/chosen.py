@@ -25,19 +25,19 @@ class ChosenStrokes:
         self._ids: list[int] = []
         self._locked = 0
         with ui.element().classes("sheet"):
-            self._said = html.p().classes("said").props('role="status"')
+            self._said = ui.label().classes("said").props('role="status"')
             with ui.element().classes("acts"):
-                ui.button("All").props("flat dense").on("click", js_handler=canvas.calling("chooseAll"))
-                self._none = ui.button("None").props("flat dense")
+                ui.button("All").props("flat").on("click", js_handler=canvas.calling("chooseAll"))
+                self._none = ui.button("None").props("flat")
                 self._none.on("click", js_handler=canvas.calling("chooseNone"))
             with ui.element().classes("acts"):
                 self._lock = ui.button("Lock", icon="lock", on_click=lambda: self.do("lock")).props("outline")
                 self._remove = ui.button("Take out", icon="delete", on_click=lambda: self.do("remove")).props("outline")
             paints = {index: f"{index + 1}: {told(paint)}" for index, paint in enumerate(sheet.paints)}
-            with ui.element().classes("line").style("flex-wrap: nowrap"):
+            with ui.element().classes("line taken"):
                 self._swatch = ui.element().classes("swatch").props("aria-hidden=true")
                 self._paint = ui.select(paints, label="Paint", value=0 if paints else None, on_change=took)
-                self._paint.classes("grow").style("flex: 1; min-width: 0")
+                self._paint.classes("grow")
             self._repaint = ui.button("Give them this paint", icon="format_paint", on_click=self._give).props("outline")
             self._draws = html.p("Strokes that you draw are painted with the others of this paint.").classes("hint")
         self.show_paint(draws=False)

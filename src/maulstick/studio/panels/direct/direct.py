@@ -19,8 +19,8 @@ from maulstick.studio.workers.stroke_marks import ShownSheet
 _STYLE = Path(__file__).with_name("direct.css")
 _MOST_NUMBERS = 60_000  # of a stroke that is drawn, three a point
 _KEYS = {
-    "V, H, B": "choose, move the view, draw",
-    "Space": "hold it to move the view",
+    "V, H, B": "choose, look around, draw",
+    "Space": "hold it to look around",
     "+ - 0 1": "nearer, farther, all, true size",
     "M": "the loupe",
     ". and ,": "the next stroke, the one before; with Shift as well",
@@ -49,13 +49,13 @@ def build(studio: Studio, name: str) -> None:
         ui.button("All plans", icon="arrow_back", on_click=lambda: ui.navigate.to("/plan")).props("flat")
     place = ui.element().classes("desk directing")
     with place:
-        reading = html.p("Reading the strokes …").classes("hint").props('role="status"')
+        reading = ui.label("Reading the strokes …").classes("hint").props('role="status"')
 
     async def lay_out() -> None:
         try:
             sheet = await directing.sheet()
         except MaulstickError as error:
-            reading.text = error_text(error)
+            reading.set_text(error_text(error))
             return
         if not place.is_deleted:
             place.clear()
@@ -79,6 +79,7 @@ class _Directed:
             self._tools(picture)
             self._chosen = ChosenStrokes(sheet, self._canvas, self._edit, self._take_up)
             self._history()
+            self._versions()
             self._keys()
         self._canvas.on("chosen", self._chosen.take)
         self._canvas.on("moved", self._move)
@@ -93,7 +94,7 @@ class _Directed:
             self._tool = ui.toggle(TOOLS, value=CHOOSE, on_change=self._take_up).props(
                 'spread no-caps aria-label="Tool"'
             )
-            with ui.element().classes("line"):
+            with ui.element().classes("zooms"):
                 canvas.buttons()
             if picture:
                 with html.label().classes("weight"):
@@ -107,6 +108,19 @@ class _Directed:
         with ui.element().classes("acts"):
             self._undo = ui.button("Undo", icon="undo", on_click=self._directing.undo).props("outline")
             self._redo = ui.button("Redo", icon="redo", on_click=self._directing.redo).props("outline")
+
+    def _versions(self) -> None:
+        again = ui.button("Plan again around this", icon="auto_awesome_mosaic", on_click=self._plan_again)
+        again.tooltip("A new version: what is locked stays as it is, the rest is planned on from where it is")
+
+    async def _plan_again(self, event: events.ClickEventArguments) -> None:
+        button = event.sender
+        button.props("loading")
+        try:
+            await self._studio.plan_around(self._plan.name)
+        finally:
+            button.props(remove="loading")
+        ui.navigate.to("/plan")
 
     def _keys(self) -> None:
         with ui.expansion("Keys", icon="keyboard").props("dense"), html.dl().classes("keys"):

@@ -74,9 +74,10 @@ export class Stage {
       if (message.layer === "view" && this.settles) this.sent = null;
       if (message.layer === "loupe") this.paintLoupe();
       if (message.layer === "chosen" && this.settles) this.settle();
+      if (message.layer === "chosen") this.root.toggleAttribute("data-chosen", this.chosen.ids.length > 0);
       this.repaint();
     }
-    if (message.taken !== undefined) [this.settles, this.root.dataset.strokes] = [true, message.taken];
+    if (message.taken !== undefined) this.taken(message.taken);
     if (message.chosen) {
       const before = this.chosen;
       this.chosen = message.chosen;
@@ -84,6 +85,14 @@ export class Stage {
       this.repaint();
       if (JSON.stringify(before) !== JSON.stringify(this.chosen)) this.emit("chosen", this.chosen);
     }
+  }
+
+  // The worker has strokes as they are after some acts; they are drawn next.
+  taken(strokes) {
+    this.settles = true;
+    Object.assign(this.root.dataset, { strokes, acts: this.known });
+    this.root.removeAttribute("data-sharp");
+    this.drawing = true;
   }
 
   // Methods that the page calls.
@@ -232,6 +241,7 @@ export class Stage {
       ink.restore();
     }
     if (sharp) ink.drawImage(layers.view.bitmap, ...sharp.box);
+    this.root.toggleAttribute("data-sharp", Boolean(sharp?.isExact && !this.stale && !this.drawing)); // what is seen is drawn as vectors
     ink.globalAlpha = 1;
     if (this.chosen.ids.length && layers.chosen) this.paintChosen(now);
     this.paintAct();

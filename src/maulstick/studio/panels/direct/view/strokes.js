@@ -2,7 +2,10 @@
 
 const HEAD = 6; // numbers before the strokes
 const COLUMNS = 3; // x, y, half-width
-const NEAR = 2.5; // pixels between two corners of an outline at least
+const NEAR = 2; // pixels between two corners of an outline at least
+const FAR = 24; // and at most, where the mark is straight and even
+const BENT = 2; // pixels times the sine of a turn: an eighth of it is how far a corner that is left out lay beside
+const UNEVEN = 0.4; // pixels by which a half-width may change between two corners
 const THIN = 0.35; // pixels of the least half-width that is drawn: thinner marks would pale
 const CORNER = 1; // turn over a half-width, in radians, above which an outline would fold
 
@@ -78,12 +81,16 @@ function ribbon(ink, points, { scale, x, y }) {
   let [u, v, nx, ny, wide] = [Infinity, Infinity, 0, 0, 0];
   for (let i = 0; i <= last; i += COLUMNS) {
     const [px, py] = [points[i] * scale + x, points[i + 1] * scale + y];
-    if (i < last && Math.abs(px - u) + Math.abs(py - v) < NEAR) continue;
-    [u, v] = [px, py];
     const [a, b] = [Math.max(i - COLUMNS, 0), Math.min(i + COLUMNS, last)];
     const [dx, dy] = [points[b] - points[a], points[b + 1] - points[a + 1]];
     const long = Math.sqrt(dx * dx + dy * dy) || 1;
-    wide = Math.max(points[i + 2] * scale, THIN);
+    const half = Math.max(points[i + 2] * scale, THIN);
+    if (i && i < last) {
+      const way = Math.abs(px - u) + Math.abs(py - v);
+      const bent = (way * Math.abs(dx * nx + dy * ny)) / (long * wide); // the normal of before along the way of now
+      if (way < NEAR || (way < FAR && bent < BENT && Math.abs(half - wide) < UNEVEN)) continue;
+    }
+    [u, v, wide] = [px, py, half];
     [nx, ny] = [(-dy / long) * wide, (dx / long) * wide];
     if (!back.length) cap(ink, px, py, wide, Math.atan2(-ny, -nx));
     ink.lineTo(px + nx, py + ny);
