@@ -7,7 +7,8 @@ name: `opened`: from the address to the first sharp picture of all strokes.
 `frame`: from one frame to the next while the view is dragged at twice the size that fits, and zoomed by the wheel.
 `crisp`: from the last movement to all strokes in sight as vectors: almost all of them (`times` 1.02 what fits), or
     fewer, nearer.
-`chosen`: from a click on a stroke to its picture as chosen.  `locked`: from a click on Lock to the picture with its mark.
+`chosen`: from a click on a stroke to its picture as chosen.
+`locked`: from the key that locks it to the picture with its mark.
 load: of the machine's cores in the last minute, when the row was measured; above 1, others were at work.
 """
 
@@ -64,9 +65,8 @@ CRISP = """async (times) => {
   const box = view.getBoundingClientRect();
   const frame = () => new Promise((next) => requestAnimationFrame(next));
   const began = performance.now();
-  view.dispatchEvent(new WheelEvent("wheel", {
-    clientX: box.left + box.width / 2, clientY: box.top + box.height / 2, deltaY: -Math.log(times) / 0.0015, cancelable: true,
-  }));
+  const middle = { clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 };
+  view.dispatchEvent(new WheelEvent("wheel", { ...middle, deltaY: -Math.log(times) / 0.0015, cancelable: true }));
   do await frame(); while (!view.hasAttribute("data-sharp"));
   return performance.now() - began;
 }"""
@@ -94,7 +94,10 @@ def painting() -> Painting:
 
 def tell(name: str, milliseconds: list[float], **more: object) -> None:
     load = round(os.getloadavg()[0] / (os.cpu_count() or 1), 2)
-    figures = {"milliseconds": round(float(np.median(milliseconds))), "most": round(float(np.percentile(milliseconds, 95)))}
+    figures = {
+        "milliseconds": round(float(np.median(milliseconds))),
+        "most": round(float(np.percentile(milliseconds, 95))),
+    }
     print(json.dumps({"name": name, **more, **figures, "runs": len(milliseconds), "load": load}), flush=True)
 
 

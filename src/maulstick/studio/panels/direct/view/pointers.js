@@ -78,6 +78,7 @@ export class Pointers {
     const before = spread([...this.places.values()]);
     this.places.set(event.pointerId, at);
     const { act, view } = stage;
+    if (act?.began) act.far ||= Math.hypot(at[0] - act.began[0], at[1] - act.began[1]) >= CLICK;
     if (act?.kind === "pan") {
       const after = spread([...this.places.values()]);
       const [[x, y], [u, v]] = [before.middle, after.middle];
@@ -112,7 +113,7 @@ export class Pointers {
       return;
     }
     const at = this.place(event);
-    if (Math.hypot(at[0] - act.began[0], at[1] - act.began[1]) < CLICK) {
+    if (!act.far) {
       stage.settle();
       stage.choose({ place: [...stage.onSheet(at), REACH / stage.view.scale] }, act.adds);
     } else if (act.kind === "lasso") {
