@@ -164,7 +164,7 @@ def test_a_picture_of_another_kind_is_refused_and_never_clipped(picture: Any, sa
     [
         ({"strokes": 0}, "strokes is 0; it must be from 1 to 100000"),
         ({"strokes": 2.5}, "strokes is 2.5; it must be from 1 to 100000"),
-        ({"colour": "red"}, "there is no option 'colour'; there are: arrange, ask_every, background"),
+        ({"colour": "red"}, "there is no option 'colour'; there are: again, arrange, ask_every, background"),
         ({"ink": "black", "paints": 3}, "paints and ink are two ways to say what to paint with"),
         ({"background": "none.jpg", "paper": "grey"}, "background shows the sheet as it is, and paper its colour"),
         ({"style": "nobody"}, "there is no style 'nobody'"),

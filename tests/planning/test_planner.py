@@ -13,7 +13,7 @@ from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
-from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image as Picture
@@ -286,6 +286,47 @@ def test_strokes_begin_where_they_are_told_to(problem: PlanningProblem, planned:
     )
     assert min(mse(steps[0].canvas, image) for image in (expected, light_first)) < 1e-9
     assert all(torch.equal(tensor, before[name]) for name, tensor in planned.strokes.each().items())
+
+
+def test_strokes_that_are_left_out_at_the_start_begin_where_the_canvas_is_furthest_from_the_picture(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    left_half = planned.strokes.centres[:, 0] < problem.canvas.width / 2
+    start = planned.strokes[left_half]
+    steps: list[PlanProgress] = []
+
+    def watch(progress: PlanProgress) -> bool:
+        steps.append(progress)
+        return True
+
+    count = len(planned.strokes)
+    free = Schedule(sorts=(), relocations=(), quantise=1.0)
+    found = plan(problem, options(strokes=count, steps=1, exact=True), watch, schedule=free, start=start)
+    assert len(found.strokes) == count
+    new = found.strokes.centres[found.strokes.centres[:, 0] > problem.canvas.width / 2]
+    assert len(new) > 0.8 * (count - len(start))
+
+
+def test_more_strokes_to_start_with_than_are_planned_are_refused(problem: PlanningProblem, planned: PlanResult) -> None:
+    with pytest.raises(InputError, match=r"the number of strokes to start with is .*; it must be at most the 3"):
+        plan(problem, options(strokes=3, paints=1), start=planned.strokes)
+
+
+def test_a_plan_says_how_many_strokes_are_painted_before_each_neighbour(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    palette = ((0.9, 0.9, 0.9), (0.5, 0.5, 0.5), (0.1, 0.1, 0.1))
+    shades = torch.tensor([palette[2], palette[0], palette[1], palette[2]])
+    three = planned.strokes[torch.tensor([0, 1, 2, 3])]
+    there = Neighbours(three.trajectories(problem.style), shades, three.brush_of)
+    found = plan(replace(problem, neighbours=there), options(paints=None, palette=palette, steps=30))
+    lighter = [int((found.paint_of < paint).sum()) for paint in (2, 0, 1, 2)]
+    as_light = [int((found.paint_of <= paint).sum()) for paint in (2, 0, 1, 2)]
+    assert all(
+        few <= before <= many for few, before, many in zip(lighter, found.before.tolist(), as_light, strict=True)
+    )
+    assert len(found.before) == 4
+    assert len(plan(problem, options(steps=1)).before) == 0
 
 
 def test_strokes_are_not_grouped_by_paint_where_the_schedule_says_so(problem: PlanningProblem) -> None:

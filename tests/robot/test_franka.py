@@ -1,5 +1,6 @@
 """The Franka, end to end: franky drives a simulated arm through libfranka's own protocol."""
 
+import os
 import sys
 import threading
 import time
@@ -50,6 +51,13 @@ def test_it_keeps_every_promise_of_a_robot(simulator: FrankaSimulator) -> None:
     checks = check_robot(Franka(simulator.address), EASEL, (0.03, 0.05))
     # "at once" is by the clock on the wall, which a simulator on a busy computer does not keep; see below.
     assert [check for check in checks if not check.passed and check.name != "it stops at once"] == []
+
+
+def test_it_leaves_the_thread_that_drives_it_no_more_urgent_than_before(simulator: FrankaSimulator) -> None:
+    before = os.sched_getscheduler(0)
+    with Franka(simulator.address) as robot:
+        assert len(robot.place) == 3
+    assert os.sched_getscheduler(0) == before
 
 
 def test_a_stroke_follows_its_path(simulator: FrankaSimulator) -> None:

@@ -1,9 +1,12 @@
 """A painting in Python: a file, an SVG, and a picture in a notebook."""
 
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import ValidationError
 
 from maulstick.drawing.options import DrawingOptions
@@ -11,6 +14,15 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.paintable import read_paintable
 from maulstick.painting import painting as records
 from maulstick.painting.picture import encode_png
+from maulstick.painting.stroke_edits import (
+    AddStroke,
+    LockStrokes,
+    MoveStrokes,
+    RemoveStrokes,
+    RepaintStrokes,
+    UnlockStrokes,
+    edited,
+)
 from maulstick.painting.svg import painting_svg
 
 _NOTEBOOK_PX = 512  # height of the picture in a notebook, pixels: fits beside its code
@@ -54,6 +66,73 @@ class Painting(records.Painting):
         True
         """
         return painting_svg(self)
+
+    def lock(self, *ids: int) -> Self:
+        """Return the painting with these strokes locked, by their ids: planning again leaves them as they are.
+
+        Raises InputError for a stroke that is not there.
+
+            >>> [stroke.locked for stroke in painting.lock(painting.strokes[0].id).strokes][:1]
+            [True]
+        """
+        return edited(self, [LockStrokes(strokes=ids)]) if ids else self
+
+    def unlock(self, *ids: int) -> Self:
+        """Return the painting with these strokes unlocked. Raises InputError for a stroke that is not there.
+
+        >>> any(stroke.locked for stroke in painting.unlock(painting.strokes[0].id).strokes)
+        False
+        """
+        return edited(self, [UnlockStrokes(strokes=ids)]) if ids else self
+
+    def remove(self, *ids: int) -> Self:
+        """Return the painting without these strokes. Raises InputError for a stroke that is not there.
+
+        >>> len(painting.remove(painting.strokes[0].id).strokes) == len(painting.strokes) - 1
+        True
+        """
+        return edited(self, [RemoveStrokes(strokes=ids)]) if ids else self
+
+    def move(self, *ids: int, by: tuple[float, float] = (0.0, 0.0), turn: float = 0.0) -> Self:
+        """Return the painting with these strokes turned about their common middle, then moved, and locked.
+
+        by: metres, to the right and down.  turn: radians, clockwise.
+        Raises InputError for a stroke that is not there, or would leave the sheet.
+
+            >>> painting.move(painting.strokes[0].id, by=(0.0, 0.0), turn=0.1).strokes[0].locked
+            True
+        """
+        return edited(self, [MoveStrokes(strokes=ids, by=by, turn=turn)]) if ids else self
+
+    def repaint(self, *ids: int, paint: int) -> Self:
+        """Return the painting with these strokes in the paint of this index, after all others of it, and locked.
+
+        Raises InputError for a stroke or a paint that is not there.
+
+            >>> painting.repaint(painting.strokes[0].id, paint=0).strokes[0].paint
+            0
+        """
+        return edited(self, [RepaintStrokes(strokes=ids, paint=paint)]) if ids else self
+
+    def add(self, trajectory: npt.ArrayLike, *, paint: int, speed: Sequence[float] | None = None) -> Self:
+        """Return the painting with a person's own stroke, after all others of its paint, and locked.
+
+        trajectory: (n, 3) of x and y on the sheet, metres, and pressure in [0, 1].  paint: its index.
+        speed: metres per second at each point.
+        Raises InputError for a trajectory of another shape, a paint that is not there, and a stroke off the sheet.
+
+            >>> mine = painting.add([(0.1, 0.1, 0.5), (0.12, 0.1, 0.5)], paint=0)
+            >>> [stroke.origin for stroke in mine.strokes].count("person")
+            1
+        """
+        points = np.asarray(trajectory, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise InputError(f"a trajectory has shape {points.shape}; it must be (n, 3) of x, y and pressure")
+        try:
+            own = AddStroke.model_validate({"paint": paint, "trajectory": points.tolist(), "speed": speed})
+        except ValidationError as error:
+            raise InputError(validation_fault(error)) from error
+        return edited(self, [own])
 
     def _repr_png_(self) -> bytes:
         from maulstick.rendering.preview import preview_of_height  # loads torch

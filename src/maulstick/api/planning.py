@@ -12,6 +12,7 @@ from PIL import Image as Pillow
 from maulstick.api.painting import Painting
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import read_paintable
+from maulstick.jobs.plan.again import Again, picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
@@ -34,6 +35,7 @@ def plan(
     *,
     style: str | Style | None = None,
     brush: str | Brush | Sequence[Brush] | None = None,
+    again: records.Painting | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
     **changes: Any,
@@ -43,6 +45,8 @@ def plan(
     picture: a path, a Pillow image, or an array (H, W, 3) or (H, W), uint8 or float in [0, 1], sRGB.
     style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return. Several brushes
     paint one after another in colours, the broadest first.
+    again: a painting, or the path of its painting.json, whose locked strokes, sheet and paints stay as they are; its
+    other strokes are planned on from where they are, with its options and, by a path, its picture.
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
     (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
@@ -66,6 +70,12 @@ def plan(
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)
+    before = None
+    if again is not None:
+        before = Again(_read(again))
+        options, changes = options or planned_before(before.painting, changes), changes if options else {}
+        if picture is None and not isinstance(again, records.Painting):
+            picture = path = picture_near(before.painting, Path(again))
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")
     prepared = prepare(
@@ -73,6 +83,7 @@ def plan(
         image,
         brushes=brushes,
         style=style if isinstance(style, Style) else None,
+        again=before,
     )
     if prepared.device.note is not None:
         warnings.warn(prepared.device.note, stacklevel=2)

@@ -10,6 +10,7 @@ from maulstick.cli.brush import brush
 from maulstick.cli.calibrate import calibrate
 from maulstick.cli.compare import compare
 from maulstick.cli.doctor import doctor
+from maulstick.cli.edit import edit
 from maulstick.cli.exit_codes import STOPPED, UNUSABLE
 from maulstick.cli.export import export
 from maulstick.cli.machine import machine
@@ -30,6 +31,7 @@ app = typer.Typer(
     rich_markup_mode="markdown", add_completion=True, no_args_is_help=True, pretty_exceptions_enable=False
 )
 app.command()(plan)
+app.command()(edit)
 app.command()(sweep)
 app.command()(paint)
 app.command()(machine)

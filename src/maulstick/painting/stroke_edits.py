@@ -5,7 +5,7 @@ What a person has moved, painted otherwise or drawn is locked, or planning again
 
 from collections.abc import Iterable
 from math import cos, sin
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
@@ -14,6 +14,7 @@ from maulstick.errors import InputError
 from maulstick.painting.fields import Length, Metres, NineDigits, Point
 from maulstick.painting.painting import Painting, Stroke, painting_fault
 
+Some = TypeVar("Some", bound=Painting)
 Ids = Annotated[tuple[int, ...], Field(min_length=1)]
 
 
@@ -77,7 +78,7 @@ STROKE_EDIT: TypeAdapter[StrokeEdit] = TypeAdapter(StrokeEdit)
 """Reader and writer of edits as JSON."""
 
 
-def edited(painting: Painting, edits: Iterable[StrokeEdit]) -> Painting:
+def edited(painting: Some, edits: Iterable[StrokeEdit]) -> Some:
     """Return the painting after the edits, one after another.
 
     Strokes that are added get the ids after the painting's largest, in the order of their edits.

@@ -5,7 +5,7 @@ paints, all strokes of a paint stand together, and shapes go on adapting to what
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp
 
 import numpy as np
@@ -18,7 +18,7 @@ from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
-from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.room import surface_of
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
@@ -57,11 +57,15 @@ class PlanProgress:
 
 @dataclass(frozen=True)
 class PlanResult:
-    """N strokes in painting order, the paints (k, 3), sRGB in [0, 1], and the index of each stroke's paint, (N,)."""
+    """N strokes in painting order, the paints (k, 3), sRGB in [0, 1], and the index of each stroke's paint, (N,).
+
+    before: (M,), how many of the strokes are painted before each neighbour.
+    """
 
     strokes: StrokeParameters
     paints: Tensor
     paint_of: Tensor
+    before: Tensor = field(default_factory=lambda: torch.zeros(0, dtype=torch.long))
 
 
 @one_torch_thread()
@@ -77,13 +81,14 @@ def plan(
     """Plan strokes that turn the paper into what the problem asks for.
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
-    a few more steps.  start: the strokes to begin with; when left out they are drawn from the picture.
+    a few more steps.  start: the strokes to begin with; those that are left out are drawn from the picture.
     schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `PlanProgress.state` returned in an earlier run of the same problem; planning goes on from there.
-    Raises InputError for another number of strokes to start with, and a state of another plan.
+    Raises InputError for more strokes to start with than are planned, and a state of another plan.
     """
-    if start is not None and len(start) != options.strokes:
-        raise InputError.of_range("the number of strokes to start with", len(start), f"{options.strokes}, as asked for")
+    if start is not None and len(start) > options.strokes:
+        allowed = f"at most the {options.strokes} that are asked for"
+        raise InputError.of_range("the number of strokes to start with", len(start), allowed)
     schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
     planning = _Planning(problem, options, schedule, start)
     if resume is not None:
@@ -116,6 +121,8 @@ class _Planning:
         self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         self._arranging = None
+        if start is not None and len(start) < options.strokes:
+            start = self._completed(start)
         if start is None:
             start, self._spacing = self._initialiser.first()
             if arrangement is not None:
@@ -238,6 +245,19 @@ class _Planning:
             loss, values = loss + self._surrogate.loss(canvas), values | self._surrogate.parts
         return loss, values
 
+    def _completed(self, start: StrokeParameters) -> StrokeParameters:
+        """Return the strokes to start with, and new ones where these leave the canvas furthest from the target."""
+        problem, count = self._problem, self._options.strokes - len(start)
+        target = problem.target
+        if target is None:
+            return joined([start, self._initialiser.first()[0][torch.arange(count)]])
+        canvas = StrokeCanvas(
+            start, problem.paper, self._canvas, problem.brushes, self._style, problem.neighbours, problem.room
+        )
+        with torch.no_grad():
+            density = self._initialiser.missing(TargetView(target, problem.weights, self._pool), canvas.render())
+        return joined([start, self._initialiser.strokes(target, density, count, self._spacing)[0]])
+
     def _view(self) -> TargetView:
         """Return how the canvas is compared with the target, or without one, with what the surrogate proposes."""
         target = self._problem.target
@@ -319,10 +339,18 @@ class _Planning:
         """Return the plan in painting order, without useless strokes unless the number is to be exact."""
         self._quantise_colours()
         assert self._stroke_canvas.paints is not None
-        order = self._stroke_canvas.order
-        kept = torch.from_numpy(order if self._options.exact else order[self._needed()[order]])
+        order, count = self._stroke_canvas.order_of_all, len(self._stroke_canvas.strokes)
+        needed = np.ones(count, dtype=bool) if self._options.exact else self._needed()
+        own = order < count
+        kept = torch.from_numpy(order[own][needed[order[own]]])
+        painted = np.cumsum([is_own and needed[row] for row, is_own in zip(order, own, strict=True)])
+        before = np.zeros(len(order) - count, dtype=np.int64)
+        before[order[~own] - count] = painted[~own]
         return PlanResult(
-            self._stroke_canvas.strokes[kept], self._stroke_canvas.paints.detach(), self._stroke_canvas.paint_of[kept]
+            self._stroke_canvas.strokes[kept],
+            self._stroke_canvas.paints.detach(),
+            self._stroke_canvas.paint_of[kept],
+            torch.from_numpy(before),
         )
 
     @torch.no_grad()

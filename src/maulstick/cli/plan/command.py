@@ -2,17 +2,21 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any
 
 import typer
 
 from maulstick.cli.folder import check_free
 from maulstick.cli.loading import no_garbage
+from maulstick.cli.plan.values import crop_of, layers_of, picture_path, strokes_of, weights_of
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.request import PlanRequest, demo_picture, state_files
+from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.painting.brush import load_pen_brush
-from maulstick.painting.edit import WHOLE, Crop
+from maulstick.painting.edit import WHOLE
+from maulstick.painting.painting import read_painting
+
+_OPTION_OF = {"weights": "weight"}  # options of planning that have another name here
 
 _painting = partial(typer.Option, rich_help_panel="The painting")
 _picture = partial(typer.Option, rich_help_panel="The picture")
@@ -122,6 +126,14 @@ def plan(
     background: Annotated[
         Path | None, _painting(metavar="PHOTO", help="A photograph of the sheet, with what is painted on it so far.")
     ] = None,
+    again: Annotated[
+        Path | None,
+        _painting(
+            metavar="PAINTING",
+            help="Plan a painting.json again, with its options: its locked strokes, its sheet and its paints stay, the "
+            "other strokes are planned on from where they are.",
+        ),
+    ] = None,
     text: Annotated[
         str | None,
         _objectives(metavar="TEXT", help="Paint what this text says, beside a picture or alone. Needs CLIP."),
@@ -197,46 +209,57 @@ def plan(
         go_on(resume)
         return
     if pen is not None:
-        if str(context.get_parameter_source("brush")).endswith("COMMANDLINE"):
+        if _is_given(context, "brush"):
             raise InputError("--pen and --brush both say what to draw with; leave out one")
         brush, colour = pen, load_pen_brush(pen)[1]
         ink = colour if (ink, paints, paints_from) == (None, None, None) else ink
-    options = PlanOptions(
-        strokes=_strokes(strokes),
-        exact=exact,
-        style=style,
-        hand_size=hand_size,
-        drawing=drawing,
-        arrange=arrange,
-        brush=brush,
-        pressure=pressure,
-        robot=robot,
-        paints=paints,
-        ink=ink,
-        paints_from=paints_from,
-        size=size,
-        fit=fit,
-        margin=margin,
-        rotate=rotate,
-        straighten=straighten,
-        crop=WHOLE if crop is None else _crop(crop),
-        exposure=exposure,
-        contrast=contrast,
-        paper=paper,
-        background=background,
-        text=text,
-        look=look,
-        weights=_weights(weight or []),
-        clip=clip,
-        clip_weights=clip_weights,
-        clip_layers=_layers(clip_layers),
-        steps=steps,
-        ask_every=ask_every,
-        px=px,
-        seed=seed,
-        device=device,
-    )
-    request = PlanRequest(_picture_path(picture, demo, text), options, tries, video)
+    asked: dict[str, Any] = {
+        "strokes": strokes_of(strokes),
+        "exact": exact,
+        "style": style,
+        "hand_size": hand_size,
+        "drawing": drawing,
+        "arrange": arrange,
+        "brush": brush,
+        "pressure": pressure,
+        "robot": robot,
+        "paints": paints,
+        "ink": ink,
+        "paints_from": paints_from,
+        "size": size,
+        "fit": fit,
+        "margin": margin,
+        "rotate": rotate,
+        "straighten": straighten,
+        "crop": WHOLE if crop is None else crop_of(crop),
+        "exposure": exposure,
+        "contrast": contrast,
+        "paper": paper,
+        "background": background,
+        "text": text,
+        "look": look,
+        "weights": weights_of(weight or []),
+        "clip": clip,
+        "clip_weights": clip_weights,
+        "clip_layers": layers_of(clip_layers),
+        "steps": steps,
+        "ask_every": ask_every,
+        "px": px,
+        "seed": seed,
+        "device": device,
+    }
+    if again is None:
+        options, path = PlanOptions(**asked), picture_path(picture, demo, text)
+    else:
+        from maulstick.jobs.plan.again import picture_near, planned_before  # loads torch
+
+        given = {name: value for name, value in asked.items() if _is_given(context, _OPTION_OF.get(name, name))}
+        if pen is not None:
+            given["brush"] = brush
+        before = read_painting(again)
+        options = planned_before(before, {**given, "again": again})
+        path = picture_path(picture, demo, text, is_needed=False) or picture_near(before, again)
+    request = PlanRequest(path, options, tries, video)
     if state_files(out) and not overwrite:
         raise OutputError(
             f"the folder {out} holds a plan that was cut off; go on with maulstick plan --resume {out}, "
@@ -251,55 +274,9 @@ def plan(
 
 def _refuse_other_options(context: typer.Context) -> None:
     for parameter in context.command.params:
-        asked = str(context.get_parameter_source(parameter.name or "")).endswith("COMMANDLINE")
-        if asked and parameter.name != "resume":
+        if _is_given(context, parameter.name or "") and parameter.name != "resume":
             raise InputError(f"--resume goes on with what was asked then; leave out {parameter.opts[0]}")
 
 
-def _strokes(text: str) -> int | Literal["auto"]:
-    if text == "auto":
-        return "auto"
-    try:
-        return int(text)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r} is neither a whole number nor auto", param_hint="'--strokes'") from None
-
-
-def _picture_path(picture: Path | None, demo: bool, text: str | None) -> Path | None:
-    if picture is not None and demo:
-        raise InputError("name one picture to paint, or --demo for the portrait that comes along")
-    if picture is None and not demo:
-        if text is None:
-            raise InputError("name one picture to paint, --demo for the portrait that comes along, or a --text")
-        return None
-    return picture or demo_picture()
-
-
-def _weights(pairs: list[str]) -> dict[str, float]:
-    weights: dict[str, float] = {}
-    for pair in pairs:
-        name, _, weight = pair.partition("=")
-        if name in weights:
-            raise InputError(f"--weight names {name} twice; leave one of them out")
-        try:
-            weights[name] = float(weight)
-        except ValueError:
-            raise InputError(f"--weight is {pair!r}; it must be a term and a number, as in edges=0.5") from None
-    return weights
-
-
-def _crop(edges: str) -> Crop:
-    try:
-        left, top, right, bottom = (float(edge) for edge in edges.split(","))
-    except ValueError:
-        raise InputError(f"--crop is {edges!r}; it must be four shares of the picture, as in 0.1,0,0.9,1") from None
-    return left, top, right, bottom
-
-
-def _layers(numbers: str | None) -> tuple[int, ...] | None:
-    if numbers is None:
-        return None
-    try:
-        return tuple(int(number) for number in numbers.split(","))
-    except ValueError:
-        raise InputError(f"--clip-layers is {numbers!r}; it must be numbers from 0, as in 2,3") from None
+def _is_given(context: typer.Context, parameter: str) -> bool:
+    return str(context.get_parameter_source(parameter)).endswith("COMMANDLINE")

@@ -4,6 +4,7 @@ The only place where planning and machines meet.
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import torch
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
+from maulstick.jobs.plan.again import neighbours_of, parameters_of, with_locked
 from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush, finest_of
 from maulstick.painting.edit import PictureEdit
@@ -22,7 +24,6 @@ from maulstick.planning.from_picture import as_painting, problem_of
 from maulstick.planning.layout import HEIGHT_PX, LONGEST_PX, canvas_for, lay_out_for
 from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
-from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.schedule import REPLAN
@@ -34,7 +35,7 @@ from maulstick.robot.routine import NOTHING, ways_of
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
-from maulstick.style.pressure import fit_knots, pressure_along
+from maulstick.style.pressure import pressure_along
 
 _STEPS = 400  # steps of planning again: few, since the machine waits and the strokes are nearly in place
 _LIGHTEST = 0.1  # least pressure of practice strokes: lighter ones may leave no mark
@@ -77,7 +78,7 @@ def check_replannable(painting: Painting) -> None:
 
     That is so for no style, several styles or a changed one, and for plans by a text or a look.
     """
-    strokes = list(painting.strokes)
+    strokes = [stroke for stroke in painting.strokes if not stroke.locked]
     _style_of(strokes, painting), _weights(painting)
 
 
@@ -91,12 +92,15 @@ def replanned(
 ) -> Painting:
     """Return the painting with the unpainted strokes planned again, in their style, on the sheet as it is.
 
-    painted: ids of the strokes that stay as they are.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
+    Locked strokes stay as they are.
+    painted: ids of the strokes that are on the sheet.  photograph: (h, w, 3) of the flat sheet, sRGB in [0, 1].
     picture: (H, W, 3), the one that was planned, as it was before the plan's corrections.  steps: of the optimiser.
     Strokes that are planned again get new ids; some may be left out, unless the plan had an exact number. Paints stay.
     Raises InputError as `check_replannable` does.
     """
-    left = [stroke for stroke in painting.strokes if stroke.id not in painted]
+    unpainted = [stroke for stroke in painting.strokes if stroke.id not in painted]
+    left = [stroke for stroke in unpainted if not stroke.locked]
+    locked = [stroke for stroke in unpainted if stroke.locked]
     if not left:
         return painting
     brushes, style, weights = tuple(painting.brushes.values()), _style_of(left, painting), _weights(painting)
@@ -132,9 +136,11 @@ def replanned(
         tones=None if supply is None else supply.tones(len(painting.strokes)),
         bare=bare.under,
     )
-    planned = plan(problem, settings, schedule=REPLAN, start=_parameters(left, painting))
+    problem = replace(problem, neighbours=neighbours_of(locked, painting, brushes))
+    start = parameters_of(left, painting, style, brushes)
+    planned = plan(problem, settings, schedule=REPLAN, start=start)
     again = as_painting(planned, layout, brushes, style, painting.provenance)
-    return _joined(painting, painted, again)
+    return _joined(painting, painted, with_locked(again, locked, painting, planned))
 
 
 def paint_by_eye(
@@ -200,29 +206,10 @@ def _style_of(strokes: list[Stroke], painting: Painting) -> Style:
     return style
 
 
-def _parameters(strokes: list[Stroke], painting: Painting) -> StrokeParameters:
-    """Return the planner's parameters of strokes of a painting."""
-    paths = torch.tensor([stroke.trajectory for stroke in strokes])
-    uses = [stroke.style for stroke in strokes if stroke.style is not None]
-    brushes = list(painting.brushes)
-    return StrokeParameters(
-        codes=torch.tensor([use.code for use in uses]),
-        centres=paths[..., :2].mean(dim=1),
-        angles=torch.tensor([use.pose[2] for use in uses]),
-        pressure_knots=torch.from_numpy(fit_knots(paths[..., 2].double().numpy())).float(),
-        colours=torch.tensor([painting.paints[stroke.paint].colour for stroke in strokes]),
-        brush_of=torch.tensor([brushes.index(painting.paints[stroke.paint].brush) for stroke in strokes]),
-    )
-
-
 def _joined(painting: Painting, painted: Collection[int], again: Painting) -> Painting:
     """Return the painting with its painted strokes, followed by those planned `again`, in its own paints."""
     paint_of = [_nearest(painting.paints, paint) for paint in again.paints]
-    free = 1 + max(stroke.id for stroke in painting.strokes)
-    rest = [
-        stroke.model_copy(update={"id": free + number, "paint": paint_of[stroke.paint]})
-        for number, stroke in enumerate(again.strokes)
-    ]
+    rest = [stroke.model_copy(update={"paint": paint_of[stroke.paint]}) for stroke in again.strokes]
     kept = [stroke for stroke in painting.strokes if stroke.id in painted]
     return painting.model_copy(update={"strokes": (*kept, *rest)})
 

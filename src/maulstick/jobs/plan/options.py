@@ -36,6 +36,7 @@ _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
+_FILES = ("background", "again", "look", "paints_from", "clip_weights")  # options that are paths
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -56,6 +57,8 @@ class PlanOptions:
     margin: paper left bare at each edge of the sheet, as in ``10mm``; with one, no ink leaves the picture's area.
     rotate, straighten, crop, exposure, contrast: corrections of the picture, see `PictureEdit`.
     background: a photograph of the sheet, with what is painted on it so far.
+    again: the path of a painting: its locked strokes, its sheet and its paints stay as they are, and its other strokes
+    are planned on from where they are.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
@@ -95,6 +98,7 @@ class PlanOptions:
     contrast: float = 1.0
     paper: str = "white"
     background: Path | None = None
+    again: Path | None = None
     text: str | None = None
     look: Path | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
@@ -110,7 +114,7 @@ class PlanOptions:
     device: str = "auto"
 
     def __post_init__(self) -> None:
-        for name in ("background", "look", "paints_from", "clip_weights"):  # so that a plan can go on from any folder
+        for name in _FILES:  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())
         object.__setattr__(self, "style", _absolute(self.style))

@@ -5,23 +5,20 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
 
-import numpy as np
-
-from maulstick.colour.palette import parse_colour
-from maulstick.colour.tubes import NamedPaint, read_paints
+from maulstick.colour.tubes import read_paints
 from maulstick.errors import InputError, option
+from maulstick.jobs.plan.again import Again
 from maulstick.jobs.plan.device import Choice, choose_device
-from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
+from maulstick.jobs.plan.inputs import SHEET_PX, enough, held, mural_of, network_of, picture_of, settings_of, sheet_of
+from maulstick.jobs.plan.options import AUTO
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
-from maulstick.painting.edit import NO_EDIT
-from maulstick.painting.painting import Painting, Provenance, Sheet, hex_colour
-from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
-from maulstick.painting.raster import Canvas, parse_margin, parse_sheet
-from maulstick.planning.features.efficientnet import EfficientNetLite0
+from maulstick.painting.painting import Painting, Provenance, hex_colour
+from maulstick.painting.picture import read_picture
+from maulstick.painting.raster import parse_margin
 from maulstick.planning.features.network import Network
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of, with_metrics
-from maulstick.planning.layout import LONGEST_PX, Layout, canvas_for, lay_out_for
+from maulstick.planning.layout import LONGEST_PX, Layout, lay_out_for
 from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
@@ -29,6 +26,7 @@ from maulstick.planning.mural.windows import Mural
 from maulstick.planning.planner import PlanProgress, PlanResult, plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.room import check_room, surface_of
+from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State
 from maulstick.planning.tones import InkSupply, Tones
 from maulstick.robot.sheet_reach import sheet_fault
@@ -36,7 +34,6 @@ from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
 _CROWDED = 0.7  # times a hand's size, below which strokes lie more than twice as densely as the hand draws them
-_SHEET_PX, _WIDEST_SHEET_PX = 1024, 2048  # a background over the sheet's height and width: finer than plans need
 
 
 @dataclass(frozen=True)
@@ -46,6 +43,7 @@ class Prepared:
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
     device: what plans, and a note on it for people.  supply: of one ink, in a hand.
     is_held: whether the brush is held at one pressure since the machine only lifts its pen.
+    again: what is planned again, None for a new plan.
     """
 
     request: PlanRequest
@@ -62,11 +60,17 @@ class Prepared:
     device: Choice
     supply: InkSupply | None
     is_held: bool
+    again: Again | None
 
     @property
     def tones(self) -> Tones | None:
         """Tones that the picture is planned in; None where any can be reached."""
-        return None if self.supply is None else self.supply.tones(self.settings.strokes)
+        return None if self.supply is None else self.supply.tones(self.strokes)
+
+    @property
+    def strokes(self) -> int:
+        """Number of strokes, at most, that the painting will have."""
+        return self.settings.strokes + (0 if self.again is None else len(self.again.locked))
 
     @property
     def notes(self) -> list[str]:
@@ -107,6 +111,9 @@ class Prepared:
     def plan(self, watch: Callable[[PlanProgress], bool], resume: State | None) -> PlanResult:
         """Return the plan; a mural is planned in windows. Arguments are those of `plan`."""
         if self.mural is None:
+            if self.again is not None:
+                start = self.again.start(self.problem)
+                return plan(self.problem, self.settings, watch, schedule=REPLAN, start=start, resume=resume)
             return plan(self.problem, self.settings, watch, resume=resume)
         return plan_mural(
             self.mural,
@@ -124,6 +131,8 @@ class Prepared:
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
         painting = as_painting(planned, self.layout, self.brushes, self.style, self.provenance, self.names)
+        if self.again is not None:
+            painting = self.again.joined(painting, planned)
         arrangement = self.style.arrangement
         if arrangement is not None and self.settings.one_ink and self.settings.arrange:
             painting = painting.model_copy(update={"succession": arrangement.succession})
@@ -144,21 +153,33 @@ class Prepared:
             device=self.device.device,
             tones=self.tones,
         )
+        problem = replace(problem, neighbours=self.problem.neighbours)
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
 
 def prepare(
-    request: PlanRequest, image: Image | None = None, *, brushes: tuple[Brush, ...] = (), style: Style | None = None
+    request: PlanRequest,
+    image: Image | None = None,
+    *,
+    brushes: tuple[Brush, ...] = (),
+    style: Style | None = None,
+    again: Again | None = None,
 ) -> Prepared:
     """Return what planning needs, from the files of a request.
 
     image: the picture, (H, W, 3), sRGB in [0, 1], where it is in memory and not in a file that the request names.
-    brushes, style: replace those that the options name.
+    brushes, style, again: replace those that the options name.
     Raises InputError for the first file that cannot be used, and for contradictions.
     """
     options, device = request.options, choose_device(request.options.device)
-    whole, picture = brushes or load_brushes(options.brush), _picture(request, image)
-    brushes, sheet = tuple(_held(brush, options) for brush in whole), _sheet(options, picture)
+    again, picture = again or Again.of(options), picture_of(request, image)
+    whole, sheet = brushes or load_brushes(options.brush), sheet_of(options, picture)
+    brushes = tuple(held(brush, options) for brush in whole)
+    is_held = options.pressure is None and any(
+        was.pressure_matters != brush.pressure_matters for was, brush in zip(whole, brushes, strict=True)
+    )
+    if again is not None:
+        brushes, sheet = again.brushes(brushes), again.sheet(sheet)
     finest = finest_of(brushes)
     margin = parse_margin(options.margin, (sheet.width, sheet.height))
     tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
@@ -168,14 +189,16 @@ def prepare(
         if picture is None:
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
         picture = lines_for(picture, sheet, finest, options.fit, margin)
-    mural = _mural(options, picture, sheet, finest, margin)
+    mural = mural_of(options, picture, sheet, finest, margin)
     if mural is None:
         layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
+        if again is not None:
+            raise InputError(f"{option('again')} plans in one piece; choose a smaller {option('px')}")
         layout = mural.overview(LONGEST_PX)
     check_room(layout.room, brushes)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
-    settings, supply = _settings(options, tubes), None
+    settings, supply = settings_of(options, tubes), None
     if settings.one_ink:
         if len(brushes) > 1:
             raise InputError(
@@ -184,8 +207,12 @@ def prepare(
             )
         supply = InkSupply.of(layout, finest, style, settings.palette[0], with_lines=options.drawing == "both")
     if options.strokes == AUTO:
-        settings = replace(settings, strokes=_enough(supply))
-    look = read_picture(options.look, longest_px=_SHEET_PX) if options.look is not None else None
+        settings = replace(settings, strokes=enough(supply))
+    names, strokes = {hex_colour(tube.colour): tube.name for tube in tubes}, settings.strokes
+    if again is not None:
+        settings, names = again.settings(settings), again.names
+        strokes = settings.strokes + len(again.locked)
+    look = read_picture(options.look, longest_px=SHEET_PX) if options.look is not None else None
     clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
     loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights}, options.drawing != "tones")
     sums = {
@@ -193,11 +220,13 @@ def prepare(
         "the brush": sum_of([brush.model_dump(mode="json") for brush in brushes]),
     }
     request = request.with_sums({**sums, "the style": style.hash})
-    network = cache(partial(_network, options))
-    tones = None if supply is None else supply.tones(settings.strokes)
+    network = cache(partial(network_of, options))
+    tones = None if supply is None else supply.tones(strokes)
     if tones is not None and tones.compressed:  # none can be spared
         settings = replace(settings, exact=True)
     problem = problem_of(layout, brushes, style, settings, loss_options, network, device=device.device, tones=tones)
+    if again is not None:
+        problem = again.problem(problem)
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
@@ -206,7 +235,6 @@ def prepare(
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
     provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
-    names = {hex_colour(tube.colour): tube.name for tube in tubes}
     return Prepared(
         request,
         layout,
@@ -221,74 +249,6 @@ def prepare(
         network,
         device,
         supply,
-        is_held=options.pressure is None
-        and any(was.pressure_matters != brush.pressure_matters for was, brush in zip(whole, brushes, strict=True)),
+        is_held,
+        again,
     )
-
-
-def _picture(request: PlanRequest, image: Image | None) -> Image | None:
-    """Return the picture as the options correct it, or None where there is only a text or a look."""
-    picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
-    if picture is not None:
-        return request.options.edit.applied(picture)
-    for name, value in vars(request.options.edit).items():
-        if value != getattr(NO_EDIT, name):
-            raise InputError(f"{option(name)} corrects a picture, and there is none; name one, or leave it out")
-    return None
-
-
-def _held(brush: Brush, options: PlanOptions) -> Brush:
-    """Return the brush, held where the options or their machine say so. Raises InputError where it leaves no mark."""
-    pressure = options.held_pressure
-    if pressure is None or (options.pressure is None and not brush.pressure_matters):
-        return brush
-    return brush.held_at(pressure)
-
-
-def _mural(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush, margin: float) -> Mural | None:
-    """Return the mural of a canvas that is too large to be planned in one piece, or None."""
-    canvas = canvas_for(picture, sheet, brush, options.fit, options.px, margin)
-    if max(canvas.width_px, canvas.height_px) <= LONGEST_PX:
-        return None
-    if picture is None or options.text is not None:
-        px = option("px")
-        raise InputError(f"a text is planned in one piece, of at most {LONGEST_PX} pixels; choose a smaller {px}")
-    return Mural(picture, sheet, canvas, options.fit, margin)
-
-
-def _settings(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSettings:
-    palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
-    paints = options.mixed_paints
-    strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
-    return PlannerSettings(
-        strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
-    )
-
-
-def _enough(supply: InkSupply | None) -> int:
-    """Return the number of strokes that give the ink of a picture, at most `MOST_AUTO`."""
-    if supply is None:
-        raise InputError(
-            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for one ink; give {option('style')} and "
-            f"{option('ink')}, or a number"
-        )
-    return min(supply.enough, MOST_AUTO)
-
-
-def _sheet(options: PlanOptions, picture: Image | None) -> Sheet:
-    width, height = parse_sheet(options.size, None if picture is None else picture.shape)
-    if options.background is None:
-        return Sheet(width=width, height=height, paper=parse_colour(options.paper))
-    canvas = Canvas(width, height, min(_SHEET_PX / height, _WIDEST_SHEET_PX / width))
-    photograph = canvas_photograph(options.background, canvas)
-    edge = np.concatenate([photograph[0], photograph[-1], photograph[:, 0], photograph[:, -1]])
-    paper = tuple(np.median(edge, axis=0).tolist())
-    return Sheet(width=width, height=height, paper=paper, picture=encode_png(photograph))
-
-
-def _network(options: PlanOptions) -> Network:
-    if not options.names_clip and options.text is None:
-        return EfficientNetLite0()
-    from maulstick.planning.features.clip import Clip  # takes seconds to load
-
-    return Clip.load(options.clip or "RN101", options.clip_weights, layers=options.clip_layers)

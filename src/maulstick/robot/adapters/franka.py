@@ -4,6 +4,7 @@ Waypoints are samples of our own profile; each has a time and a velocity, so tha
 plans a motion of its own between them.
 """
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Final, final
@@ -63,7 +64,7 @@ class Franka(Arm, FeelsForce):
             import franky
         except ImportError as error:
             raise InputError("the franka extra is not installed; run: pip install 'maulstick[franka]'") from error
-        with self._line():
+        with self._line(), _scheduling_kept():
             # A kernel without real time works, too: where it is late, the arm stops with an error.
             self._arm = franky.Robot(self._address, realtime_config=franky.RealtimeConfig.Ignore)
         self._make_ready()
@@ -144,6 +145,19 @@ class Franka(Arm, FeelsForce):
             ) from error
         except franky.Exception as error:
             raise MachineError(f"the Franka cannot be driven: {_one_line(error)}") from error
+
+
+@contextmanager
+def _scheduling_kept() -> Iterator[None]:
+    """Keep this thread's scheduling: libfranka lets it go before all others, and so would whatever it starts.
+
+    The thread that franky moves the arm in is made urgent by itself.
+    """
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, policy, parameters)
 
 
 def _one_line(error: BaseException) -> str:

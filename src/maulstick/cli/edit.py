@@ -1,0 +1,143 @@
+"""``maulstick edit``: changes strokes of a painting by hand, before the rest is planned again."""
+
+from collections.abc import Callable
+from functools import partial
+from math import radians
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import numpy as np
+import typer
+
+from maulstick.cli.folder import check_absent
+from maulstick.errors import InputError
+from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.stroke_edits import (
+    AddStroke,
+    LockStrokes,
+    MoveStrokes,
+    RemoveStrokes,
+    RepaintStrokes,
+    StrokeEdit,
+    UnlockStrokes,
+    edited,
+)
+
+_HELD = 0.5  # pressure of drawn strokes without any: half as deep as a brush goes
+_MOST_IDS = 1_000_000  # in a range: more than any painting has strokes
+
+_edits = partial(typer.Option, rich_help_panel="Edits, made in this order")
+_writing = partial(typer.Option, rich_help_panel="What is written")
+Value = TypeVar("Value")
+
+
+def edit(
+    painting: Annotated[Path, typer.Argument(help="The painting.json of a plan.")],
+    repaint: Annotated[
+        list[str] | None, _edits(metavar="IDS:N", help="Give strokes the N-th paint: 12,15-20:3. It locks them.")
+    ] = None,
+    move: Annotated[
+        list[str] | None,
+        _edits(metavar="IDS:X,Y", help="Move strokes by millimetres, to the right and down: 12:2.5,-1. It locks them."),
+    ] = None,
+    turn: Annotated[
+        list[str] | None,
+        _edits(metavar="IDS:DEGREES", help="Turn strokes clockwise, about their middle: 12-14:30. It locks them."),
+    ] = None,
+    add: Annotated[
+        list[str] | None,
+        _edits(metavar="N:FILE", help="Add drawn strokes, in any format of `record ink`, in the N-th paint; locked."),
+    ] = None,
+    unlock: Annotated[str | None, _edits(metavar="IDS", help="Let planning change these strokes again.")] = None,
+    lock: Annotated[
+        str | None, _edits(metavar="IDS|all", help="Lock strokes, so that planning again leaves them as they are.")
+    ] = None,
+    remove: Annotated[str | None, _edits(metavar="IDS", help="Take strokes out.")] = None,
+    out: Annotated[Path | None, _writing(metavar="FILE", help="The painting.json to write.")] = None,
+    overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace what is there.")] = False,
+) -> None:
+    """Change strokes of a painting by hand; `maulstick plan --again` then plans the rest around the locked ones.
+
+    Strokes are named by their ids, as 3,7-12: `painting.svg` has them as stroke-3, and painting.json as "id". Paints
+    count from 1, in the order of palette.png where there is one brush, and of "paints" in painting.json.
+
+    Example: maulstick edit cat/painting.json --lock 3,7-12 --remove 40 --out cat/mine.json
+    """
+    if out is None:
+        raise InputError("name the file to write, with --out cat/mine.json")
+    check_absent(out, "--out", overwrite)
+    before = read_painting(painting)
+    edits: list[StrokeEdit] = []
+    for text in repaint or []:
+        ids, paint = _parts(text, "--repaint", "12,15-20:3", int)
+        edits.append(RepaintStrokes(strokes=ids, paint=_index(paint, before)))
+    for text in move or []:
+        ids, by = _parts(text, "--move", "12:2.5,-1", _millimetres)
+        edits.append(MoveStrokes(strokes=ids, by=by))
+    for text in turn or []:
+        ids, degrees = _parts(text, "--turn", "12-14:30", float)
+        edits.append(MoveStrokes(strokes=ids, turn=radians(degrees)))
+    for text in add or []:
+        edits.extend(_drawn(text, before))
+    if unlock is not None:
+        edits.append(UnlockStrokes(strokes=_ids(unlock, "--unlock")))
+    if lock is not None:
+        every = tuple(stroke.id for stroke in before.strokes)
+        edits.append(LockStrokes(strokes=every if lock == "all" and every else _ids(lock, "--lock")))
+    if remove is not None:
+        edits.append(RemoveStrokes(strokes=_ids(remove, "--remove")))
+    if not edits:
+        raise InputError("there is nothing to change; give --lock, --remove or another edit")
+    after = edited(before, edits)
+    write_painting(after, out)
+    locked = sum(stroke.locked for stroke in after.strokes)
+    print(f"{out}: {len(after.strokes)} strokes, {locked} of them locked")
+
+
+def _index(number: int, painting: Painting) -> int:
+    if not 1 <= number <= len(painting.paints):
+        raise InputError.of_range("the paint", number, f"from 1 to {len(painting.paints)}")
+    return number - 1
+
+
+def _drawn(text: str, painting: Painting) -> list[AddStroke]:
+    number, colon, file = text.partition(":")
+    if not (colon and number.isdigit()):
+        raise InputError(f"--add is {text!r}; it must be a paint's number and a file, as in 2:signature.json")
+    from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
+
+    strokes, paint = [], _index(int(number), painting)
+    for samples in read_ink_file(Path(file))[0].strokes():
+        points = samples[:, 1:4]
+        points[:, 2] = np.where(np.isnan(points[:, 2]), _HELD, points[:, 2])
+        strokes.append(AddStroke(paint=paint, trajectory=tuple(map(tuple, points.tolist()))))
+    return strokes
+
+
+def _parts(text: str, name: str, example: str, value_of: Callable[[str], Value]) -> tuple[tuple[int, ...], Value]:
+    """Return the ids before the colon, and the value after it."""
+    ids, colon, value = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return _ids(ids, name), value_of(value)
+    except ValueError:
+        raise InputError(f"{name} is {text!r}; it must be like {example}") from None
+
+
+def _ids(text: str, name: str) -> tuple[int, ...]:
+    ids: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not (first.isdigit() and (last.isdigit() or not dash)):
+            raise InputError(f"{name} names {part!r}; strokes are named by their ids, as in 3,7-12")
+        begin, end = int(first), int(last or first)
+        if not begin <= end < begin + _MOST_IDS:
+            raise InputError(f"{name} names {part!r}; a range goes from a smaller id to a larger one, as in 7-12")
+        ids.extend(range(begin, end + 1))
+    return tuple(ids)
+
+
+def _millimetres(text: str) -> tuple[float, float]:
+    x, y = (float(number) / 1e3 for number in text.split(","))
+    return x, y

@@ -1,0 +1,207 @@
+"""Planning again: the locked strokes of a painting stay as they are, and the others are planned on from where they are.
+
+Its sheet, its brushes and its paints stay too, since they may be mixed already.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import torch
+from pydantic import TypeAdapter, ValidationError
+
+from maulstick.errors import InputError, option, validation_fault
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import demo_picture
+from maulstick.painting.brush import Brush, in_painting_order
+from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.planning.planner import PlanResult
+from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
+from maulstick.storage.arrays import Floats
+from maulstick.storage.files import file_sum
+from maulstick.strokes.strokes import POINTS, resample, standardise
+from maulstick.style import Style
+from maulstick.style.pressure import fit_knots
+
+_FILES = ("look", "clip_weights")  # options of which a painting only knows the file's name
+_SETTLED = ("background", "paper", "paints", "paints_from", "ink")  # options that a painting has settled
+_NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
+
+
+@dataclass(frozen=True)
+class Again:
+    """Painting that is planned again. Raises InputError for a drawing, which nobody planned."""
+
+    painting: Painting
+
+    @classmethod
+    def of(cls, options: PlanOptions) -> Self | None:
+        """Return the painting of the options, or None where they ask for a new one."""
+        if options.again is None:
+            return None
+        return cls(read_painting(options.again))
+
+    def __post_init__(self) -> None:
+        if self.painting.literal or not self.painting.paints:
+            raise InputError("the painting was not planned, so it cannot be planned again; name a plan's")
+
+    @property
+    def locked(self) -> list[Stroke]:
+        """Strokes that stay, in painting order."""
+        return [stroke for stroke in self.painting.strokes if stroke.locked]
+
+    @property
+    def left(self) -> list[Stroke]:
+        """Strokes that are planned on, in painting order."""
+        return [stroke for stroke in self.painting.strokes if not stroke.locked]
+
+    def brushes(self, named: Sequence[Brush]) -> tuple[Brush, ...]:
+        """Return the painting's brushes, and those that are named and not among them, the broadest first."""
+        own = self.painting.brushes
+        return in_painting_order([*own.values(), *(brush for brush in named if brush.name not in own)])
+
+    def sheet(self, asked: Sheet) -> Sheet:
+        """Return the painting's sheet. Raises InputError where one of another size is asked for."""
+        own = self.painting.sheet
+        if (asked.width, asked.height) != (own.width, own.height):
+            raise InputError(
+                f"the painting is on a sheet of {own.millimetres}, and {option('size')} asks for {asked.millimetres}; "
+                "leave it out, or plan anew"
+            )
+        return own
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Names of its paints, by their colours as ``#rrggbb``."""
+        return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
+
+    def settings(self, settings: PlannerSettings) -> PlannerSettings:
+        """Return the settings with the painting's paints, for those of the strokes asked for that are not locked."""
+        strokes = max(settings.strokes - len(self.locked), len(self.left))
+        if strokes < 1:
+            raise InputError(
+                f"all {len(self.locked)} strokes are locked, and {option('strokes')} asks for no more; unlock some, or "
+                "ask for more"
+            )
+        palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
+        return replace(settings, strokes=strokes, paints=None, palette=palette)
+
+    def problem(self, problem: PlanningProblem) -> PlanningProblem:
+        """Return the problem with the locked strokes among those that are planned."""
+        return replace(problem, neighbours=neighbours_of(self.locked, self.painting, problem.brushes))
+
+    def start(self, problem: PlanningProblem) -> StrokeParameters:
+        """Return the strokes that are planned on, as they are."""
+        return parameters_of(self.left, self.painting, problem.style, problem.brushes)
+
+    def joined(self, planned: Painting, result: PlanResult) -> Painting:
+        """Return the painting that was `planned` with the locked strokes in their places."""
+        return with_locked(planned, self.locked, self.painting, result)
+
+
+def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
+    """Return the options that a painting was planned with, but for those given.
+
+    Raises InputError for a file that must be named once more, as a painting keeps no paths, for what a painting has
+    settled, and for other options that this Maulstick cannot read.
+    """
+    for name in sorted(set(_SETTLED) & set(given)):
+        raise InputError(f"{option('again')} keeps the sheet and the paints of the painting; leave out {option(name)}")
+    known = {field.name for field in fields(PlanOptions)} - set(_NOT_KEPT)
+    kept = {name: value for name, value in painting.provenance.options.items() if name in known and name not in given}
+    for name in _FILES:
+        if kept.get(name) is not None:
+            raise InputError(f"it was planned with the file {kept[name]}; name that once more, with {option(name)}")
+    try:
+        options = TypeAdapter(PlanOptions).validate_python(kept)
+    except ValidationError as error:
+        raise InputError(f"it was planned with options of another kind: {validation_fault(error)}") from error
+    return replace(options, **{"seed": painting.provenance.seed, **given})
+
+
+def picture_near(painting: Painting, file: Path) -> Path | None:
+    """Return the picture of a painting: of this folder, that of the painting's `file`, or the one above.
+
+    None where it was planned from a text alone. Raises InputError where it is in none of them.
+    """
+    name, sha256 = painting.provenance.image, painting.provenance.image_sha256
+    if name is None or sha256 is None:
+        return None
+    places = [folder / name for folder in (Path(), file.parent, file.parent.parent)]
+    for path in [*places, demo_picture()]:
+        if path.is_file() and file_sum(path) == sha256:
+            return path
+    raise InputError(f"there is no {name}, from which it was planned, here or beside {file}; name it, too")
+
+
+def parameters_of(
+    strokes: Sequence[Stroke], painting: Painting, style: Style, brushes: Sequence[Brush]
+) -> StrokeParameters:
+    """Return strokes of a painting as parameters of the style; one that is not of the style, as nearly as it can be."""
+    paths = _paths(strokes)
+    standard, poses = standardise(paths[..., :2])
+    codes = style.encode(torch.from_numpy(standard).float()).detach()
+    for row, stroke in enumerate(strokes):
+        if stroke.style is not None and stroke.style.hash == style.hash:
+            codes[row], poses[row] = torch.tensor(stroke.style.code), stroke.style.pose
+    return StrokeParameters(
+        codes=codes,
+        centres=torch.from_numpy(paths[..., :2].mean(axis=1)).float(),
+        angles=torch.from_numpy(poses[:, 2]).float(),
+        pressure_knots=torch.from_numpy(fit_knots(paths[..., 2])).float(),
+        colours=_colours(strokes, painting),
+        brush_of=_brushes(strokes, painting, brushes),
+    )
+
+
+def neighbours_of(strokes: Sequence[Stroke], painting: Painting, brushes: Sequence[Brush]) -> Neighbours:
+    """Return strokes of a painting as neighbours that planning does not change."""
+    return Neighbours(
+        torch.from_numpy(_paths(strokes)).float(),
+        _colours(strokes, painting),
+        _brushes(strokes, painting, brushes),
+    )
+
+
+def with_locked(planned: Painting, locked: Sequence[Stroke], before: Painting, result: PlanResult) -> Painting:
+    """Return a painting that was planned with locked strokes of the one `before` it, in the places of the result.
+
+    Locked strokes keep their ids, and the planned ones get new ones.
+    """
+    paints, numbers = list(planned.paints), {}
+    for stroke in locked:
+        paint = before.paints[stroke.paint]
+        if paint not in paints:
+            paints.append(paint)
+        numbers[stroke.id] = paints.index(paint)
+    free = 1 + max((stroke.id for stroke in before.strokes), default=-1)
+    rest = [stroke.model_copy(update={"id": free + row}) for row, stroke in enumerate(planned.strokes)]
+    kept = [stroke.model_copy(update={"paint": numbers[stroke.id]}) for stroke in locked]
+    places = np.concatenate([np.arange(len(rest)) + 0.5, result.before.numpy()])
+    order = np.argsort(places, kind="stable").tolist()
+    both = [*rest, *kept]
+    brushes = {paint.brush: {**before.brushes, **planned.brushes}[paint.brush] for paint in paints}
+    return planned.model_copy(
+        update={"paints": tuple(paints), "brushes": brushes, "strokes": tuple(both[row] for row in order)}
+    )
+
+
+def _paths(strokes: Sequence[Stroke]) -> Floats:
+    """Return commanded trajectories (N, 32, 3): those that have another number of points, resampled."""
+    paths = [
+        np.array(stroke.trajectory) if len(stroke.trajectory) == POINTS else resample(np.array(stroke.trajectory))
+        for stroke in strokes
+    ]
+    return np.array(paths, dtype=np.float64).reshape(-1, POINTS, 3)
+
+
+def _colours(strokes: Sequence[Stroke], painting: Painting) -> torch.Tensor:
+    return torch.tensor([painting.paints[stroke.paint].colour for stroke in strokes]).reshape(-1, 3)
+
+
+def _brushes(strokes: Sequence[Stroke], painting: Painting, brushes: Sequence[Brush]) -> torch.Tensor:
+    used = [painting.brushes[painting.paints[stroke.paint].brush] for stroke in strokes]
+    return torch.tensor([brushes.index(brush) for brush in used], dtype=torch.long)

@@ -1,0 +1,97 @@
+"""Inputs of a plan: the picture, the sheet, brushes, settings and the network that options ask for."""
+
+import numpy as np
+
+from maulstick.colour.palette import parse_colour
+from maulstick.colour.tubes import NamedPaint
+from maulstick.errors import InputError, option
+from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.brush import Brush
+from maulstick.painting.edit import NO_EDIT
+from maulstick.painting.painting import Sheet
+from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
+from maulstick.painting.raster import Canvas, parse_sheet
+from maulstick.planning.features.efficientnet import EfficientNetLite0
+from maulstick.planning.features.network import Network
+from maulstick.planning.layout import LONGEST_PX, canvas_for
+from maulstick.planning.mural.windows import Mural
+from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.tones import InkSupply
+from maulstick.storage.arrays import Image
+
+SHEET_PX = 1024
+"""Pixels over the height of a sheet's photograph, and of the picture of a look: finer than plans need."""
+
+_WIDEST_SHEET_PX = 2048  # over its width, for sheets that are much wider than high
+
+
+def picture_of(request: PlanRequest, image: Image | None) -> Image | None:
+    """Return the picture as the options correct it, or None where there is only a text or a look."""
+    picture = read_picture(request.picture, longest_px=READ_PX) if request.picture is not None else image
+    if picture is not None:
+        return request.options.edit.applied(picture)
+    for name, value in vars(request.options.edit).items():
+        if value != getattr(NO_EDIT, name):
+            raise InputError(f"{option(name)} corrects a picture, and there is none; name one, or leave it out")
+    return None
+
+
+def held(brush: Brush, options: PlanOptions) -> Brush:
+    """Return the brush, held where the options or their machine say so. Raises InputError where it leaves no mark."""
+    pressure = options.held_pressure
+    if pressure is None or (options.pressure is None and not brush.pressure_matters):
+        return brush
+    return brush.held_at(pressure)
+
+
+def mural_of(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: Brush, margin: float) -> Mural | None:
+    """Return the mural of a canvas that is too large to be planned in one piece, or None."""
+    canvas = canvas_for(picture, sheet, brush, options.fit, options.px, margin)
+    if max(canvas.width_px, canvas.height_px) <= LONGEST_PX:
+        return None
+    if picture is None or options.text is not None:
+        px = option("px")
+        raise InputError(f"a text is planned in one piece, of at most {LONGEST_PX} pixels; choose a smaller {px}")
+    return Mural(picture, sheet, canvas, options.fit, margin)
+
+
+def settings_of(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSettings:
+    """Return the planner's settings by the options, with these tubes of paint."""
+    palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
+    paints = options.mixed_paints
+    strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
+    return PlannerSettings(
+        strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
+    )
+
+
+def enough(supply: InkSupply | None) -> int:
+    """Return the number of strokes that give the ink of a picture, at most `MOST_AUTO`."""
+    if supply is None:
+        raise InputError(
+            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for one ink; give {option('style')} and "
+            f"{option('ink')}, or a number"
+        )
+    return min(supply.enough, MOST_AUTO)
+
+
+def sheet_of(options: PlanOptions, picture: Image | None) -> Sheet:
+    """Return the sheet by the options, turned as the picture where they say so."""
+    width, height = parse_sheet(options.size, None if picture is None else picture.shape)
+    if options.background is None:
+        return Sheet(width=width, height=height, paper=parse_colour(options.paper))
+    canvas = Canvas(width, height, min(SHEET_PX / height, _WIDEST_SHEET_PX / width))
+    photograph = canvas_photograph(options.background, canvas)
+    edge = np.concatenate([photograph[0], photograph[-1], photograph[:, 0], photograph[:, -1]])
+    paper = tuple(np.median(edge, axis=0).tolist())
+    return Sheet(width=width, height=height, paper=paper, picture=encode_png(photograph))
+
+
+def network_of(options: PlanOptions) -> Network:
+    """Return the network that the options name, or else the one for looks alone."""
+    if not options.names_clip and options.text is None:
+        return EfficientNetLite0()
+    from maulstick.planning.features.clip import Clip  # takes seconds to load
+
+    return Clip.load(options.clip or "RN101", options.clip_weights, layers=options.clip_layers)

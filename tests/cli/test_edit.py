@@ -1,0 +1,105 @@
+"""Editing a plan by hand, and planning the rest again."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maulstick.painting.painting import Painting, read_painting
+from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, run
+from tests.support.tolerances import FILE_METRES
+
+DRAWN = {
+    "schema_version": 1,
+    "size_mm": [200, 160],
+    "strokes": [[{"timeStamp": 10 * i, "x": 20 + i, "y": 30, "pressure": 0.4} for i in range(5)]],
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a picture, its plan of 20 strokes in ``plan``, and a drawn line."""
+    folder = tmp_path_factory.mktemp("edit")
+    shutil.copy(PORTRAIT, folder / "portrait.png")
+    words = ("--exact", "--paints", "3", "--style", "loops", "--out", folder / "plan")
+    assert run("plan", folder / "portrait.png", *QUICK, *words).code == 0
+    (folder / "line.json").write_text(json.dumps(DRAWN))
+    return folder
+
+
+def edited(folder: Path, *words: str | Path) -> Painting:
+    ran = run("edit", folder / "plan" / "painting.json", *words, "--out", folder / "edited.json", "--overwrite")
+    assert ran.code == 0, ran.stderr
+    return read_painting(folder / "edited.json")
+
+
+def refusal(folder: Path, *words: str | Path) -> str:
+    ran = run("edit", folder / "plan" / "painting.json", *words, "--out", folder / "refused.json")
+    assert ran.code == 2
+    assert not (folder / "refused.json").exists()
+    return ran.mistake
+
+
+def test_strokes_are_edited_and_the_rest_is_planned_again_around_them(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    before = edited(
+        folder, "--lock", "1,3-5", "--remove", "7", "--move", "8:2.5,-1", "--turn", "9:30", "--repaint", "10:2",
+        "--add", f"1:{folder / 'line.json'}",
+    )  # fmt: skip
+    locked = {stroke.id: stroke.trajectory for stroke in before.strokes if stroke.locked}
+    assert sorted(locked) == [1, 3, 4, 5, 8, 9, 10, 20]
+    assert np.abs(np.array(locked[20])[:, :2] - [(0.02 + 0.001 * i, 0.03) for i in range(5)]).max() < FILE_METRES
+    ran = run("plan", "--again", "edited.json", "--steps", "3", "--out", "again")
+    assert ran.code == 0, ran.stderr
+    after = read_painting(folder / "again" / "painting.json")
+    assert {stroke.id: stroke.trajectory for stroke in after.strokes if stroke.locked} == locked
+    assert after.provenance.options["style"] == "loops"
+    assert after.provenance.options["steps"] == 3
+    assert len(after.strokes) == 20
+    assert sorted(path.name for path in (folder / "again").iterdir()) == RESULTS
+
+
+def test_all_strokes_are_locked_at_once(folder: Path) -> None:
+    assert all(stroke.locked for stroke in edited(folder, "--lock", "all").strokes)
+
+
+def test_an_edit_says_what_it_wrote(folder: Path) -> None:
+    ran = run("edit", folder / "plan" / "painting.json", "--lock", "0-3", "--out", folder / "said.json")
+    assert ran.stdout == f"{folder / 'said.json'}: 20 strokes, 4 of them locked\n"
+    again = run("edit", folder / "plan" / "painting.json", "--lock", "0-3", "--out", folder / "said.json")
+    assert again.mistake == f"{folder / 'said.json'} is already there; choose another --out, or add --overwrite"
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        ((), "there is nothing to change; give --lock, --remove or another edit"),
+        (("--lock", "1,x"), "--lock names 'x'; strokes are named by their ids, as in 3,7-12"),
+        (("--remove", "9-3"), "--remove names '9-3'; a range goes from a smaller id to a larger one, as in 7-12"),
+        (("--remove", "0-99999999"), "--remove names '0-99999999'; a range goes from a smaller id to a larger one"),
+        (("--lock", "99"), "there is no stroke 99 in the painting; name strokes by their ids"),
+        (("--repaint", "1"), "--repaint is '1'; it must be like 12,15-20:3"),
+        (("--repaint", "1:9"), "the paint is 9; it must be from 1 to 3"),
+        (("--move", "1:2"), "--move is '1:2'; it must be like 12:2.5,-1"),
+        (("--move", "1:900,0"), "stroke 1 reaches "),
+        (("--turn", "1:right"), "--turn is '1:right'; it must be like 12-14:30"),
+        (("--add", "line.json"), "--add is 'line.json'; it must be a paint's number and a file, as in 2:signature"),
+        (("--add", "1:nothing.json"), "there is no drawing nothing.json; check its name and folder"),
+    ],
+)
+def test_an_edit_that_cannot_be_made_is_refused(folder: Path, words: tuple[str, ...], text: str) -> None:
+    assert refusal(folder, *words).startswith(text)
+
+
+def test_it_must_be_said_where_to_write(folder: Path) -> None:
+    ran = run("edit", folder / "plan" / "painting.json", "--lock", "1")
+    assert ran.mistake == "name the file to write, with --out cat/mine.json"
+
+
+def test_what_a_painting_has_settled_is_not_said_again(folder: Path) -> None:
+    ran = run("plan", "--again", folder / "plan" / "painting.json", "--paints", "4", "--out", folder / "no")
+    assert ran.mistake == "--again keeps the sheet and the paints of the painting; leave out --paints"

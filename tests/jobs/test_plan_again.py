@@ -1,0 +1,200 @@
+"""Planning again around the strokes that a person has locked."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+import maulstick as ms
+from maulstick.errors import InputError
+from maulstick.jobs.paint.camera_loop import replanned
+from maulstick.jobs.plan.again import picture_near, planned_before
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.painting import Paint, Painting, Stroke, read_painting, write_painting
+from maulstick.painting.stroke_edits import AddStroke, LockStrokes, MoveStrokes, RemoveStrokes, RepaintStrokes, edited
+from maulstick.strokes.strokes import resample
+from maulstick.style import load_style
+from tests.support.planned import picture
+
+SIDE, QUICK = "60x60mm", 4  # steps
+CIRCLE = tuple(
+    (0.03 + 0.01 * np.cos(turn), 0.03 + 0.01 * np.sin(turn), 0.6) for turn in np.linspace(0, 2 * np.pi, 50).tolist()
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a picture, its plan in a folder of its own, and that plan as a person has changed it."""
+    folder = tmp_path_factory.mktemp("again")
+    Image.fromarray((255 * picture()).astype(np.uint8)).save(folder / "disc.png")
+    options: dict[str, Any] = {"strokes": 24, "paints": 3, "steps": 30, "px": 48, "size": SIDE, "brush": "marker"}
+    painting = ms.plan(folder / "disc.png", style="loops", exact=True, **options)
+    (folder / "plan").mkdir()
+    painting.save(folder / "plan" / "painting.json")
+    ids = [stroke.id for stroke in painting.strokes]
+    edits = [
+        LockStrokes(strokes=tuple(ids[:4])),
+        MoveStrokes(strokes=(ids[5],), by=(0.002, 0.001), turn=0.3),
+        RepaintStrokes(strokes=(ids[6],), paint=2),
+        RemoveStrokes(strokes=tuple(ids[-6:])),
+        AddStroke(paint=0, trajectory=CIRCLE, speed=(0.05,) * len(CIRCLE)),
+    ]
+    write_painting(edited(painting, edits), folder / "plan" / "changed.json")
+    return folder
+
+
+def again(file: Path, **given: Any) -> Painting:
+    prepared = prepared_from(file, **given)
+    return prepared.painting(prepared.plan(lambda progress: True, None))
+
+
+def prepared_from(file: Path, **given: Any) -> Prepared:
+    painting = read_painting(file)
+    options = planned_before(painting, {"steps": QUICK, "again": file, **given})
+    return prepare(PlanRequest(picture_near(painting, file), options))
+
+
+@pytest.fixture(scope="module")
+def changed(folder: Path) -> Painting:
+    return read_painting(folder / "plan" / "changed.json")
+
+
+@pytest.fixture(scope="module")
+def after(folder: Path) -> Painting:
+    return again(folder / "plan" / "changed.json")
+
+
+def as_said(painting: Painting, stroke: Stroke) -> tuple[Stroke, Paint]:
+    """Return a stroke without the index of its paint, and that paint."""
+    return stroke.model_copy(update={"paint": 0}), painting.paints[stroke.paint]
+
+
+def locked(painting: Painting) -> dict[int, tuple[Stroke, Paint]]:
+    return {stroke.id: as_said(painting, stroke) for stroke in painting.strokes if stroke.locked}
+
+
+def test_locked_strokes_are_the_same_to_the_bit_afterwards(changed: Painting, after: Painting) -> None:
+    assert len(locked(changed)) == 7
+    assert locked(after) == locked(changed)
+
+
+def test_strokes_that_were_taken_out_are_planned_elsewhere_with_ids_that_were_never_used(
+    changed: Painting, after: Painting
+) -> None:
+    assert len(after.strokes) == 24, "as many as were asked for, with the locked ones"
+    new = [stroke for stroke in after.strokes if not stroke.locked]
+    assert min(stroke.id for stroke in new) > max(stroke.id for stroke in changed.strokes)
+    assert {stroke.origin for stroke in new} == {"planned"}
+
+
+def test_each_paint_is_still_taken_up_once(after: Painting) -> None:
+    assert after.paint_changes() == len({stroke.paint for stroke in after.strokes}) - 1
+
+
+def test_its_sheet_and_its_paints_stay(changed: Painting, after: Painting) -> None:
+    assert after.sheet == changed.sheet
+    assert {paint.hex for paint in after.paints} <= {paint.hex for paint in changed.paints}
+
+
+def test_it_is_the_same_each_time_and_goes_on_from_where_it_was_stopped(folder: Path, after: Painting) -> None:
+    assert again(folder / "plan" / "changed.json") == after
+    prepared, states = prepared_from(folder / "plan" / "changed.json"), []
+    prepared.plan(lambda progress: states.append(progress.state()) is None, None)
+    assert prepared.painting(prepared.plan(lambda progress: True, states[1])).strokes == after.strokes
+
+
+@settings(max_examples=5)
+@given(st.data())
+def test_any_strokes_can_be_locked(folder: Path, changed: Painting, data: st.DataObject) -> None:
+    ids = [stroke.id for stroke in changed.strokes]
+    some = data.draw(st.lists(st.sampled_from(ids), min_size=1, unique=True))
+    painting = edited(changed, [LockStrokes(strokes=tuple(some))])
+    write_painting(painting, folder / "plan" / "some.json")
+    assert locked(again(folder / "plan" / "some.json", steps=1)) == locked(painting)
+
+
+def test_another_hand_may_draw_the_rest(folder: Path, changed: Painting) -> None:
+    in_lines = again(folder / "plan" / "changed.json", style="hatching")
+    assert locked(in_lines) == locked(changed)
+    assert {stroke.style.name for stroke in in_lines.strokes if stroke.style and not stroke.locked} == {"hatching"}
+
+
+def test_another_brush_may_join_those_of_the_painting(folder: Path, changed: Painting) -> None:
+    finer = again(folder / "plan" / "changed.json", brush="fineliner", strokes=40)
+    assert locked(finer) == locked(changed)
+    assert set(finer.brushes) == {"marker", "fineliner"}
+
+
+def test_the_camera_leaves_locked_strokes_alone_too(changed: Painting) -> None:
+    sheet = np.ones((48, 48, 3), dtype=np.float32)
+    plain = [stroke for stroke in changed.strokes if stroke.origin == "planned"]
+    painting = changed.model_copy(update={"strokes": tuple(plain)})
+    first = plain[0].id
+    seen = replanned(painting, {first}, sheet, picture(), steps=QUICK)
+    assert seen.strokes[0] == plain[0]
+    assert locked(seen) == locked(painting)
+
+
+def test_python_plans_again_with_the_options_of_the_painting(folder: Path, changed: Painting, after: Painting) -> None:
+    painting = ms.plan(again=folder / "plan" / "changed.json", steps=QUICK)
+    assert painting.strokes == after.strokes
+    assert painting.provenance.options["brush"] == "marker"
+    assert ms.plan(folder / "disc.png", again=changed, steps=QUICK).strokes == after.strokes
+
+
+def test_a_text_alone_has_no_picture(folder: Path, changed: Painting) -> None:
+    alone = changed.provenance.model_copy(update={"image": None, "image_sha256": None})
+    assert picture_near(changed.model_copy(update={"provenance": alone}), folder / "alone.json") is None
+
+
+def refusal(folder: Path, painting: Painting, **given: Any) -> str:
+    write_painting(painting, folder / "plan" / "refused.json")
+    with pytest.raises(InputError) as refused:
+        again(folder / "plan" / "refused.json", **given)
+    return str(refused.value)
+
+
+def planned_with(painting: Painting, **options: Any) -> Painting:
+    made = painting.provenance
+    provenance = made.model_copy(update={"options": {**made.options, **options}})
+    return painting.model_copy(update={"provenance": provenance})
+
+
+def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting) -> None:
+    every = LockStrokes(strokes=tuple(stroke.id for stroke in changed.strokes))
+    assert "all 19 strokes are locked, and strokes asks for no more; unlock some" in refusal(
+        folder, edited(changed, [every]), strokes=19
+    )
+    assert "the painting is on a sheet of 60 x 60 mm, and size asks for 70 x 60 mm" in refusal(
+        folder, changed, size="70x60mm"
+    )
+    assert "again keeps the sheet and the paints of the painting; leave out ink" in refusal(
+        folder, changed, ink="black"
+    )
+    assert "planned with the file sea.jpg; name that once more, with look" in refusal(
+        folder, planned_with(changed, look="sea.jpg")
+    )
+    assert "was planned with options of another kind: px" in refusal(folder, planned_with(changed, px="many"))
+    assert "again plans in one piece; choose a smaller px" in refusal(folder, changed, px=4000)
+    drawing = changed.model_copy(update={"literal": True})
+    assert "was not planned, so it cannot be planned again" in refusal(folder, drawing)
+    elsewhere = changed.provenance.model_copy(update={"image": "elsewhere.png"})
+    assert "there is no elsewhere.png, from which it was planned, here or beside" in refusal(
+        folder, changed.model_copy(update={"provenance": elsewhere})
+    )
+
+
+def test_a_stroke_of_another_hand_is_planned_on_as_nearly_as_the_hand_can(folder: Path, changed: Painting) -> None:
+    from maulstick.jobs.plan.again import parameters_of
+
+    prepared = prepare(PlanRequest(folder / "disc.png", PlanOptions(size=SIDE, px=48, strokes=5, brush="marker")))
+    free, brushes = load_style("free", prepared.layout.canvas), tuple(changed.brushes.values())
+    found = parameters_of(changed.strokes, changed, free, brushes).trajectories(free).numpy()
+    wanted = np.array([resample(np.array(stroke.trajectory)) for stroke in changed.strokes])
+    assert np.abs(found - wanted)[..., :2].mean() < 0.5e-3
