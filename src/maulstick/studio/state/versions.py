@@ -2,21 +2,26 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
 
 from maulstick.jobs.plan.request import PlanRequest
 
-AGAIN: Final = "again.json"
-"""File in a plan's folder: the painting that it is planned around, where there is one."""
-
+_AGAIN = "again.json"  # file in a plan's folder: the painting that it is planned around, where there is one
 _VERSION = re.compile(r", version ([0-9]{1,6})$")
 
 
-def planned_around(request: PlanRequest, painting: Path) -> PlanRequest:
-    """Return a plan's request, once, for the rest around a painting's locked strokes."""
-    return replace(request, options=replace(request.options, again=painting), tries=1)
+@dataclass(frozen=True)
+class Around:
+    """Painting that a version is planned around. frame: a JPEG of it, to look at until there are others."""
+
+    painting: Path
+    frame: bytes
+
+    def move_to(self, folder: Path, request: PlanRequest) -> PlanRequest:
+        """Move the painting into a plan's folder; return its request, once, for the rest around the locked strokes."""
+        again = self.painting.replace(folder / _AGAIN)
+        return replace(request, options=replace(request.options, again=again), tries=1)
 
 
 def version_title(title: str, others: Iterable[str]) -> str:

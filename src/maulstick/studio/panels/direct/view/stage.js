@@ -241,7 +241,7 @@ export class Stage {
       ink.restore();
     }
     if (sharp) ink.drawImage(layers.view.bitmap, ...sharp.box);
-    this.root.toggleAttribute("data-sharp", Boolean(sharp?.isExact && !this.stale && !this.drawing)); // what is seen is drawn as vectors
+    this.root.toggleAttribute("data-sharp", Boolean(this.known !== undefined && sharp?.isExact && !this.stale && !this.drawing)); // what is seen is drawn as vectors
     ink.globalAlpha = 1;
     if (this.chosen.ids.length && layers.chosen) this.paintChosen(now);
     this.paintAct();
