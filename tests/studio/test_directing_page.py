@@ -14,6 +14,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
 from tests.studio.conftest import RunningStudio
+from tests.studio.test_zoom_page import pinch
 from tests.support.planned import STROKES
 from tests.support.studio.plans_to_paint import put_plan_of_a_picture
 
@@ -54,7 +55,7 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     coast: Path, studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
     planned = read_painting(coast)
-    tab = page("/plan", viewport={"width": 1280, "height": 800})
+    tab = page("/plan", has_touch=True, viewport={"width": 1280, "height": 800})
     tab.get_by_role("article", name="Plan coast").get_by_role("button", name="Direct it").click()
     view = tab.get_by_role("group", name="The strokes of coast")
     sharp(view, 0)
@@ -76,6 +77,16 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
 
     def at(x: float, y: float) -> tuple[float, float]:
         return corner[0] + scale * x, corner[1] + scale * y
+
+    scaled = view.locator(".scale")
+    fits = scaled.inner_text()
+    pinch(view, *at(30, 30), 40, 160)
+    expect(scaled).not_to_have_text(fits)
+    view.press("1")
+    expect(scaled).to_have_text("100 % of its size")
+    view.press("0")
+    expect(scaled).to_have_text(fits)
+    sharp(view, 0)
 
     first = planned.strokes[-1]  # nothing lies over it
     x, y, _ = first.trajectory[0]
@@ -121,10 +132,16 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     expect(view).to_have_attribute("data-strokes", str(STROKES + 1))
     assert read_painting(coast) == planned
 
+    with tab.expect_download() as download:
+        tab.get_by_role("button", name="Save this as it is").click()
+        tab.get_by_role("dialog").get_by_role("button", name="Save").click()
+    assert len(re.findall("<path", download.value.path().read_text())) == STROKES + 1
     tab.get_by_role("button", name="Plan again around this").click()
     card = tab.get_by_role("article", name="Plan coast, version 2")
     expect(card.locator(".phase")).to_have_text(re.compile("^planned$"))
-    again = read_painting(studio.folder / "plans" / "coast-version-2" / "painting.json")
+    version = studio.folder / "plans" / "coast-version-2"
+    assert '"studio:/plans/coast-version-2/again.json"' in (version / "request.json").read_text(), "it can be moved"
+    again = read_painting(version / "painting.json")
     moved = np.array(first.trajectory) - (1e-4, 0, 0)
     kept = {stroke.id: stroke for stroke in again.strokes if stroke.locked}
     assert np.array(kept[first.id].trajectory) == pytest.approx(moved, abs=2e-6)

@@ -101,9 +101,9 @@ class Directing:
             if self.can_redo:
                 self._append({"act": _REDO})
 
-    async def write(self, to: Path) -> None:
-        """Write the painting as it is now into a file. Raises InputError, and OutputError where there is no room."""
-        await self._desk.do(write_edited, self._painting, self.edits, to)
+    async def write(self, to: Path) -> bytes:
+        """Write the painting as it is now into a file, and return a JPEG of it. Raises as `write_edited`."""
+        return await self._desk.do(write_edited, self._painting, self.edits, to)
 
     async def _do(self, edit: str) -> None:
         async with self._acting:

@@ -26,7 +26,6 @@ from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
 from maulstick.studio.state.versions import Around, version_title
 from maulstick.studio.workers.desk import Desk
-from maulstick.studio.workers.first_frame import first_frame
 
 
 @final
@@ -85,10 +84,9 @@ class Studio:
         Raises InputError where there is no finished plan, and OutputError where there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
-        await directing.write(now := self.folder.incoming())
-        around = Around(now, await self.desk.do(first_frame, now))
+        frame = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
-        return self.plans.add(with_own(plan.request, plan.folder), title, around)
+        return self.plans.add(with_own(plan.request, plan.folder), title, Around(now, frame))
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

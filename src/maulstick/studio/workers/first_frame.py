@@ -1,11 +1,9 @@
 """Picture of a painting at once, without PyTorch: each stroke as a line of its mean width."""
 
-from pathlib import Path
-
 import numpy as np
 from PIL import Image, ImageDraw
 
-from maulstick.painting.painting import hex_colour, read_painting
+from maulstick.painting.painting import Painting, hex_colour
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
@@ -16,10 +14,9 @@ _PX, _FINER = (
 )  # pixels of the longer side, as of pictures of the order; drawn so many times larger, for its edges
 
 
-def first_frame(file: Path) -> bytes:
-    """Return a JPEG of the painting in a file. Raises InputError as `read_painting`."""
-    painting = refined(read_painting(file))
-    sheet = painting.sheet
+def first_frame(painting: Painting) -> bytes:
+    """Return a JPEG of a painting."""
+    painting, sheet = refined(painting), painting.sheet
     canvas = Canvas(sheet.width, sheet.height, _FINER * _PX / max(sheet.width, sheet.height))
     picture = Image.fromarray(np.uint8(255 * sheet.image(canvas)))
     draw = ImageDraw.Draw(picture)

@@ -15,6 +15,7 @@ from maulstick.painting.refined import refined
 from maulstick.painting.stroke_edits import STROKE_EDIT, AddStroke, edited
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import resample
+from maulstick.studio.workers.first_frame import first_frame
 
 BESIDE: Final = 0.02
 """Metres beyond the sheet's edges within which marks are told; brushes reach less far."""
@@ -73,9 +74,14 @@ def check_edits(file: Path, edits: tuple[str, ...]) -> None:
     _edited(file, file.stat().st_mtime_ns, edits)
 
 
-def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> None:
-    """Write the plan with these edits, in JSON, into another file. Raises InputError, and OutputError for no room."""
-    write_painting(_edited(file, file.stat().st_mtime_ns, edits), to)
+def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> bytes:
+    """Write the plan with these edits, in JSON, into another file, and return a JPEG of it.
+
+    Raises InputError, and OutputError for no room.
+    """
+    painting = _edited(file, file.stat().st_mtime_ns, edits)
+    write_painting(painting, to)
+    return first_frame(painting)
 
 
 def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]]) -> str:

@@ -8,15 +8,19 @@ from nicegui import background_tasks, events, html, ui
 from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.panels.direct.canvas import CHOOSE, DRAW, TOOLS, StrokeCanvas, numbers_of
 from maulstick.studio.panels.direct.chosen import ChosenStrokes
+from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import file_name
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.planner import TARGET
 from maulstick.studio.workers.stroke_marks import ShownSheet
 
 _STYLE = Path(__file__).with_name("direct.css")
+_CLOSER = Path(__file__).parents[1] / "plan" / "closer.css"  # of the dialog that saves
+_NOW = "edited.json"  # file in a plan's folder: the painting with all acts, when it was saved last
 _MOST_NUMBERS = 60_000  # of a stroke that is drawn, three a point
 _KEYS = {
     "V, H, B": "choose, look around, draw",
@@ -36,6 +40,7 @@ _KEYS = {
 def build(studio: Studio, name: str) -> None:
     """Build the panel of the plan of that name."""
     ui.add_css(_STYLE)
+    ui.add_css(_CLOSER)
     try:
         directing, plan = studio.directing(name), studio.plans.of(name)
     except InputError as error:
@@ -112,6 +117,14 @@ class _Directed:
     def _versions(self) -> None:
         again = ui.button("Plan again around this", icon="auto_awesome_mosaic", on_click=self._plan_again)
         again.tooltip("A new version: what is locked stays as it is, the rest is planned on from where it is")
+
+        ui.button("Save this as it is …", icon="download", on_click=self._save).props("outline")
+
+    async def _save(self) -> None:
+        """Offer the painting with all acts as a file, without planning."""
+        await self._directing.write(now := self._plan.folder / _NOW)
+        with self._canvas:
+            ExportDialog(self._studio.desk, now, file_name(self._plan.title, ""))
 
     async def _plan_again(self, event: events.ClickEventArguments) -> None:
         button = event.sender

@@ -50,7 +50,8 @@ export class Stage {
     while (this.known !== this.props.version) {
       const wanted = this.props.version;
       const since = this.known === undefined ? "" : `?since=${this.known}`;
-      const answer = await fetch(`${this.props.source}/${wanted}${since}`);
+      const answer = await fetch(`${this.props.source}/${wanted}${since}`).catch(() => null);
+      if (!answer) break; // the page says that the studio does not answer
       if (!answer.ok) {
         this.emit("refused", await answer.text());
         break;
