@@ -117,7 +117,6 @@ class _Directed:
     def _versions(self) -> None:
         again = ui.button("Plan again around this", icon="auto_awesome_mosaic", on_click=self._plan_again)
         again.tooltip("A new version: what is locked stays as it is, the rest is planned on from where it is")
-
         ui.button("Save this as it is …", icon="download", on_click=self._save).props("outline")
 
     async def _save(self) -> None:

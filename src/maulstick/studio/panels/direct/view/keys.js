@@ -12,6 +12,7 @@ export class Keys {
     stage.root.addEventListener("keydown", (event) => this.down(event));
     stage.root.addEventListener("keyup", (event) => event.key === " " && this.hold(false));
     stage.root.addEventListener("blur", () => this.hold(false));
+    stage.beforeChoice = () => this.sendShift();
     this.heard = (event) => this.undo(event);
     document.addEventListener("keydown", this.heard); // also where a button of the page has the focus
   }

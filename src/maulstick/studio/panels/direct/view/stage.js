@@ -22,6 +22,7 @@ export class Stage {
     this.shift = { dx: 0, dy: 0, turn: 0 }; // of what is chosen, until the server has moved it; millimetres, radians
     this.act = null; // what a pointer does: { kind, … }
     this.sent = null; // stroke that was drawn, until the server has it
+    this.beforeChoice = () => {};
     this.fits = true;
     this.faded = 0;
     this.ink = this.sheet.getContext("2d");
@@ -78,7 +79,7 @@ export class Stage {
       if (message.layer === "chosen") this.root.toggleAttribute("data-chosen", this.chosen.ids.length > 0);
       this.repaint();
     }
-    if (message.taken !== undefined) this.taken(message.taken);
+    if (message.taken) this.taken(message.taken);
     if (message.chosen) {
       const before = this.chosen;
       this.chosen = message.chosen;
@@ -88,10 +89,11 @@ export class Stage {
     }
   }
 
-  // The worker has strokes as they are after some acts; they are drawn next.
-  taken(strokes) {
-    this.settles = true;
+  // The worker has strokes as they are after some acts; where they are others than before, they are drawn next.
+  taken({ strokes, areOthers }) {
     Object.assign(this.root.dataset, { strokes, acts: this.known });
+    this.settles = areOthers;
+    if (!areOthers) return this.giveUp();
     this.root.removeAttribute("data-sharp");
     this.drawing = true;
   }
@@ -129,6 +131,7 @@ export class Stage {
   }
 
   choose(what, adds = false) {
+    this.beforeChoice(); // what was chosen before may still have to be moved
     this.tell({ act: "choose", ...what, adds, view: this.seen() });
   }
 
@@ -202,11 +205,6 @@ export class Stage {
     return [this.root.clientWidth / 2, this.root.clientHeight / 2];
   }
 
-  place(event) {
-    const box = this.root.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  }
-
   onSheet([u, v]) {
     return [(u - this.view.x) / this.view.scale, (v - this.view.y) / this.view.scale];
   }
@@ -242,7 +240,8 @@ export class Stage {
       ink.restore();
     }
     if (sharp) ink.drawImage(layers.view.bitmap, ...sharp.box);
-    this.root.toggleAttribute("data-sharp", Boolean(this.known !== undefined && sharp?.isExact && !this.stale && !this.drawing)); // what is seen is drawn as vectors
+    const isSharp = this.known !== undefined && sharp?.isExact && !this.stale && !this.drawing;
+    this.root.toggleAttribute("data-sharp", Boolean(isSharp));
     ink.globalAlpha = 1;
     if (this.chosen.ids.length && layers.chosen) this.paintChosen(now);
     this.paintAct();
@@ -281,7 +280,9 @@ export class Stage {
       ink.setLineDash([]);
     }
     for (const stroke of [act?.kind === "draw" ? act : null, this.sent]) {
-      if (stroke) drawingStroke(ink, stroke.points, this.view, this.props.colours[stroke.paint], this.props.halfWidths[stroke.paint]);
+      if (!stroke) continue;
+      const { colours, halfWidths } = this.props;
+      drawingStroke(ink, stroke.points, this.view, colours[stroke.paint], halfWidths[stroke.paint]);
     }
   }
 

@@ -1,6 +1,6 @@
 // Worker of the canvas: it draws strokes beside the page, so that the page moves at once, and finds them by places.
 
-import { Strokes, centreLine, meet, outline } from "./strokes.js";
+import { Strokes, centreLine, meet, outline, unionOf } from "./strokes.js";
 
 const SLICE = 12; // milliseconds of drawing after which messages are heard
 const WHOLE = 1400; // pixels of the longer side of the picture of the whole sheet
@@ -63,9 +63,9 @@ class Surface {
     const [left, upper] = [Math.floor(box[0] * scale + x) - 2, Math.floor(box[1] * scale + y) - 2];
     const [right, lower] = [Math.ceil(box[2] * scale + x) + 2, Math.ceil(box[3] * scale + y) + 2];
     if (left <= 0 && upper <= 0 && right >= wide && lower >= high) {
-      ink.reset(); // which also forgets a drawing that was given up
+      ink.reset(); // which also forgets what was drawn and never shown
     } else {
-      ink.restore();
+      ink.restore(); // of a drawing that was given up
       ink.save();
       ink.beginPath();
       ink.rect(left, upper, right - left, lower - upper);
@@ -153,7 +153,7 @@ const told = {
   take({ bytes }) {
     const box = strokes.take(bytes);
     for (const surface of Object.values(surfaces)) surface.spoil(box);
-    postMessage({ taken: strokes.order.length, chosen: known() });
+    postMessage({ taken: { strokes: strokes.order.length, areOthers: Boolean(box) }, chosen: known() });
   },
   see({ layer, view }) {
     surfaces[layer].see(view);
@@ -192,8 +192,7 @@ function count(found) {
 }
 
 function middleOf(found) {
-  const boxes = found.map((each) => each.box);
-  const [left, upper, right, lower] = [0, 1, 2, 3].map((i) => boxes.map((box) => box[i]).reduce((a, b) => (i < 2 ? Math.min(a, b) : Math.max(a, b))));
+  const [left, upper, right, lower] = unionOf(found.map((each) => each.box));
   return [(left + right) / 2, (upper + lower) / 2];
 }
 
