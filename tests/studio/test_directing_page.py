@@ -86,6 +86,11 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     expect(scaled).to_have_text("100 % of its size")
     view.press("0")
     expect(scaled).to_have_text(fits)
+    view.press("m")
+    tab.mouse.move(*at(30, 30))
+    expect(view.locator(".loupe")).to_be_visible()
+    view.press("m")
+    expect(view.locator(".loupe")).to_be_hidden()
     sharp(view, 0)
 
     first = planned.strokes[-1]  # nothing lies over it

@@ -72,8 +72,8 @@ export class Pointers {
 
   move(event) {
     const { stage } = this;
-    const at = (stage.pointed = this.place(event));
-    if (!stage.glass.hidden) stage.lookAt(at);
+    const at = this.place(event);
+    stage.point(at);
     if (!this.places.has(event.pointerId)) return;
     const before = spread([...this.places.values()]);
     this.places.set(event.pointerId, at);

@@ -1,5 +1,6 @@
 // Stage of the canvas: what is seen of the sheet, and how it is painted while it moves and once it rests.
 
+import { Loupe } from "./loupe.js";
 import { drawingStroke } from "./pen_stroke.js";
 import { laidOn, viewOf } from "./views.js";
 
@@ -8,13 +9,13 @@ const NEAREST = 64; // times the true size, or the size that fits
 const TRUE = 96 / 25.4; // CSS pixels per millimetre where a millimetre is one of the screen
 const STILL = 50; // milliseconds after which a view that was moved is drawn sharply, whatever was being drawn
 const HANDLE = -56; // CSS pixels from the middle of what is chosen to the handle that turns it
-const LOUPE = [200, 4]; // CSS pixels, and times larger than the view
 const ACCENT = "#2f6690";
 
 // refs: elements by name: view, sheet, glass, scale.  props: of the component in canvas.js.  emit: tells the server.
 export class Stage {
   constructor(refs, props, emit) {
-    [this.root, this.sheet, this.glass, this.scale, this.emit] = [refs.view, refs.sheet, refs.glass, refs.scale, emit];
+    [this.root, this.sheet, this.scale, this.emit] = [refs.view, refs.sheet, refs.scale, emit];
+    this.loupe = new Loupe(refs.glass, props);
     Object.assign(this, { props, wide: props.wide, high: props.high });
     this.view = { scale: 0, x: 0, y: 0 }; // CSS pixels per millimetre, and of the sheet's corner
     this.layers = {}; // { bitmap, view } by name
@@ -74,7 +75,7 @@ export class Stage {
       this.layers[message.layer] = message;
       if (message.layer === "view") this.drawn();
       if (message.layer === "view" && this.settles) this.sent = null;
-      if (message.layer === "loupe") this.paintLoupe();
+      if (message.layer === "loupe") this.loupe.paint(message);
       if (message.layer === "chosen" && this.settles) this.settle();
       if (message.layer === "chosen") this.root.toggleAttribute("data-chosen", this.chosen.ids.length > 0);
       this.repaint();
@@ -122,8 +123,14 @@ export class Stage {
   }
 
   magnify() {
-    this.glass.hidden = !this.glass.hidden;
-    if (!this.glass.hidden) this.lookAt(this.pointed ?? this.middle());
+    this.loupe.turn();
+    this.point(this.pointed ?? this.middle());
+  }
+
+  // The pointer is at a place of the view, CSS pixels.
+  point(at) {
+    this.pointed = at;
+    if (this.loupe.isOn) this.tell({ act: "see", layer: "loupe", view: this.loupe.viewAt(this.onSheet(at), this.view) });
   }
 
   showLocks(shows) {
@@ -292,26 +299,6 @@ export class Stage {
     const [u, v] = this.chosen.middle;
     const { dx, dy, turn } = this.shift;
     return [(u + dx) * scale + x - HANDLE * Math.sin(turn), (v + dy) * scale + y + HANDLE * Math.cos(turn)];
-  }
-
-  lookAt([u, v]) {
-    const [side, times] = LOUPE;
-    const canvas = this.glass;
-    const pixels = Math.round(side * devicePixelRatio);
-    if (canvas.width !== pixels) [canvas.width, canvas.height] = [pixels, pixels];
-    const [x, y] = this.onSheet([u, v]);
-    const scale = this.view.scale * times * devicePixelRatio;
-    const view = { scale, x: pixels / 2 - x * scale, y: pixels / 2 - y * scale, wide: pixels, high: pixels };
-    this.tell({ act: "see", layer: "loupe", view });
-  }
-
-  paintLoupe() {
-    const { bitmap, view } = this.layers.loupe;
-    const ink = this.glass.getContext("2d");
-    ink.clearRect(0, 0, view.wide, view.high);
-    ink.fillStyle = this.props.paper;
-    ink.fillRect(view.x, view.y, this.wide * view.scale, this.high * view.scale);
-    ink.drawImage(bitmap, 0, 0);
   }
 
   // The server has refused what was drawn or moved.
