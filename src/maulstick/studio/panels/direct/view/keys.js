@@ -28,8 +28,9 @@ export class Keys {
   }
 
   down(event) {
-    if (event.altKey) return;
-    const act = event.ctrlKey || event.metaKey ? this.withControl(event.key) : this.plain(event);
+    const isTyped = event.getModifierState("AltGraph"); // as brackets are on many keyboards
+    if (event.altKey && !isTyped) return;
+    const act = !isTyped && (event.ctrlKey || event.metaKey) ? this.withControl(event.key) : this.plain(event);
     if (!act) return;
     event.preventDefault();
     act();
@@ -44,12 +45,12 @@ export class Keys {
     const [step, turn] = shiftKey ? [NUDGE / 10, TURN / 5] : [NUDGE, TURN];
     const some = (act) => (stage.chosen.ids.length ? act : () => {});
     const turned = (by) => some(() => this.nudge(0, 0, by));
+    const [next, before] = [1, -1].map((by) => () => stage.choose({ by }, shiftKey));
     const ask = (what) => () => this.ask(what);
     return {
       "+": () => stage.nearer(), "=": () => stage.nearer(), "-": () => stage.farther(), 0: () => stage.fit(),
       1: () => stage.showTrueSize(), m: () => stage.magnify(), " ": () => this.hold(true), n: () => stage.chooseNone(),
-      ".": () => stage.choose({ by: 1 }), ",": () => stage.choose({ by: -1 }),
-      ">": () => stage.choose({ by: 1 }, true), "<": () => stage.choose({ by: -1 }, true),
+      ".": next, ">": next, ":": next, ",": before, "<": before, ";": before, // with Shift, as keyboards have it
       "[": turned(-turn), "]": turned(turn), "{": turned(-turn), "}": turned(turn),
       ArrowLeft: this.by(-1, 0, step), ArrowRight: this.by(1, 0, step),
       ArrowUp: this.by(0, -1, step), ArrowDown: this.by(0, 1, step),
