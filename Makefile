@@ -1,5 +1,6 @@
 # make demo           install into .venv and paint a photograph into demo/, and draw it in ink into demo-ink/
 # make test           lint, import contracts, types and tests
+# make wheel          build the sdist and the wheel into dist/, and try the wheel in an empty environment without a compiler
 # make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
@@ -36,7 +37,7 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
 	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
 
-.PHONY: demo test test-baseline bench paper clean
+.PHONY: demo test wheel test-baseline bench paper clean
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
@@ -49,6 +50,9 @@ test: $(VENV)/installed-dev
 	$(BIN)/lint-imports
 	$(BIN)/mypy --strict src
 	$(BIN)/pytest --numprocesses 2 --dist worksteal
+
+wheel: $(VENV)/installed-dev
+	$(BIN)/python .ci/wheel.py --keep dist
 
 test-baseline: $(VENV)/installed-dev
 	$(OLDEST) NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c '$(OF_NUMPY)')" \
@@ -65,16 +69,16 @@ paper: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/paper.py
 
 clean:
-	rm -rf $(VENV) build demo demo-ink .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist demo demo-ink .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
 
 $(VENV)/installed: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) .
+	$(INSTALL) $(EDITABLE) '.[plan]'
 	@touch $@
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,ray,slurm,studio,ur,video,wacom,xarm]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,plan,ray,slurm,studio,ur,video,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

@@ -191,6 +191,6 @@ def _examined(canvas: Tensor, exam: NetworkLoss) -> float:
 
 
 def _rendered(problem: PlanningProblem, planned: PlanResult) -> Tensor:
-    stroke_canvas = StrokeCanvas(planned.strokes, problem.paper, problem.canvas, problem.brushes, problem.style)
+    stroke_canvas = StrokeCanvas(planned.strokes, problem)
     stroke_canvas.paints, stroke_canvas.paint_of = planned.paints, planned.paint_of
     return stroke_canvas.render().detach()

@@ -144,7 +144,7 @@ def plan_plainly(
     for name, tensor in leaves.items():
         tensor.requires_grad_(not fixed.get(name, False))
     strokes = StrokeParameters(**(leaves | {"pressure_knots": _even(leaves["pressure_knots"])}))
-    stroke_canvas = StrokeCanvas(strokes, problem.paper, problem.canvas, problem.brushes, problem.style)
+    stroke_canvas = StrokeCanvas(strokes, problem)
     peaks = RATES | {"centres": RATES["centres"] * problem.canvas.height}
     groups = [{"params": [tensor], "peak": peaks[name]} for name, tensor in leaves.items() if tensor.requires_grad]
     descent = torch.optim.RMSprop(groups, lr=0.0)

@@ -2,6 +2,8 @@
 
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from maulstick.cli.app import app
+from maulstick.cli.lazy import SUMMARIES, loaded
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -88,6 +91,18 @@ def test_modules_and_names_in_them_are_told_from_what_is_not_there() -> None:
     assert not is_module_or_in_one("maulstick.canvas")
 
 
+def test_the_page_of_commands_has_all_of_them_with_their_options(tmp_path: Path) -> None:
+    made = [sys.executable, str(ROOT / "experiments" / "commands.py"), "--out", str(tmp_path / "commands.md")]
+    subprocess.run(made, check=True, capture_output=True)
+    page = (tmp_path / "commands.md").read_text(encoding="utf-8")
+    for name, line in SUMMARIES.items():
+        assert f"* `{name}`: {line}\n" in page
+        section = page.partition(f"\n## `maulstick {name}`\n")[2].partition("\n## ")[0]
+        options = [each for parameter in loaded(COMMANDS.commands[name]).params for each in parameter.opts]
+        assert [option for option in options if option.startswith("--") and f"`{option}" not in section] == []
+    assert "\n### `maulstick calibrate touch`\n" in page
+
+
 def sections_of(document: Path) -> set[str]:
     """Anchors of a document's headings, as pages of repositories have them."""
     headings = re.findall(r"^#+ (.+)$", document.read_text(encoding="utf-8"), re.MULTILINE)
@@ -118,7 +133,7 @@ def is_understood(line: str) -> bool:
         names = words.pop(0).split("|")
         if not all(name in command.commands for name in names):
             return False
-        command = command.commands[names[0]]
+        command = loaded(command.commands[names[0]])
     for parameter in command.params:
         allowed |= {*parameter.opts, *parameter.secondary_opts}
     options = {word.partition("=")[0] for word in words if word.startswith("--")}

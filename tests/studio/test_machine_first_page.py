@@ -1,6 +1,7 @@
 """The machine is asked for first: what it can draw is planned, and drawn, in a browser."""
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -79,18 +80,21 @@ def test_from_the_default_form_a_plotter_draws_and_all_that_was_chosen_is_there_
     expect(card(tab).get_by_text("loops, marker, 12 strokes, one ink, A5, lying, for AxiDraw")).to_be_visible()
     expect(card(tab).get_by_role("list", name="Notes")).to_contain_text("the brush marker is held at one pressure")
 
+    folder = studio.folder / "plans" / "my-sunset"
     tab.goto(studio.url + "/paint?plan=my-sunset")
     expect(tab.get_by_label("Machine", exact=True)).to_have_value("AxiDraw")
     with FakeEbb(pace=100.0) as board:
         port = tab.get_by_label("Port", exact=True)
         port.fill(board.port)
         port.press("Enter")
+        shutil.copy(folder / "preview.png", folder / "painting-painted.png")  # of a rehearsal, before
         tab.get_by_role("button", name="Start painting").click()
         expect(
             tab.get_by_text(re.compile(r"^Please put in the marker with paint 1 \(black\); it draws"))
         ).to_be_visible()
         tab.get_by_role("button", name="Done").click()
         expect(tab.locator(".outcome")).to_have_text("My Sunset! is painted.")
+        expect(tab.get_by_text("There is no picture of the sheet yet")).to_be_visible()
     assert any(down for _, _, down in board.reached)
 
 

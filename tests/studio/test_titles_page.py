@@ -43,6 +43,7 @@ def test_a_plan_is_opened_renamed_noted_saved_asked_for_again_thrown_away_and_pu
     fold = card.get_by_role("button", name=f"Make the card of {ANNA} small")
     expect(fold).to_be_focused()
     expect(card.get_by_label("Stroke by stroke")).to_be_visible()
+    expect(card.get_by_text("“lines”")).to_be_visible()  # the words that it was asked for
     fold.press("Enter")
     expect(small).to_be_focused()
     small.press("Enter")

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, needs_torch
 from maulstick.jobs.learn import Recorded, learn_style, strokes_of
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
@@ -52,7 +52,9 @@ def fit_style(
     """
     several = [ink] if isinstance(ink, Recorded) else list(ink)
     STYLES.check_own_name(name, overwrite=True) if keep else STYLES.check_name(name)
-    style = learn_style(name, strokes_of(several), kind)
+    strokes = strokes_of(several)
+    with needs_torch():
+        style = learn_style(name, strokes, kind)
     if keep:
         from maulstick.style.store import write_style
 
@@ -68,7 +70,8 @@ def load_style(name: str, size: str = PlanOptions.size) -> Style:
         >>> load_style("loops").name
         'loops'
     """
-    return load_style_for(name, Canvas(*parse_size(size), 1.0))
+    with needs_torch():
+        return load_style_for(name, Canvas(*parse_size(size), 1.0))
 
 
 def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> Brush:
@@ -77,7 +80,8 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
     keep: keep it among your own brushes, for `plan` by its name.  What the photographs cannot tell is a warning.
     Raises InputError where the folder holds no trials, or too few of them can be used.
     """
-    from maulstick.brush_fit.fit import fit_brush as fit  # loads torch
+    with needs_torch():
+        from maulstick.brush_fit.fit import fit_brush as fit
     from maulstick.brush_fit.trials import Trials
 
     BRUSHES.check_own_name(name, overwrite=True) if keep else BRUSHES.check_name(name)

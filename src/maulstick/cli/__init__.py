@@ -7,7 +7,7 @@ from io import TextIOWrapper
 from maulstick.cli.exit_codes import FAILED, MACHINE, STOPPED, UNUSABLE
 from maulstick.cli.loading import no_garbage
 from maulstick.cli.wording import COMMAND_LINE
-from maulstick.errors import MachineError, MaulstickError, OutputError
+from maulstick.errors import MachineError, MaulstickError, OutputError, needs_torch
 
 
 def main() -> None:
@@ -18,7 +18,9 @@ def main() -> None:
         with no_garbage():
             from maulstick.cli.app import run  # takes a moment, in which Ctrl-C may come
 
-        sys.exit(run())
+        with needs_torch():
+            code = run()
+        sys.exit(code)
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     except MaulstickError as error:

@@ -1,56 +1,28 @@
 """All commands of the command line."""
 
 import sys
-from importlib.metadata import version
 from typing import Annotated, Any, Final
 
 import typer
 
-from maulstick.cli.brush import brush
-from maulstick.cli.calibrate import calibrate
-from maulstick.cli.compare import compare
-from maulstick.cli.doctor import doctor
-from maulstick.cli.edit import edit
 from maulstick.cli.exit_codes import STOPPED, UNUSABLE
-from maulstick.cli.export import export
-from maulstick.cli.machine import machine
-from maulstick.cli.mix import mix
-from maulstick.cli.paint import paint
-from maulstick.cli.plan import plan
-from maulstick.cli.record import record
-from maulstick.cli.render import render
-from maulstick.cli.show import show
-from maulstick.cli.studio import studio
-from maulstick.cli.style import style
-from maulstick.cli.survey import survey
-from maulstick.cli.sweep import sweep
+from maulstick.cli.lazy import LazyGroup, loaded
 
 _UsageError: Final[Any] = typer.BadParameter.__base__  # Click's, or that of the copy of Click within Typer
 
 app = typer.Typer(
-    rich_markup_mode="markdown", add_completion=True, no_args_is_help=True, pretty_exceptions_enable=False
+    cls=LazyGroup,
+    rich_markup_mode="markdown",
+    add_completion=True,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
 )
-app.command()(plan)
-app.command()(edit)
-app.command()(sweep)
-app.command()(paint)
-app.command()(machine)
-app.command()(render)
-app.command()(show)
-app.command()(compare)
-app.command()(mix)
-app.command()(export)
-app.command()(studio)
-app.command()(survey)
-app.command()(doctor)
-app.add_typer(record, name="record")
-app.add_typer(style, name="style")
-app.add_typer(brush, name="brush")
-app.add_typer(calibrate, name="calibrate")
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from importlib.metadata import version
+
         print(f"maulstick {version('maulstick')}")
         raise typer.Exit
 
@@ -95,5 +67,6 @@ def _usage_fault(error: Any) -> str:
     for argument in sys.argv[1:]:
         if (command := getattr(command, "commands", {}).get(argument)) is None:
             break
+        command = loaded(command)
         named += f" {argument}"
     return f"{fault[:1].lower()}{fault[1:]}; see {named} --help"

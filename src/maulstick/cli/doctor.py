@@ -8,7 +8,7 @@ from rich.text import Text
 def doctor() -> None:
     """Show what is installed and connected, what works, and what to do for the rest; takes a few seconds.
 
-    Everything but Maulstick itself, Python, the native modules and PyTorch is optional.
+    Planning needs PyTorch; all but Maulstick itself, Python and the native modules is optional otherwise.
 
     Example: maulstick doctor
     """

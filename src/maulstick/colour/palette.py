@@ -9,7 +9,7 @@ from skimage.color import lab2rgb, rgb2lab
 from threadpoolctl import threadpool_limits
 
 from maulstick.errors import InputError
-from maulstick.storage.arrays import Floats, Ints
+from maulstick.storage.arrays import Bools, Floats, Ints
 
 
 def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
@@ -30,10 +30,14 @@ def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
     return paints
 
 
-def nearest_paint(colours: Floats, paints: Floats) -> Ints:
-    """Return the index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3), sRGB in [0, 1]."""
+def nearest_paint(colours: Floats, paints: Floats, allowed: Bools | None = None) -> Ints:
+    """Return the index (N,) of the paint (k, 3) nearest in CIELAB to each colour (N, 3), sRGB in [0, 1].
+
+    allowed: (N, k), which paints each may have; all when left out.
+    """
     difference = rgb2lab(colours)[:, None] - rgb2lab(paints)[None]
-    nearest: Ints = np.argmin((difference**2).sum(-1), axis=1)
+    away = (difference**2).sum(-1)
+    nearest: Ints = np.argmin(away if allowed is None else np.where(allowed, away, np.inf), axis=1)
     return nearest
 
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
+from maulstick.drawing.css import Rgb
 from maulstick.drawing.document import Page, parsed_svg
 from maulstick.drawing.hand import HatchingHand, hatched_by_hand
 from maulstick.drawing.layout import Layout
@@ -28,6 +29,8 @@ from maulstick.painting.svg import AXIDRAW_SPEED
 from maulstick.recording.files.svg_paths import check_uses
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import read_whole
+
+Read = TypeVar("Read")
 
 _LARGEST_FILE = 64 * 2**20  # bytes: more than pens draw in a week
 _LARGEST = 64 * 2**20  # characters, after every <use> is replaced
@@ -50,14 +53,33 @@ def read_drawing(path: str | Path, options: DrawingOptions | None = None, hand: 
     hand: whose strokes hatch the fills, if they are to be hatched; by default lines do.
     Raises InputError where there is none, it has text or pictures, or nothing of it lies on the sheet.
     """
-    options, path = options or DrawingOptions(), Path(path)
+    options = options or DrawingOptions()
     options.check()
+    return _read(Path(path), lambda walk: _drawing(walk, list(walk.shapes()), options, hand))
+
+
+def read_fills(path: str | Path) -> tuple[list[tuple[Rgb, BaseGeometry]], tuple[float, float]]:
+    """Return the fills of an SVG, as colours and where they lie, metres, the topmost last, and the size of its page.
+
+    Raises InputError as `read_drawing` does.
+    """
+
+    def fills(walk: Walk) -> tuple[list[tuple[Rgb, BaseGeometry]], tuple[float, float]]:
+        shapes = list(walk.shapes())
+        placed = Placed(shapes, Layout.of(walk.page, DrawingOptions()))
+        found = [(shape.fill, placed.filled(i)) for i, shape in enumerate(shapes) if shape.fill is not None]
+        return found, (float(placed.layout.sheet[0]), float(placed.layout.sheet[1]))
+
+    return _read(Path(path), fills)
+
+
+def _read(path: Path, of: Callable[[Walk], Read]) -> Read:
+    """Return what `of` makes of a walk through an SVG."""
     root = parsed_svg(read_whole(path, "drawing", _LARGEST_FILE), path)
     try:
         check_uses(root, _LARGEST)
         with np.errstate(all="ignore"):  # what is not finite is refused with a message
-            walk = Walk(root, Page.of(root))
-            return _drawing(walk, list(walk.shapes()), options, hand)
+            return of(Walk(root, Page.of(root)))
     except RecursionError as error:
         raise InputError(f"cannot draw {path}: it is nested too deeply, or refers to itself") from error
     except InputError as error:

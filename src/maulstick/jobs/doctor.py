@@ -97,6 +97,9 @@ def _native(name: str, module: str) -> Finding:
 def _torch() -> Iterator[Finding]:
     try:
         import torch  # takes a second or two, and only torch knows whether it can use the GPU
+    except ModuleNotFoundError:
+        yield Finding("PyTorch", State.MISSING, "planning needs it: pip install 'maulstick[plan]'")
+        return
     except (ImportError, OSError) as error:
         yield Finding("PyTorch", State.MISSING, f"{error}; install it again: pip install --force-reinstall torch")
         return

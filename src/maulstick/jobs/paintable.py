@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from maulstick.drawing.options import DrawingOptions
-from maulstick.errors import InputError, Remedy
+from maulstick.errors import InputError, Remedy, needs_torch
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.painting.raster import Canvas
 
@@ -60,7 +60,8 @@ def is_svg(path: str | Path) -> bool:
 
 def _hatching_hand(name: str) -> "HatchingHand":
     """Return the strokes of the style of this name, or at this path. Raises InputError where there is none."""
-    import torch  # takes seconds, and only this needs it
+    with needs_torch():
+        import torch  # takes seconds, and only this needs it
 
     from maulstick.drawing.hand import HatchingHand
     from maulstick.style import load_style

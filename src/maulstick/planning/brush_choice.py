@@ -22,18 +22,15 @@ def best_brushes(
     strokes: that are on the canvas and stay.  Each candidate is judged alone, in its place in the painting order, as
     `insertion_costs` does.
     """
-    trial = StrokeCanvas(
-        joined([strokes, *candidates]),
-        problem.paper,
-        problem.canvas,
-        problem.brushes,
-        problem.style,
-        problem.neighbours,
-        problem.room,
-    )
+    trial = StrokeCanvas(joined([strokes, *candidates]), problem)
     trial.sort()
     marks, colours = trial.drawn()
     new = torch.from_numpy(np.isin(trial.order_of_all, np.arange(len(strokes), len(trial.strokes))))
     costs = trial.by_row(insertion_costs(view, problem.paper, marks, colours, new, generator))
-    best: Tensor = costs[len(strokes) :].reshape(len(candidates), -1).argmin(dim=0)
+    of_brushes = costs[len(strokes) :].reshape(len(candidates), -1)
+    if (regions := problem.regions) is not None:
+        there = regions.at(candidates[0].centres).tolist()
+        allowed = [[regions.said[number].brushes[brush] for number in there] for brush in range(len(candidates))]
+        of_brushes = of_brushes.masked_fill(~torch.tensor(allowed), torch.inf)
+    best: Tensor = of_brushes.argmin(dim=0)
     return joined(candidates)[best * len(best) + torch.arange(len(best))]

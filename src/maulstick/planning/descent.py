@@ -37,9 +37,11 @@ class Descent:
             if tensor.requires_grad:
                 self._adam.add(tensor, rates[name])
 
-    def add_paints(self, paints: Tensor) -> None:
-        """Adapt the colours (k, C) of the paints too."""
+    def add_paints(self, paints: Tensor, pinned: Tensor) -> None:
+        """Adapt the colours (k, C) of the paints too, but for those that are pinned, (k,)."""
         self._paints = paints
+        if pinned.any():
+            paints.register_hook(lambda slope: slope.masked_fill(pinned[:, None], 0))
         self._adam.add(paints, _PAINTS)
 
     def step(self, loss: Tensor, progress: float) -> None:

@@ -1,7 +1,7 @@
 """Planning problems out of pictures and texts, and paintings out of plans."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import isfinite
 
@@ -20,13 +20,15 @@ from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.placement import ink_density
 from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.regions import Regions
 from maulstick.planning.room import kept_in
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import preview, truth
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Image
+from maulstick.storage.arrays import Floats, Image
 from maulstick.style import Style
+from maulstick.style.regional import RegionalStyle
 
 _DEFAULT_LOSSES = LossOptions()
 _CPU = torch.device("cpu")
@@ -46,16 +48,24 @@ def problem_of(
     device: torch.device = _CPU,
     tones: Tones | None = None,
     bare: Image | None = None,
+    regions: Regions | None = None,
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
     brushes: the broadest first; one ink has one.
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
     device: renders, and compares with the picture.  tones: those of one ink that the picture is planned in, if any.
+    regions: of the layout's canvas, whose hands then draw instead of the `style`.
     bare: (H, W, 3), the sheet without what is painted, on which tones are made; when left out, the layout's.
     Raises InputError for losses that cannot be had.
     """
     importance = importance_of(layout, loss_options.faces) if importance is None else importance
+    weights_of = {}
+    if regions is not None:
+        weights_of = {
+            name: torch.from_numpy(regions.emphasis(importance, name)).to(device) for name in ("tone", "edges")
+        }
+        importance, style = regions.emphasis(importance), regions.style
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
     if picture is not None and tones is not None:
@@ -65,7 +75,9 @@ def problem_of(
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
             target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
     spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
-    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture)
+    reference = Reference(
+        target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, picture, weights_of
+    )
     return PlanningProblem(
         target,
         paper,
@@ -75,6 +87,7 @@ def problem_of(
         style,
         *losses_of(loss_options, reference, network),
         room=layout.room,
+        regions=regions,
     )
 
 
@@ -106,13 +119,14 @@ def provenance_of(
     options: PlannerSettings, image: str | None = None, sha256: str | None = None, more: Mapping[str, object] = {}
 ) -> Provenance:
     """Return how a painting is made, for its file: all options, with `more` that the planner itself does not use."""
+    colours = {name: [list(colour) for colour in getattr(options, name)] for name in ("palette", "pinned")}
     return Provenance.model_validate(
         {
             "version": version("maulstick"),
             "image": image,
             "image_sha256": sha256,
             "seed": options.seed,
-            "options": {**more, **asdict(options), "palette": [list(colour) for colour in options.palette]},
+            "options": {**more, **asdict(options), **colours},
         }
     )
 
@@ -163,12 +177,14 @@ def as_painting(
     style: Style,
     provenance: Provenance,
     names: Mapping[str, str] = {},
+    regions: Regions | None = None,
 ) -> Painting:
     """Return a plan as a painting, whose file has all that planning it again needs.
 
     A stroke that is longer than the sheet goes along its edge where it would leave it by more than `OFF_SHEET`; where
     the layout has a room, no mark leaves that.
     names: names of paints, by their colours as ``#rrggbb``.
+    regions: those that were planned in; a stroke that cannot be kept off their bare paper is left out.
     """
     codes = planned.strokes.codes
     poses = planned.strokes.poses(style.decode(codes))
@@ -179,8 +195,13 @@ def as_painting(
         for number, brush in enumerate(brushes):
             rows = np.flatnonzero(brush_of.numpy() == number)
             trajectories[rows] = kept_in(layout.room, trajectories[rows], brush)
-    speeds = style.speeds(codes)
-    speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
+    if regions is not None:
+        trajectories, clear = _off_bare(trajectories, brush_of, brushes, regions, layout)
+        planned, codes, poses = replace(
+            planned, strokes=planned.strokes[clear], paint_of=planned.paint_of[clear], before=_left(planned, clear)
+        ), codes[clear], poses[clear]  # fmt: skip
+        brush_of, trajectories = brush_of[clear], trajectories[clear.numpy()]
+    hands = _hands(style, codes)
     loads = torch.stack([brush_of, planned.paint_of], dim=1)
     used, paint_of = torch.unique(loads, dim=0, return_inverse=True)
     strokes = [
@@ -190,11 +211,12 @@ def as_painting(
                 "paint": paint,
                 "trajectory": trajectory,
                 "speed": speed,
-                "style": StyleUse(name=style.name, hash=style.hash, code=tuple(code), pose=tuple(pose)),
+                "style": StyleUse(name=hand.name, hash=hand.hash, code=tuple(code), pose=tuple(pose)),
+                "region": None if regions is None else regions.said[region].name,
             }
         )
-        for number, (paint, trajectory, speed, code, pose) in enumerate(
-            zip(paint_of.tolist(), trajectories.tolist(), speed_of, codes.tolist(), poses.tolist(), strict=True)
+        for number, (paint, trajectory, (region, hand, code, speed), pose) in enumerate(
+            zip(paint_of.tolist(), trajectories.tolist(), hands, poses.tolist(), strict=True)
         )
     ]
     paints = [_paint(brushes[number], planned.paints[paint], names) for number, paint in used.tolist()]
@@ -206,6 +228,40 @@ def as_painting(
         paints=tuple(paints),
         strokes=tuple(strokes),
     )
+
+
+def _hands(style: Style, codes: torch.Tensor) -> list[tuple[int, Style, list[float], list[float] | None]]:
+    """Return the region of each code, its hand, and the code and the speeds of that hand."""
+    if not isinstance(style, RegionalStyle):
+        speeds = style.speeds(codes)
+        speed_of = [None] * len(codes) if speeds is None else speeds.tolist()
+        return [(0, style, code, speed) for code, speed in zip(codes.tolist(), speed_of, strict=True)]
+    found = []
+    for region, code in zip(style.regions_of(codes).tolist(), codes, strict=True):
+        hand, own = style.hands[region], style.own_codes(code[None], region)
+        speeds = hand.speeds(own)
+        found.append((region, hand, own[0].tolist(), None if speeds is None else speeds[0].tolist()))
+    return found
+
+
+def _off_bare(
+    trajectories: Floats, brush_of: torch.Tensor, brushes: tuple[Brush, ...], regions: Regions, layout: Layout
+) -> tuple[Floats, torch.Tensor]:
+    """Return the trajectories (N, n, 3) moved off bare paper, and of which no mark lies on it, (N,)."""
+    sheet, clear = layout.sheet, np.ones(len(trajectories), dtype=bool)
+    for number, brush in enumerate(brushes):
+        rows = np.flatnonzero(brush_of.numpy() == number)
+        moved = regions.kept_off_bare(trajectories[rows], brush)[0].clip(0, (sheet.width, sheet.height, 1))
+        if layout.room is not None:
+            moved = kept_in(layout.room, moved, brush)
+        trajectories[rows] = moved.round(6)
+        clear[rows] = [regions.is_off_bare(trajectory, brush) for trajectory in trajectories[rows]]
+    return trajectories, torch.from_numpy(clear)
+
+
+def _left(planned: PlanResult, kept: torch.Tensor) -> torch.Tensor:
+    """Return how many of the strokes that are kept, (N,), are painted before each neighbour, (M,)."""
+    return torch.cat([torch.zeros(1, dtype=torch.long), kept.long().cumsum(dim=0)])[planned.before]
 
 
 def _paint(brush: Brush, colour: torch.Tensor, names: Mapping[str, str]) -> Paint:

@@ -7,6 +7,7 @@ import torch
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
+from maulstick.painting.brush import Brush
 from maulstick.planning.groups import place_groups
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
@@ -19,6 +20,7 @@ from maulstick.planning.placement import (
     strokes_at,
 )
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
@@ -63,6 +65,17 @@ class Initialiser:
             density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
 
+    def by_pool(self, rows: Tensor, strokes: StrokeParameters, density: Floats) -> list[tuple[Tensor, Floats]]:
+        """Return rows of the strokes pool by pool, and of each pool the density (H, W); one pool without regions."""
+        if (regions := self._problem.regions) is None:
+            return [(rows, density)]
+        region_of, found = regions.style.regions_of(strokes.codes)[rows], []
+        for members, _ in regions.pools:
+            own = rows[torch.from_numpy(members)[region_of]]
+            if len(own):
+                found.append((own, density * members[regions.labels]))
+        return found
+
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
         """Return the density (H, W) of strokes that the canvas (C, H, W) still needs to become the target."""
         image, painted = as_array(view.target), as_array(canvas)
@@ -79,14 +92,27 @@ class Initialiser:
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes spread by the density (H, W) along edges of the target, and their median spacing.
 
-        room: the largest spacing that a stroke is sized for. Both are in metres. Each brush is spread over all of it.
+        room: the largest spacing that a stroke is sized for. Both are in metres. Each region's share is kept.
         """
+        if (regions := self._problem.regions) is None:
+            return self.pooled(target, density, count, room)
+        parts = [
+            self.pooled(target, density * members[regions.labels], own, room)
+            for (members, _), own in zip(regions.pools, regions.counts(count), strict=True)
+            if own
+        ]
+        return joined([strokes for strokes, _ in parts]), min(spacing for _, spacing in parts)
+
+    def pooled(
+        self, target: Tensor, density: Floats, count: int, room: float = np.inf
+    ) -> tuple[StrokeParameters, float]:
+        """Return strokes as `strokes` does, wherever the density is. Each brush is spread over all where it may be."""
         if self._arrangement is not None:
             return self._in_groups(self._arrangement, target, density, count)
         layers, spacing = [], []
-        for number, share in enumerate(self._shares(count)):
+        for number, (share, there) in enumerate(self._shares(count, density)):
             if share:
-                places = self._places(target, density, share, room)
+                places = self._places(target, there, share, room)
                 layers.append(self._with_brush(number, places))
                 spacing.append(places.spacing)
         return joined(layers), float(np.median(np.concatenate(spacing))) / self._problem.canvas.pixels_per_metre
@@ -96,23 +122,55 @@ class Initialiser:
         places = self._places(target, density, count, room)
         return [self._with_brush(number, places) for number in range(len(self._problem.brushes))]
 
-    def _shares(self, count: int) -> list[int]:
-        """Return how many of the strokes each brush is given: the fewer, the less of a stroke's room it can fill."""
-        fills = [brush.widest / (HALF_WIDTH_IN_SPACINGS * self._usual_spacing) for brush in self._problem.brushes]
-        parts = np.cumsum(np.clip(fills, _LEAST_SHARE, 1))
-        shares: list[int] = np.diff(np.round(count * parts / parts[-1]), prepend=0).astype(int).tolist()
-        return shares
+    def _shares(self, count: int, density: Floats) -> list[tuple[int, Floats]]:
+        """Return how many of the strokes each brush is given, and the density (H, W) where it may be.
+
+        The less of a stroke's room a brush can fill, and of the density it may be on, the fewer.
+        """
+        problem, there = self._problem, []
+        fills = [brush.widest / (HALF_WIDTH_IN_SPACINGS * self._usual_spacing) for brush in problem.brushes]
+        parts = np.clip(fills, _LEAST_SHARE, 1)
+        for number in range(len(problem.brushes)):
+            allowed = 1.0 if problem.regions is None else problem.regions.allows_brush(number)
+            there.append(density * allowed)
+            if problem.regions is not None:
+                parts[number] *= there[number].sum() / max(density.sum(), 1e-9)
+        ends = np.cumsum(parts if parts.sum() > 0 else np.eye(len(parts))[0])
+        shares = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
+        return list(zip(shares, there, strict=True))
 
     def _places(self, target: Tensor, density: Floats, count: int, room: float) -> Places:
-        return find_places(as_array(target), density, count, self._rng, room * self._problem.canvas.pixels_per_metre)
+        scale = self._problem.canvas.pixels_per_metre
+        places = find_places(as_array(target), density, count, self._rng, room * scale)
+        if (regions := self._problem.regions) is None:
+            return places
+        wanted = np.flatnonzero(np.bincount(regions.labels.ravel(), density.ravel(), len(regions.said)))
+        return replace(places, centres=scale * regions.moved_into(tuple(wanted.tolist()), places.centres / scale))
 
     def _with_brush(self, number: int, places: Places) -> StrokeParameters:
-        """Return strokes of the brush of that number at the places."""
+        """Return strokes of the brush of that number at the places, each by the hand of its region."""
         problem, scale = self._problem, self._problem.canvas.pixels_per_metre
         finer = replace(places, spacing=_FINER**number * places.spacing)
-        strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng)
+        if problem.regions is None:
+            strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng)
+        else:
+            strokes = self._of_regions(problem.regions, finer, problem.brushes[number])
         strokes.brush_of.fill_(number)
         return strokes
+
+    def _of_regions(self, regions: Regions, places: Places, brush: Brush) -> StrokeParameters:
+        """Return strokes at the places, each by the hand and in the direction of its region."""
+        scale, parts, order = self._problem.canvas.pixels_per_metre, [], []
+        region_of = regions.at(torch.from_numpy(places.centres / scale)).numpy()
+        for number in np.unique(region_of).tolist():
+            rows, region = np.flatnonzero(region_of == number), regions.said[number]
+            own = Places(**{name: array[rows] for name, array in vars(places).items()})
+            if region.angle is not None:
+                own = replace(own, angles=np.full(len(rows), region.angle))
+            strokes = start_strokes(own, region.hand, brush, scale, self._torch_rng)
+            parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
+            order.append(rows)
+        return joined(parts)[torch.from_numpy(np.concatenate(order).argsort())]
 
     def _in_groups(
         self, arrangement: Arrangement, target: Tensor, density: Floats, count: int

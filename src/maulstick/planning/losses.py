@@ -97,6 +97,7 @@ class Reference:
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
     spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
     picture: (3, H, W), the target in its own tones, whose contours one ink draws, or None.
+    weights_of: weights (H, W) of single terms by name, where they differ.
     """
 
     target: Tensor | None
@@ -104,6 +105,7 @@ class Reference:
     paper: Tensor
     spacing: float | None
     picture: Tensor | None = None
+    weights_of: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
     def one_ink(self) -> bool:
@@ -132,12 +134,13 @@ def losses_of(
 
 def _objective(name: str, reference: Reference, contours: bool) -> Objective:
     assert reference.target is not None  # `LossOptions.weights_of_terms` has checked it
+    weights = reference.weights_of.get(name, reference.weights)
     if name == "edges":
-        return Edges(reference.target, reference.weights)
+        return Edges(reference.target, weights)
     if reference.spacing is not None:
         contoured = reference.picture if contours else None
-        return Halftone(reference.target, reference.weights, reference.spacing, contoured)
-    return Tone(reference.target, reference.weights)
+        return Halftone(reference.target, weights, reference.spacing, contoured)
+    return Tone(reference.target, weights)
 
 
 def _network_loss(name: str, loss_options: LossOptions, reference: Reference, network: Network) -> NetworkLoss:

@@ -27,8 +27,9 @@ from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Bools
+from maulstick.storage.arrays import Bools, Floats
 from maulstick.style.lengths import keep_lengths
+from maulstick.style.regional import RegionalStyle
 from maulstick.style.traits import path_length
 
 _STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
@@ -140,9 +141,7 @@ class _Planning:
             "brush_of": False,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
-        self._stroke_canvas = StrokeCanvas(
-            strokes, problem.paper, self._canvas, problem.brushes, self._style, problem.neighbours, problem.room
-        )
+        self._stroke_canvas = StrokeCanvas(strokes, problem)
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
@@ -231,7 +230,9 @@ class _Planning:
         self._descent.step(loss + self._style_weight * price.to(loss.device), now)
         excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
         self._style_weight = max(self._style_weight * exp(_STYLE_WEIGHT_GROWTH * self._stride * excess), _STYLE_WEIGHT)
-        if self._lengths is not None:
+        if isinstance(self._style, RegionalStyle):
+            self._style.keep_lengths(strokes.codes)
+        elif self._lengths is not None:
             keep_lengths(strokes.codes, self._style, self._lengths)
         self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
@@ -251,11 +252,9 @@ class _Planning:
         target = problem.target
         if target is None:
             return joined([start, self._initialiser.first()[0][torch.arange(count)]])
-        canvas = StrokeCanvas(
-            start, problem.paper, self._canvas, problem.brushes, self._style, problem.neighbours, problem.room
-        )
         with torch.no_grad():
-            density = self._initialiser.missing(TargetView(target, problem.weights, self._pool), canvas.render())
+            canvas = StrokeCanvas(start, problem).render()
+            density = self._initialiser.missing(TargetView(target, problem.weights, self._pool), canvas)
         return joined([start, self._initialiser.strokes(target, density, count, self._spacing)[0]])
 
     def _view(self) -> TargetView:
@@ -272,18 +271,18 @@ class _Planning:
         Of several brushes each takes the one that serves best there.
         """
         costs, view = self._removal_costs(), self._view()
-        count = max(1, int(_RELOCATED_SHARE * len(costs)))
-        rows = torch.argsort(costs, stable=True)[:count]
+        useless = torch.argsort(costs, stable=True)[: max(1, int(_RELOCATED_SHARE * len(costs)))]
         with torch.no_grad():
             density = self._initialiser.missing(view, self._stroke_canvas.render())
-        if len(self._problem.brushes) == 1:
-            strokes, _ = self._initialiser.strokes(view.target, density, count, room=self._spacing)
-        else:
-            candidates = self._initialiser.candidates(view.target, density, count, self._spacing)
-            left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, rows, False)
-            own = self._stroke_canvas.strokes[left]
-            strokes = best_brushes(self._problem, view, own, candidates, self._torch_rng)
-        self._descent.replace(rows, strokes)
+        left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, useless, False)
+        own = self._stroke_canvas.strokes[left]
+        for rows, there in self._initialiser.by_pool(useless, self._stroke_canvas.strokes, density):
+            if len(self._problem.brushes) == 1:
+                strokes = self._initialiser.pooled(view.target, there, len(rows), self._spacing)[0]
+            else:
+                candidates = self._initialiser.candidates(view.target, there, len(rows), self._spacing)
+                strokes = best_brushes(self._problem, view, own, candidates, self._torch_rng)
+            self._descent.replace(rows, strokes)
 
     def _removal_costs(self) -> Tensor:
         """Return an estimate of the cost of removing each stroke, (N,), by row."""
@@ -304,9 +303,22 @@ class _Planning:
             marks, colours = self._stroke_canvas.drawn()
             shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._problem.paper, marks, colours)))
             free = as_array(self._stroke_canvas.strokes.colours)
-            mixed = mix_paints(free, np.sqrt(shown.clip(min=1)), options.paints, options.seed)
+            mixed = self._mixed(free, np.sqrt(shown.clip(min=1)), options.paints)
             paints = torch.tensor(mixed, dtype=torch.float32)
         self._stroke_canvas.quantise(self._paints_to_use(paints), self._schedule.grouped)
+
+    def _mixed(self, colours: Floats, amounts: Floats, count: int) -> Floats:
+        """Return so many paints (k, 3) for colours (N, 3), those that are pinned among them, light first."""
+        pinned, own = np.array(self._options.pinned).reshape(-1, 3), np.ones(len(colours), dtype=bool)
+        if (regions := self._problem.regions) is not None:
+            there = regions.style.regions_of(self._stroke_canvas.strokes.codes).tolist()
+            own = np.array([regions.said[number].colours is None for number in there])
+        mixed = np.zeros((0, 3))
+        if own.any() and count > len(pinned):
+            mixed = mix_paints(colours[own], amounts[own], count - len(pinned), self._options.seed)
+        paints = np.concatenate([mixed, pinned])
+        light_first: Floats = paints[np.argsort(-lightness(paints), kind="stable")] if len(pinned) else paints
+        return light_first
 
     @torch.no_grad()
     def _repaint(self) -> None:
@@ -319,7 +331,10 @@ class _Planning:
             costs = recolouring_costs(
                 self._view(), self._problem.paper, marks, colours, stroke_canvas.paints, self._torch_rng
             )
-        gains, better = (-stroke_canvas.by_row(costs)).max(dim=1)
+        gain = -stroke_canvas.by_row(costs)
+        if (allowed := stroke_canvas.allowed_paints()) is not None:
+            gain = gain.masked_fill(~torch.from_numpy(allowed), -torch.inf)
+        gains, better = gain.max(dim=1)
         candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
         before, was = self._loss(stroke_canvas.render(), self._progress)[0], stroke_canvas.paint_of
         while len(candidates):
@@ -332,7 +347,8 @@ class _Planning:
     def _paints_to_use(self, paints: Tensor) -> Tensor:
         """Return the paints (k, C), which go on adapting if they are still to be mixed."""
         if self._options.paints is not None:
-            self._descent.add_paints(paints.requires_grad_())
+            pinned = torch.tensor(self._options.pinned).reshape(-1, 3)
+            self._descent.add_paints(paints.requires_grad_(), (paints[:, None] == pinned[None]).all(dim=2).any(dim=1))
         return paints
 
     def finish(self) -> PlanResult:

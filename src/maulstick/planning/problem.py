@@ -10,6 +10,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.objectives import NetworkLoss, Objective
+from maulstick.planning.regions import Regions
 from maulstick.planning.room import Room
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
@@ -25,6 +26,7 @@ class PlannerSettings:
     strokes: at most so many; exactly so many with `exact`.
     paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1]; a palette of one colour is an ink.
     steps: of the optimiser.  ask_every: steps between two calls of the network losses.
+    pinned: colours among the `paints` that are used as they are, sRGB in [0, 1].
     arrange: in [0, 1], how far strokes are arranged as the hand arranges them, where the style knows how.
     seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
     Raises InputError for a value out of its range.
@@ -38,6 +40,7 @@ class PlannerSettings:
     ask_every: int = 4
     seed: int = 0
     arrange: float = 1.0
+    pinned: tuple[Colour, ...] = ()
 
     def __post_init__(self) -> None:
         if self.strokes < 1:
@@ -50,7 +53,10 @@ class PlannerSettings:
             raise InputError.of_range("the number of steps between two calls", self.ask_every, "at least 1")
         if not self.palette:
             raise InputError("the palette is empty; give it at least one colour")
-        for colour in self.palette:
+        if self.pinned and (self.paints is None or len(self.pinned) > self.paints):
+            allowed = "at most the number of paints that are mixed"
+            raise InputError.of_range("the number of colours that are pinned", len(self.pinned), allowed)
+        for colour in (*self.palette, *self.pinned):
             if not all(0 <= channel <= 1 for channel in colour):
                 raise InputError.of_range("a colour of the palette", colour, "sRGB in [0, 1]")
         if not 0 <= self.arrange <= 1:
@@ -99,6 +105,7 @@ class PlanningProblem:
     objectives, network_losses: the terms of the loss.
     neighbours: strokes of other plans on the same canvas.
     room: the part of the canvas that ink must not leave, None for all of it.
+    regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
     """
 
     target: Tensor | None
@@ -111,3 +118,4 @@ class PlanningProblem:
     network_losses: tuple[Weighted[NetworkLoss], ...] = ()
     neighbours: Neighbours = NO_NEIGHBOURS
     room: Room | None = None
+    regions: Regions | None = None

@@ -8,43 +8,30 @@ from torch import Tensor
 
 from maulstick.colour.palette import nearest_paint
 from maulstick.ordering.layers import by_paint, light_to_dark
-from maulstick.painting.brush import Brush
-from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.problem import NO_NEIGHBOURS, Neighbours
-from maulstick.planning.room import Room, cut_marks, move_into
+from maulstick.planning.problem import PlanningProblem
+from maulstick.planning.room import cut_marks, move_into
 from maulstick.planning.state import State
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from maulstick.storage.arrays import Bools, Floats, Ints
-from maulstick.style import Style
 
 
 class StrokeCanvas:
     """N strokes that keep their rows, M neighbours among them that nothing changes, and the order of painting.
 
-    Parameters are on the CPU, and the canvas is on the device of the paper (C, H, W).
-    room: the part of the canvas that ink must not leave, None for all of it.
+    Parameters are on the CPU, and the canvas is on the device of the problem's paper (C, H, W).
     paints: (k, C), or None while every stroke has a colour of its own.  paint_of: (N,), indices of paints.
     """
 
-    def __init__(
-        self,
-        strokes: StrokeParameters,
-        paper: Tensor,
-        canvas: Canvas,
-        brushes: tuple[Brush, ...],
-        style: Style,
-        neighbours: Neighbours = NO_NEIGHBOURS,
-        room: Room | None = None,
-    ) -> None:
-        self.strokes, self.style, self.paper, self._neighbours = strokes, style, paper, neighbours
-        count = len(strokes) + len(neighbours.colours)
-        self._order = np.arange(count)  # neighbours are the last M rows
+    def __init__(self, strokes: StrokeParameters, problem: PlanningProblem) -> None:
+        self.strokes, self.style, self.paper = strokes, problem.style, problem.paper
+        self._neighbours, self._canvas, self._room = problem.neighbours, problem.canvas, problem.room
+        self._regions, self._brushes = problem.regions, Traj2Stroke.of(problem.brushes)
+        self._order = np.arange(len(strokes) + len(self._neighbours.colours))  # neighbours are the last M rows
         self.paints: Tensor | None = None
         self.paint_of = torch.zeros(len(strokes), dtype=torch.long)
-        self._brushes, self._canvas, self._room = Traj2Stroke.of(brushes), canvas, room
-        if room is not None:
+        if self._room is not None or self._regions is not None:
             self.keep_inside()
 
     @property
@@ -96,7 +83,9 @@ class StrokeCanvas:
         return composite(self.paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
 
     def keep_inside(self) -> None:
-        """Move each stroke by the least that keeps its path on the canvas, and its mark in the room."""
+        """Move each stroke by the least that keeps its path on the canvas, its mark in the room, it in its region."""
+        if self._regions is not None:
+            self._regions.keep(self.strokes, self._brushes[self.strokes.brush_of])
         self.strokes.keep_inside(self.style, self._canvas.width, self._canvas.height)
         if self._room is not None:
             move_into(self._room, self.strokes, self.style, self._brushes[self.strokes.brush_of])
@@ -115,7 +104,14 @@ class StrokeCanvas:
     def quantise(self, paints: Tensor, grouped: bool) -> None:
         """Give every stroke the nearest of the paints (k, C); where `grouped`, order them paint by paint."""
         self.paints = paints
-        self.repaint(torch.from_numpy(nearest_paint(as_array(self.strokes.colours), as_array(paints))), grouped)
+        colours, mixed = as_array(self.strokes.colours), as_array(paints)
+        self.repaint(torch.from_numpy(nearest_paint(colours, mixed, self.allowed_paints())), grouped)
+
+    def allowed_paints(self) -> Bools | None:
+        """Return which of the paints each stroke may have where it lies, (N, k); None where each may have all."""
+        if self._regions is None or self.paints is None:
+            return None
+        return self._regions.allowed_paints(self._regions.style.regions_of(self.strokes.codes), as_array(self.paints))
 
     def repaint(self, paint_of: Tensor, grouped: bool) -> None:
         """Give the strokes the paints of these indices, (N,); where `grouped`, order them paint by paint."""

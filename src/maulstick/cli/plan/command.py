@@ -134,6 +134,18 @@ def plan(
             "other strokes are planned on from where they are.",
         ),
     ] = None,
+    regions: Annotated[
+        Path | None,
+        _painting(metavar="FILE", help="Map of the picture in colours, a PNG or an SVG: see --say."),
+    ] = None,
+    say: Annotated[
+        Path | None,
+        _painting(metavar="FILE", help="TOML file: the hand, brushes, colours and more where the map has each colour."),
+    ] = None,
+    pin: Annotated[
+        list[str] | None,
+        _painting(metavar="COLOUR", help="Use this colour as it is, among the paints to mix. May be repeated."),
+    ] = None,
     text: Annotated[
         str | None,
         _objectives(metavar="TEXT", help="Paint what this text says, beside a picture or alone. Needs CLIP."),
@@ -236,6 +248,9 @@ def plan(
         "contrast": contrast,
         "paper": paper,
         "background": background,
+        "regions": regions,
+        "say": say,
+        "pin": tuple(pin or ()),
         "text": text,
         "look": look,
         "weights": weights_of(weight or []),

@@ -137,7 +137,7 @@ def replanned(
         bare=bare.under,
     )
     problem = replace(problem, neighbours=neighbours_of(locked, painting, brushes))
-    start = parameters_of(left, painting, style, brushes)
+    start = parameters_of(left, painting, problem)
     planned = plan(problem, settings, schedule=REPLAN, start=start)
     again = as_painting(planned, layout, brushes, style, painting.provenance)
     return _joined(painting, painted, with_locked(again, locked, painting, planned))

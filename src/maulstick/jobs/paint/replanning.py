@@ -9,7 +9,7 @@ from typing import Self
 from maulstick.calibration.camera import read_view
 from maulstick.calibration.colour import Colours, read_colours
 from maulstick.calibration.eye import Eye
-from maulstick.errors import InputError, Remedy, option
+from maulstick.errors import InputError, Remedy, needs_torch, option
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
@@ -76,7 +76,8 @@ class Replanning:
             )
         self._tags(plan)  # refuses a side that no tag has
         self._chart()
-        from maulstick.jobs.paint.camera_loop import check_replannable  # loads torch
+        with needs_torch():
+            from maulstick.jobs.paint.camera_loop import check_replannable
 
         check_replannable(plan)
 

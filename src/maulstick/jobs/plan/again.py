@@ -23,7 +23,6 @@ from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProb
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise
-from maulstick.style import Style
 from maulstick.style.pressure import fit_knots
 
 _FILES = ("look", "clip_weights")  # options of which a painting only knows the file's name
@@ -87,7 +86,7 @@ class Again:
                 "ask for more"
             )
         palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
-        return replace(settings, strokes=strokes, paints=None, palette=palette)
+        return replace(settings, strokes=strokes, paints=None, palette=palette, pinned=())
 
     def problem(self, problem: PlanningProblem) -> PlanningProblem:
         """Return the problem with the locked strokes among those that are planned."""
@@ -95,7 +94,7 @@ class Again:
 
     def start(self, problem: PlanningProblem) -> StrokeParameters:
         """Return the strokes that are planned on, as they are."""
-        return parameters_of(self.left, self.painting, problem.style, problem.brushes)
+        return parameters_of(self.left, self.painting, problem)
 
     def joined(self, planned: Painting, result: PlanResult) -> Painting:
         """Return the painting that was `planned` with the locked strokes in their places."""
@@ -137,23 +136,30 @@ def picture_near(painting: Painting, file: Path) -> Path | None:
     raise InputError(f"there is no {name}, from which it was planned, here or beside {file}; name it, too")
 
 
-def parameters_of(
-    strokes: Sequence[Stroke], painting: Painting, style: Style, brushes: Sequence[Brush]
-) -> StrokeParameters:
-    """Return strokes of a painting as parameters of the style; one that is not of the style, as nearly as it can be."""
-    paths = _paths(strokes)
+def parameters_of(strokes: Sequence[Stroke], painting: Painting, problem: PlanningProblem) -> StrokeParameters:
+    """Return strokes of a painting as parameters of the problem's style, each as the hand of its place draws it.
+
+    One that is not of that hand is taken as nearly as the hand can draw it.
+    """
+    paths, style, regions = _paths(strokes), problem.style, problem.regions
     standard, poses = standardise(paths[..., :2])
-    codes = style.encode(torch.from_numpy(standard).float()).detach()
-    for row, stroke in enumerate(strokes):
-        if stroke.style is not None and stroke.style.hash == style.hash:
-            codes[row], poses[row] = torch.tensor(stroke.style.code), stroke.style.pose
+    centres, standardised = torch.from_numpy(paths[..., :2].mean(axis=1)).float(), torch.from_numpy(standard).float()
+    there = torch.zeros(len(strokes), dtype=torch.long) if regions is None else regions.at(centres)
+    codes = style.encode(standardised) if regions is None else regions.style.encode_in(there, standardised)
+    codes = codes.detach()
+    for row, (stroke, region) in enumerate(zip(strokes, there.tolist(), strict=True)):
+        hand = style if regions is None else regions.said[region].hand
+        if stroke.style is not None and stroke.style.hash == hand.hash:
+            own = torch.tensor([stroke.style.code])
+            codes[row] = own[0] if regions is None else regions.style.codes_in(region, own)[0]
+            poses[row] = stroke.style.pose
     return StrokeParameters(
         codes=codes,
-        centres=torch.from_numpy(paths[..., :2].mean(axis=1)).float(),
+        centres=centres,
         angles=torch.from_numpy(poses[:, 2]).float(),
         pressure_knots=torch.from_numpy(fit_knots(paths[..., 2])).float(),
         colours=_colours(strokes, painting),
-        brush_of=_brushes(strokes, painting, brushes),
+        brush_of=_brushes(strokes, painting, problem.brushes),
     )
 
 

@@ -9,7 +9,7 @@ from maulstick.jobs.plan.options import AUTO, MOST_AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import Brush
 from maulstick.painting.edit import NO_EDIT
-from maulstick.painting.painting import Sheet
+from maulstick.painting.painting import Sheet, hex_colour
 from maulstick.painting.picture import READ_PX, canvas_photograph, encode_png, read_picture
 from maulstick.painting.raster import Canvas, parse_sheet
 from maulstick.planning.features.efficientnet import EfficientNetLite0
@@ -56,13 +56,32 @@ def mural_of(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: B
     return Mural(picture, sheet, canvas, options.fit, margin)
 
 
-def settings_of(options: PlanOptions, tubes: tuple[NamedPaint, ...]) -> PlannerSettings:
-    """Return the planner's settings by the options, with these tubes of paint."""
+def settings_of(
+    options: PlanOptions, tubes: tuple[NamedPaint, ...], of_regions: tuple[tuple[float, float, float], ...] = ()
+) -> PlannerSettings:
+    """Return the planner's settings by the options, with these tubes of paint, and the colours that regions name.
+
+    Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
+    """
     palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
-    paints = options.mixed_paints
+    paints, pinned = options.mixed_paints, tuple(parse_colour(colour) for colour in options.pin)
+    if paints is None and pinned:
+        raise InputError(f"{option('pin')} names colours among paints to mix, and none are mixed; leave it out")
+    for colour in of_regions if paints is None else ():
+        if hex_colour(colour) not in map(hex_colour, palette):
+            raise InputError(f"a region is to be painted in {hex_colour(colour)}, which is none of the paints")
+    pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions)))
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
-        strokes, options.exact, paints, palette, options.steps, options.ask_every, options.seed, options.arrange
+        strokes,
+        options.exact,
+        paints,
+        palette,
+        options.steps,
+        options.ask_every,
+        options.seed,
+        options.arrange,
+        pinned,
     )
 
 

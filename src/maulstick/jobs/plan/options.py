@@ -36,7 +36,7 @@ _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
-_FILES = ("background", "again", "look", "paints_from", "clip_weights")  # options that are paths
+_FILES = ("background", "again", "regions", "say", "look", "paints_from", "clip_weights")  # options that are paths
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -59,6 +59,9 @@ class PlanOptions:
     background: a photograph of the sheet, with what is painted on it so far.
     again: the path of a painting: its locked strokes, its sheet and its paints stay as they are, and its other strokes
     are planned on from where they are.
+    regions: a map of the picture in colours, a PNG or an SVG, stretched over it.  say: a TOML file that says what holds
+    where the map has each colour: see docs/planning.md.
+    pin: colours among the paints to mix that are used as they are.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
@@ -99,6 +102,9 @@ class PlanOptions:
     paper: str = "white"
     background: Path | None = None
     again: Path | None = None
+    regions: Path | None = None
+    say: Path | None = None
+    pin: tuple[str, ...] = ()
     text: str | None = None
     look: Path | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
@@ -148,8 +154,11 @@ class PlanOptions:
                 f"{option('background')} shows the sheet as it is, and {option('paper')} its colour; "
                 "leave one of them out"
             )
-        if self.ink is not None:
-            parse_colour(self.ink)
+        for colour in (*self.pin, *(() if self.ink is None else (self.ink,))):
+            parse_colour(colour)
+        object.__setattr__(self, "pin", tuple(self.pin))
+        if (self.regions is None) != (self.say is None):
+            raise InputError(f"{option('regions')} maps regions, and {option('say')} says what holds there; give both")
         self._check_paints()
         if self.pressure is not None and not (isinstance(self.pressure, int | float) and 0 <= self.pressure <= 1):
             allowed = "from 0, just touching, to 1, as deep as the brush goes"

@@ -11,6 +11,7 @@ from maulstick.jobs.plan.again import Again
 from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.inputs import SHEET_PX, enough, held, mural_of, network_of, picture_of, settings_of, sheet_of
 from maulstick.jobs.plan.options import AUTO
+from maulstick.jobs.plan.region_files import RegionFiles
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
 from maulstick.painting.painting import Painting, Provenance, hex_colour
@@ -95,7 +96,7 @@ class Prepared:
 
     def _crowded(self) -> str | None:
         """Return a sentence where so many strokes must lie much nearer each other than the hand's."""
-        arrangement = self.style.arrangement
+        arrangement = self.problem.style.arrangement
         if arrangement is None or not self.settings.arrange:
             return None
         size = arrangement.size_for(self.settings.strokes, surface_of(self.layout.room, self.layout.canvas))
@@ -130,7 +131,15 @@ class Prepared:
 
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
-        painting = as_painting(planned, self.layout, self.brushes, self.style, self.provenance, self.names)
+        painting = as_painting(
+            planned,
+            self.layout,
+            self.brushes,
+            self.problem.style,
+            self.provenance,
+            self.names,
+            self.problem.regions,
+        )
         if self.again is not None:
             painting = self.again.joined(painting, planned)
         arrangement = self.style.arrangement
@@ -152,6 +161,7 @@ class Prepared:
             self.network,
             device=self.device.device,
             tones=self.tones,
+            regions=self.problem.regions,
         )
         problem = replace(problem, neighbours=self.problem.neighbours)
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
@@ -173,7 +183,9 @@ def prepare(
     """
     options, device = request.options, choose_device(request.options.device)
     again, picture = again or Again.of(options), picture_of(request, image)
-    whole, sheet = brushes or load_brushes(options.brush), sheet_of(options, picture)
+    files = RegionFiles(options.regions, options.say) if options.regions and options.say else None
+    usual = brushes or load_brushes(options.brush)
+    whole, sheet = usual if files is None else files.brushes(usual), sheet_of(options, picture)
     brushes = tuple(held(brush, options) for brush in whole)
     is_held = options.pressure is None and any(
         was.pressure_matters != brush.pressure_matters for was, brush in zip(whole, brushes, strict=True)
@@ -193,12 +205,13 @@ def prepare(
     if mural is None:
         layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
-        if again is not None:
-            raise InputError(f"{option('again')} plans in one piece; choose a smaller {option('px')}")
+        for limited, given in (("again", again), ("regions", files)):
+            if given is not None:
+                raise InputError(f"{option(limited)} plans in one piece; choose a smaller {option('px')}")
         layout = mural.overview(LONGEST_PX)
     check_room(layout.room, brushes)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
-    settings, supply = settings_of(options, tubes), None
+    settings, supply = settings_of(options, tubes, () if files is None else files.colours), None
     if settings.one_ink:
         if len(brushes) > 1:
             raise InputError(
@@ -219,12 +232,26 @@ def prepare(
         "Maulstick": version("maulstick"),
         "the brush": sum_of([brush.model_dump(mode="json") for brush in brushes]),
     }
-    request = request.with_sums({**sums, "the style": style.hash})
     network = cache(partial(network_of, options))
     tones = None if supply is None else supply.tones(strokes)
     if tones is not None and tones.compressed:  # none can be spared
         settings = replace(settings, exact=True)
-    problem = problem_of(layout, brushes, style, settings, loss_options, network, device=device.device, tones=tones)
+    regions = None
+    if files is not None:
+        shape = (sheet.height, sheet.width) if picture is None else picture.shape
+        regions = files.on(layout.canvas, shape, options.fit, margin, style, brushes, usual)
+    request = request.with_sums({**sums, "the style": style.hash if regions is None else regions.style.hash})
+    problem = problem_of(
+        layout,
+        brushes,
+        style,
+        settings,
+        loss_options,
+        network,
+        device=device.device,
+        tones=tones,
+        regions=regions,
+    )
     if again is not None:
         problem = again.problem(problem)
     if options.names_clip and not problem.network_losses:

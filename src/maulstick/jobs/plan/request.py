@@ -92,8 +92,9 @@ class PlanRequest:
     def files(self) -> list[Path]:
         """Files that it names: the picture, and those of the options."""
         options = self.options
-        files = (options.look, options.background, options.again, options.paints_from, options.clip_weights)
-        return [file for file in (self.picture, *files) if file is not None]
+        files = (options.look, options.background, options.again, options.regions, options.say)
+        others = (options.paints_from, options.clip_weights)
+        return [file for file in (self.picture, *files, *others) if file is not None]
 
 
 def demo_picture() -> Path:

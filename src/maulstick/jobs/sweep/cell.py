@@ -9,7 +9,7 @@ from typing import Final
 
 from pydantic import BaseModel, ConfigDict, JsonValue
 
-from maulstick.errors import InputError, MaulstickError, OutputError
+from maulstick.errors import InputError, MaulstickError, OutputError, needs_torch
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files, sum_of
 from maulstick.painting.brush import load_brushes
 from maulstick.storage.files import atomic_write, file_sum, file_to_read, held
@@ -117,7 +117,8 @@ def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | No
     fault = where / _FAULT
     try:
         taken = f"{where} is planned by another process"
-        with held(where / _LOCK, taken, f"cannot write into {where}", "choose another folder", _PATIENCE):
+        held_here = held(where / _LOCK, taken, f"cannot write into {where}", "choose another folder", _PATIENCE)
+        with held_here, needs_torch():
             if not is_finished(where):
                 _finish(where, _may_go_on(where.parent / STOP, alive))
         fault.unlink(missing_ok=True)

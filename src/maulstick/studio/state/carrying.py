@@ -1,8 +1,14 @@
 """Paths within a studio's files, written so that its folder may be moved, or copied to another machine."""
 
+import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+from maulstick.jobs.plan.request import PlanRequest
+
+REQUEST: Final = "request.json"
+"""Name of the file of a plan's request, in its folder."""
 
 _ROOT = "studio:/"  # stands for the studio's folder in its files
 
@@ -15,6 +21,14 @@ def carried_off(plain: Any, root: Path) -> Any:
 def carried_here(plain: Any, root: Path) -> Any:
     """Return JSON in which what `carried_off` wrote are paths within the folder `root` again."""
     return _replaced(plain, _ROOT, f"{root}{os.sep}")
+
+
+def read_request(path: Path, root: Path) -> PlanRequest:
+    """Return a plan's request out of its file; `root` is the studio's folder.
+
+    Raises OSError where it cannot be read, and ValueError where it is none of this version.
+    """
+    return PlanRequest.from_json(carried_here(json.loads(path.read_bytes()), root), path)
 
 
 def _replaced(plain: Any, before: str, now: str) -> Any:

@@ -8,6 +8,7 @@ from pathlib import Path
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
+from maulstick.studio.state.carrying import REQUEST, read_request
 
 
 def keep_own(folder: Path, request: PlanRequest, picture: Path) -> None:
@@ -24,6 +25,16 @@ def keep_own(folder: Path, request: PlanRequest, picture: Path) -> None:
             os.link(picture, own)
             return
         atomic_write(own, picture.read_bytes())
+
+
+def keep_own_in_trash(root: Path, picture: Path) -> None:
+    """Keep a picture with the plans in the trash of the studio's folder `root` that name it; raises as `keep_own`."""
+    for file in root.glob(f"trash/*/*/{REQUEST}"):
+        try:
+            request = read_request(file, root)
+        except (OSError, ValueError):  # one that cannot be read could not go on either
+            continue
+        keep_own(file.parent, request, picture)
 
 
 def with_own(request: PlanRequest, folder: Path) -> PlanRequest:

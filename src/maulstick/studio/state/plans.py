@@ -17,9 +17,9 @@ from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
-from maulstick.studio.state.carrying import carried_here, carried_off
+from maulstick.studio.state.carrying import REQUEST, carried_off, read_request
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.own_pictures import keep_own, with_own
+from maulstick.studio.state.own_pictures import keep_own, keep_own_in_trash, with_own
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.state.versions import Around
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
@@ -29,7 +29,7 @@ from maulstick.studio.workers.process import Failed, Process
 _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server and a machine have cores left
 _NICENESS = 10  # below the server and a run, whose machine must not wait
 _PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
-_REQUEST, _STORY = "request.json", "story.json"  # files in a plan's folder
+_STORY = "story.json"  # in a plan's folder
 _MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
 
 
@@ -105,7 +105,7 @@ class Plan:
     def write_request(self) -> None:
         """Write its request into its folder."""
         plain = carried_off(self.request.as_json(), self.folder.parent.parent)
-        atomic_write(self.folder / _REQUEST, json.dumps(plain, indent=1).encode())
+        atomic_write(self.folder / REQUEST, json.dumps(plain, indent=1).encode())
 
     def write_story(self) -> None:
         """Write its metrics, curve and notes into its folder, for a studio that is opened later."""
@@ -215,7 +215,7 @@ class Plans:
         self.changed.emit()
 
     def part_with(self, picture: Path) -> None:
-        """Let all plans that are made from a picture keep it, before it is thrown away.
+        """Let all plans that are made from a picture keep it, before it is thrown away; those in the trash, too.
 
         Raises InputError while one is being made, and OutputError where one cannot keep it.
         """
@@ -224,6 +224,7 @@ class Plans:
             raise InputError(f"{busy[0]} is being planned from that picture; stop it first")
         for plan in using:
             keep_own(plan.folder, plan.request, picture)
+        keep_own_in_trash(self._folder.root, picture)
 
     def throw_away(self, plan: Plan) -> Path:
         """Move a plan into the trash; return its place there. Raises InputError while it is planned."""
@@ -294,10 +295,8 @@ class Plans:
 
 def _read_plan(name: str, folder: Path) -> Plan | None:
     """Return the plan that an earlier studio left in the folder, or None where there is none of this version."""
-    path = folder / _REQUEST
     try:
-        plain = carried_here(json.loads(path.read_bytes()), folder.parent.parent)
-        plan = Plan(name, folder, PlanRequest.from_json(plain, path))
+        plan = Plan(name, folder, read_request(folder / REQUEST, folder.parent.parent))
     except (OSError, ValueError):  # InputError is one: of another version of Maulstick
         return None
     with suppress(OSError, ValueError, KeyError):  # without it there is less to see

@@ -22,13 +22,15 @@ _PAUSE = 0.5  # seconds between two writings: a person who types a number change
 _USUAL = PlanOptions()
 
 _Text = Annotated[str, Field(max_length=100)]
+_Names = Annotated[str, Field(max_length=800)]
 _Weight = Annotated[float, Field(ge=0, le=10)]
 
 
 class Choices(BaseModel):
     """Choices for a plan, without what it is of; the fields are those of the form, with what is usual.
 
-    machine: kind of the machine that will paint, "" for none yet.  own_size: where `size` names none.
+    machine: kind of the machine that will paint, "" for none yet.  brush: one, or several by commas.
+    own_size: where `size` names none.
     turned, fit, margin: of the sheet, millimetres.  kind: whether it paints in paints or in one ink.
     enough: whether there are as many strokes as the picture needs.  effort: steps of the optimiser.
     unmixed: whether only the paints of the studio's tubes are used.  tries: number of plans, the best of which is kept.
@@ -40,7 +42,7 @@ class Choices(BaseModel):
     machine: _Text = ""
     style: _Text = "loops"
     hand_size: Annotated[float, Field(gt=0, le=50)] = _USUAL.hand_size
-    brush: _Text = _USUAL.brush
+    brush: _Names = _USUAL.brush
     size: _Text = _USUAL.size
     own_size: _Text = "170 by 230 mm"
     turned: _Text = AS_SUITS

@@ -44,6 +44,15 @@ def brush_in_words(name: str) -> str:
     return name
 
 
+def brushes_in_words(names: str) -> str:
+    """Return the names of brushes with commas between them for people, the broadest first: ``wash and marker``."""
+    each = names.split(",")
+    with suppress(InputError):  # one that is there no more has no width
+        each.sort(key=lambda name: -load_brush(name).widest)
+    *others, last = map(brush_in_words, each)
+    return f"{', '.join(others)} and {last}" if others else last
+
+
 def pen_in_words(pen: PenModel) -> str:
     """Return a pen for people: its width, its colour, and what it is called in a shop."""
     return f"Pen: {1e3 * pen.width:g} mm {colour_word(parse_colour(pen.colour))}, {pen.label}"

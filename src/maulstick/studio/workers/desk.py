@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, ParamSpec, TypeVar, final
 
-from maulstick.errors import MaulstickError
+from maulstick.errors import MaulstickError, needs_torch
 from maulstick.studio.workers.process import Failed, Line, Process
 
 P = ParamSpec("P")
@@ -121,7 +121,9 @@ def _work(line: Line) -> None:
     for task in line.hear():
         assert isinstance(task, _Task)
         try:
-            line.say(_Done(task.function(*task.arguments, **task.named)))
+            with needs_torch():
+                result = task.function(*task.arguments, **task.named)
+            line.say(_Done(result))
         except MaulstickError as error:
             line.say(_Refused(error))
 

@@ -20,7 +20,7 @@ from maulstick.robot.routine import Draw, Prompt, TrayVisit
 from maulstick.storage.arrays import Image
 from maulstick.studio.workers.messages import PAINTING, PLANNING, Held, Note, OperatorRequest, Photograph, RunProgress
 from maulstick.studio.workers.plan_pictures import keep_plan_picture
-from maulstick.studio.workers.planned_paints import display_name
+from maulstick.studio.workers.planned_paints import asked_in_words
 from maulstick.studio.workers.process import Line
 
 _GLANCE = 0.05  # seconds between two checks for an answer or a stop
@@ -104,7 +104,7 @@ class PageOperator(Operator):
         self._question = next(self._questions)
         self._done.clear()  # in this order, or an answer to an earlier question could answer this one
         paint = self._setup.plan.paints[action.paint]
-        message = action.message.replace(f"the paint {paint.label}", display_name(paint, action.paint))
+        message = asked_in_words(action.message, paint, action.paint)
         if action.seconds is not None:
             message += f"; it draws for {in_minutes(action.seconds)}"
         self._line.say(OperatorRequest(self._question, message))

@@ -33,6 +33,11 @@ def plan_picture(painting: Path) -> Path:
     return again[max(again)] if again else painting.with_name(FIRST)
 
 
+def rehearsed_sheet(painting: Path) -> Path:
+    """Return the picture of the simulated easel's sheet after a rehearsal of that file, existing or not."""
+    return painting.with_name(f"{painting.stem}-painted.png")
+
+
 def keep_plan_picture(painting: "Painting", photograph: Path) -> None:
     """Write the picture of a painting whose rest was planned again by that photograph, beside it."""
     from maulstick.painting.picture import encode_png

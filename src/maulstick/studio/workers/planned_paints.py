@@ -6,7 +6,9 @@ from pathlib import Path
 
 from maulstick.colour.names import colour_word
 from maulstick.jobs.paintable import read_paintable
+from maulstick.painting.brush import BRUSHES
 from maulstick.painting.painting import Paint, hex_colour
+from maulstick.painting.pens import PENS, load_pen
 from maulstick.robot.tray import read_tray
 from maulstick.studio.workers.svg_work import options_of
 
@@ -41,6 +43,14 @@ class PlannedPaint:
 def display_name(paint: Paint, index: int) -> str:
     """Name of a paint for people: its own, or its number in the palette, from 1, and a word for its colour."""
     return paint.name if paint.name is not None else f"paint {index + 1} ({colour_word(paint.colour)})"
+
+
+def asked_in_words(message: str, paint: Paint, index: int) -> str:
+    """Return what a machine asks a person for: a paint by its name for people, a pen as it is called in a shop."""
+    message = message.replace(f"the paint {paint.label}", display_name(paint, index))
+    if paint.brush in BRUSHES.paths() or paint.brush not in PENS.paths():
+        return message
+    return message.replace(f"put in the {paint.brush}", f"put in the pen {load_pen(paint.brush).label}")
 
 
 def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ...]:

@@ -18,6 +18,7 @@ from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write, held
 from maulstick.studio.workers.process import Line
+from maulstick.studio.workers.unchanged import check_or_keep_sums
 
 if TYPE_CHECKING:
     from maulstick.planning.planner import PlanProgress
@@ -164,6 +165,7 @@ def _tried(line: Line, request: PlanRequest, folder: Path, seed: int, watch: _Wa
     if (kept := _try_file(folder, seed)).is_file():
         return read_painting(kept)
     prepared = prepare_try(request, seed)
+    check_or_keep_sums(prepared.request, folder, is_begun=any(folder.glob("try-*.json")))
     line.say(Begun(tuple(prepared.notes)))
     if prepared.layout.target is not None:
         atomic_write(folder / TARGET, encode_jpeg(prepared.layout.target))

@@ -15,7 +15,7 @@ from multiprocessing.reduction import ForkingPickler
 from queue import SimpleQueue
 from typing import Any, final
 
-from maulstick.errors import MaulstickError
+from maulstick.errors import MaulstickError, needs_torch
 from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.studio.wording import error_text
 
@@ -159,7 +159,8 @@ def _begin(work: Callable[..., None], connection: Connection, niceness: int, arg
     os.nice(niceness)
     line = Line(connection)
     try:
-        work(line, *arguments)
+        with needs_torch():
+            work(line, *arguments)
     except MaulstickError as error:
         line.say(Failed(error_text(error)))
         sys.exit(1)

@@ -13,7 +13,7 @@ from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.wording import machine_name
 from maulstick.studio.workers.messages import PAINTING
-from maulstick.studio.workers.plan_pictures import plan_picture
+from maulstick.studio.workers.plan_pictures import plan_picture, rehearsed_sheet
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 
@@ -154,8 +154,7 @@ class Sheets:
 
     def _left_of(self, plan: str) -> str:
         """Return the address of the picture of the sheet after an earlier run; "" where there is none, or one is on."""
-        painting = self._folder.painting(plan)
-        path = painting.with_name(f"{painting.stem}-painted.png")
+        path = rehearsed_sheet(self._folder.painting(plan))
         return "" if self._run.state.is_on or not path.is_file() else self._address(path)
 
     def _address(self, path: Path) -> str:

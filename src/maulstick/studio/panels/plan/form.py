@@ -15,6 +15,7 @@ from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import MOST_TRIES, PlanRequest
 from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.again import values_of
+from maulstick.studio.panels.plan.brushes import BrushChoice, are_offered
 from maulstick.studio.panels.plan.editor import PictureEditor
 from maulstick.studio.panels.plan.more import MoreChoices
 from maulstick.studio.panels.plan.pictures import PictureChoice
@@ -24,7 +25,7 @@ from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, w
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
-from maulstick.studio.widgets.brushes import USUAL_PEN, brushes_for, draws_one_width, is_pen
+from maulstick.studio.widgets.brushes import USUAL_PEN, draws_one_width, is_pen
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider
 from maulstick.studio.wording import PLANNED_FOR, WORDS_LABEL
@@ -44,12 +45,13 @@ _OFFERS: dict[str, Container[object]] = {
     "effort": _EFFORTS,
 }
 _SHOW_NEWEST = """setTimeout(() => document.querySelector(".plans .plan")?.scrollIntoView({ block: "nearest" }), 100)"""
+_SHOW_FORM = """document.querySelector(".fields").scrollTo(0, 0); scrollTo({ top: 0, behavior: "smooth" })"""
 _PAUSE = 1.0  # seconds without the button after a click, longer than a double click takes
 _MOST_STROKES, _MOST_PAINTS = 20_000, 64  # what a page can show and a person can mix; the command line takes more
 
 
 class PlanForm:
-    """Form with the button that begins to plan.
+    """Form of a plan; `add_button` ends it.
 
     style: name of the hand that is chosen first.  desk: part of the page onto which a picture can be dropped.
     """
@@ -79,7 +81,7 @@ class PlanForm:
             with ui.element().classes("numbers"):
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
-                self._brush = ui.select({}, label="Brush or pen").classes("whole")
+                self._brushes = BrushChoice()
                 self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
                 self._ink = ui.color_input("The ink").bind_value(kept, "ink")
@@ -94,49 +96,49 @@ class PlanForm:
             self._arrange = Slider("As the hand arranges", 1, 0.25, kept["arrange"], self._keep)
             self._effort = ui.select(_EFFORTS, label="How carefully").bind_value(kept, "effort")
             self._more = MoreChoices(studio, kept)
-        self._go = (
-            ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps").classes("go")
-        )
         self._is_arranged = False
-        for choice in (self._machine, self._kind, self._enough, self._text):
+        for choice in (self._machine, self._kind, self._enough, self._text, self._brushes.first):
             choice.on_value_change(self._follow)
         self._offer_brushes(kept["brush"])
         self._machine.on_value_change(self._change_machine)
-        self._brush.on_value_change(self._take_colour)
+        self._brushes.first.on_value_change(self._take_colour)
         shown_by(self._style, studio.styles.changed, lambda: self._show_styles(style or kept["style"]))
         self._follow()
         for field in self._fields():
             field.on_value_change(self._keep)
 
+    def add_button(self) -> None:
+        """Add the button that begins to plan, where the page is built now."""
+        self._go = ui.button("Plan it", icon="play_arrow", on_click=self._plan).props("unelevated no-caps")
+        self._go.classes("go")
+
     def _fields(self) -> tuple[ValueElement[Any], ...]:
         numbers = (self._hand_size, self._paints, self._strokes, self._enough, self._effort)
-        choices = (self._machine, self._style, self._brush, self._kind, self._ink, self._drawing)
-        return (*choices, *numbers, *self._sheet.fields, *self._more.fields)
+        choices = (self._machine, self._style, self._kind, self._ink, self._drawing)
+        return (*choices, *self._brushes.fields, *numbers, *self._sheet.fields, *self._more.fields)
 
     def _keep(self) -> None:
         """Keep all that is chosen, for this page while a person is at other panels, and for those opened later."""
-        self._kept |= {"style": self._style.value, "brush": self._brush.value, "arrange": self._arrange.value}
+        self._kept |= {"style": self._style.value, "brush": self._brushes.names, "arrange": self._arrange.value}
         self._kept["weights"] = {name: slider.value for name, slider in self._weights.items()}
         self._studio.settings.keep(self._kept)
 
-    def _offer_brushes(self, chosen: object) -> None:
-        """Offer what the machine can draw with: the chosen one of it, or else the usual one."""
-        offered = brushes_for(str(self._machine.value))
-        self._brush.set_options(offered, value=chosen if chosen in offered else _DEFAULT.brush)
-        self._lifts.visible = any(map(is_pen, offered))
+    def _offer_brushes(self, chosen: str) -> None:
+        """Offer what the machine can draw with: the chosen ones of it, or else the usual one."""
+        self._lifts.visible = self._brushes.offer(str(self._machine.value), chosen)
 
     def _change_machine(self) -> None:
         """Offer what this machine draws with: a pen where it only lifts one, and no pen where it does not."""
-        before = str(self._brush.value)
-        self._offer_brushes(before)
-        if self._lifts.visible and not draws_one_width(before) and USUAL_PEN in self._brush.options:
-            self._brush.value = USUAL_PEN
+        brush, before = self._brushes.first, str(self._brushes.first.value)
+        self._offer_brushes(self._brushes.names)
+        if self._lifts.visible and not draws_one_width(before) and USUAL_PEN in brush.options:
+            brush.value = USUAL_PEN
         elif is_pen(before) and not self._lifts.visible:
             self._kind.value = "paints"
 
     def _take_colour(self) -> None:
         """Draw in the ink of the pen that is chosen."""
-        pen = str(self._brush.value)
+        pen = str(self._brushes.first.value)
         if is_pen(pen):
             self._kind.value, self._ink.value = "ink", load_pen(pen).colour
 
@@ -147,6 +149,7 @@ class PlanForm:
         one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
         self._both.visible = of_picture and bool(str(self._text.value or "").strip())
         self._paints.visible, self._ink.visible = not one_ink, one_ink
+        self._brushes.show(one_ink)
         self._drawing.visible = one_ink and of_picture
         self._enough.visible = one_ink and of_picture and self._style.value != _FREE
         self._strokes.set_enabled(not self._takes_enough)
@@ -177,7 +180,7 @@ class PlanForm:
         """
         options = plan.request.options
         self._set(values_of(plan.request))
-        ui.run_javascript("scrollTo({ top: 0, behavior: 'smooth' })")
+        ui.run_javascript(_SHOW_FORM)
         self._picture.choose(plan.request.picture)
         self._editor.correct(options.edit)
         self._more.fill(options)
@@ -187,7 +190,8 @@ class PlanForm:
         """Show settings; return the names of the fields whose value this studio does not have, which stay."""
         values = choices.model_dump()
         machine = choices.machine if choices.machine in PLANNED_FOR else str(self._machine.value)
-        offers = {**_OFFERS, "style": self._style.options, "brush": brushes_for(machine), "effort": [choices.effort]}
+        brush = [choices.brush] if are_offered(machine, choices.brush) else []
+        offers = {**_OFFERS, "style": self._style.options, "brush": brush, "effort": [choices.effort]}
         if self._studio.mixing.tubes_file is None:
             offers["unmixed"] = [False]
         gone = [name for name, offered in offers.items() if values[name] not in offered]
@@ -252,7 +256,7 @@ class PlanForm:
             **({} if picture is None else vars(self._editor.edit)),
             strokes=strokes,
             ink=ink,
-            brush=str(self._brush.value),
+            brush=self._brushes.used,
             robot=str(self._machine.value) or None,
             style=str(self._style.value),
             hand_size=self._hand_size.value,

@@ -32,12 +32,13 @@ class PictureChoice:
         names = studio.gallery.names()
         self._chosen = names[0] if names else None
         self._group = html.fieldset().classes("pictures").props('aria-label="Picture"')
+        with ui.element().classes("line of-picture"):
+            self._rename = ui.button("Rename", icon="edit", on_click=self._ask_for_title).props("flat")
+            self._rename.props('aria-label="Rename the picture"')
+            self._away = ui.button("Throw away", icon="delete", on_click=self._throw_away).props("flat")
+            self._away.props('aria-label="Throw the picture away"')
         with ui.element().classes("line"):
             upload_button("Bring a picture", _ENDINGS, self._bring, onto=onto, camera=True)
-            self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat")
-            self._rename.tooltip("Rename the picture").props('aria-label="Rename the picture"')
-            self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat")
-            self._away.tooltip("Throw the picture away").props('aria-label="Throw the picture away"')
             self._portrait = ui.button("Try an example picture", on_click=self._use_portrait).props("flat no-caps")
         shown_by(self._group, studio.gallery.changed, self._show)
 

@@ -17,13 +17,16 @@ def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
-    html.h1("Plan a painting")
-    html.p(
-        "Choose a picture, and a hand: somebody's way of drawing. Watch the strokes find their places, "
-        "and stop whenever you like it."
-    ).classes("hint")
-    with ui.element().classes("desk") as desk:
+    with ui.element().classes("desk plan-desk") as desk:
+        with ui.element().classes("intro"):
+            html.h1("Plan a painting")
+            html.p(
+                "Choose a picture, and a hand: somebody's way of drawing. Watch the strokes find their places, "
+                "and stop whenever you like it."
+            ).classes("hint")
         with ui.element().classes("side"):
-            form = PlanForm(studio, query.get("style", ""), desk)
+            with ui.element().classes("fields"):
+                form = PlanForm(studio, query.get("style", ""), desk)
+            form.add_button()
         with ui.element().classes("wide"):
             PlanCards(studio, again=form.fill)

@@ -1,0 +1,173 @@
+"""Files of regions: a map of the picture in colours, and a TOML file that says what holds in each."""
+
+import tomllib
+from collections.abc import Sequence
+from math import radians
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import shapely
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from maulstick.colour.palette import parse_colour
+from maulstick.errors import InputError, validation_fault
+from maulstick.painting.brush import Brush, Name, in_painting_order, load_brushes
+from maulstick.painting.fit import place_of
+from maulstick.painting.picture import read_picture
+from maulstick.painting.raster import Canvas
+from maulstick.planning.regions import Region, Regions
+from maulstick.storage.arrays import Floats, Ints
+from maulstick.storage.files import read_whole
+from maulstick.style import Style, load_style
+
+REST = "rest"
+"""Name of what no region of a map covers."""
+
+_LARGEST = 2**20  # bytes of the TOML file: thousands of regions
+_MOST = 64  # regions: more than a person tells apart by their colours
+_SAME = 60 / 255  # of sRGB: what is further from the colours of all regions, and from white, is none of them
+_WHITE = (1.0, 1.0, 1.0)
+
+
+class _Said(BaseModel):
+    """What the TOML file says of a region; lengths of time and place as in the options of planning."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    colour: str | None = None
+    style: str | None = None
+    hand_size: Annotated[float, Field(ge=0.02, le=50)] | None = None
+    brush: str | None = None
+    share: Annotated[float, Field(gt=0, lt=1)] | None = None
+    importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
+    weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
+    colours: list[str] | None = None
+    direction: float | None = None
+    bare: bool = False
+
+
+_FILE: TypeAdapter[dict[Name, _Said]] = TypeAdapter(dict[Name, _Said])
+
+
+class RegionFiles:
+    """Regions as two files say them. Raises InputError where they cannot be read, or do not agree."""
+
+    def __init__(self, regions: Path, say: Path) -> None:
+        self._map, self._say = regions, say
+        self._said = _read_said(say)
+        named: dict[tuple[float, float, float], str] = {}
+        for name, said in self._said.items():
+            if name == REST:
+                continue
+            if said.colour is None:
+                raise InputError(f"{say}: {name} has no colour on the map; give it one, as in colour = '#ff0000'")
+            if (same := named.setdefault(parse_colour(said.colour), name)) != name:
+                raise InputError(f"{say}: {same} and {name} have the same colour, {said.colour}; give each its own")
+        self._colours = dict(named)
+        self._brushes = {text: load_brushes(text) for said in self._said.values() if (text := said.brush)}
+
+    def brushes(self, usual: Sequence[Brush]) -> tuple[Brush, ...]:
+        """Return the usual brushes, and those that regions use beside them, the broadest first."""
+        more = {brush.name: brush for brushes in self._brushes.values() for brush in brushes}
+        return in_painting_order({**more, **{brush.name: brush for brush in usual}}.values())
+
+    @property
+    def colours(self) -> tuple[tuple[float, float, float], ...]:
+        """All colours that regions are painted in alone, sRGB in [0, 1]."""
+        every = [parse_colour(colour) for said in self._said.values() for colour in said.colours or ()]
+        return tuple(dict.fromkeys(every))
+
+    def on(
+        self,
+        canvas: Canvas,
+        shape: tuple[int, ...],
+        fit: str,
+        margin: float,
+        style: Style,
+        brushes: Sequence[Brush],
+        usual: Sequence[Brush],
+    ) -> Regions:
+        """Return the regions on a canvas, for a picture of this shape (h, w) that is laid out so.
+
+        style: where none is said.  brushes: of the plan.  usual: those used where none is said.
+        Raises InputError for a region that the map does not show, and where all of the sheet is to be bare.
+        """
+        said = {REST: _Said(), **self._said}
+        labels = self._labels(canvas, shape, fit, margin, list(said))
+        for number, name in enumerate(said):
+            if name != REST and not (labels == number).any():
+                colour = said[name].colour
+                raise InputError(
+                    f"{self._map} shows nothing in {colour}, the colour of {name}; paint it, or leave it out"
+                )
+        regions = tuple(self._region(name, one, canvas, style, brushes, usual) for name, one in said.items())
+        there = [regions[number] for number in np.unique(labels).tolist()]
+        if all(region.bare for region in there):
+            raise InputError(f"{self._say} leaves all of the sheet bare; leave some of it to be painted")
+        if sum(region.share or 0 for region in there) > 1:
+            raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
+        return Regions(labels, regions, canvas)
+
+    def _region(
+        self, name: str, said: _Said, canvas: Canvas, style: Style, brushes: Sequence[Brush], usual: Sequence[Brush]
+    ) -> Region:
+        hand = style if said.style is None else load_style(said.style, canvas)
+        names = {brush.name for brush in (usual if said.brush is None else self._brushes[said.brush])}
+        return Region(
+            name,
+            hand.scaled(said.hand_size or 1.0),
+            tuple(brush.name in names for brush in brushes),
+            None if said.colours is None else tuple(parse_colour(colour) for colour in said.colours),
+            said.share,
+            said.bare,
+            None if said.direction is None else radians(said.direction),
+            said.importance,
+            tuple(said.weights.items()),
+        )
+
+    def _labels(self, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float, names: list[str]) -> Ints:
+        """Return the index of each pixel's region, (H, W); the map is stretched over the picture, and its edges on."""
+        left, top, right, bottom = place_of(shape[:2], canvas, fit, margin)
+        x = (np.arange(canvas.width_px) + 0.5 - left) / (right - left)
+        y = (np.arange(canvas.height_px) + 0.5 - top) / (bottom - top)
+        u, v = x.clip(0, 1 - 1e-9), y.clip(0, 1 - 1e-9)
+        colours = _of_svg(self._map, u, v) if self._map.suffix.lower() == ".svg" else _of_picture(self._map, u, v)
+        known = np.array([_WHITE, *self._colours])
+        numbers = np.array([names.index(REST), *(names.index(name) for name in self._colours.values())])
+        if _WHITE in self._colours:
+            known, numbers = known[1:], numbers[1:]
+        away = np.stack([np.abs(colours - colour).max(axis=2) for colour in known])
+        return np.where(away.min(axis=0) <= _SAME, numbers[away.argmin(axis=0)], names.index(REST))
+
+
+def _read_said(path: Path) -> dict[str, _Said]:
+    try:
+        said = _FILE.validate_python(tomllib.loads(read_whole(path, "description of regions", _LARGEST).decode()))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} is not TOML: {error}; see docs/planning.md for an example") from error
+    except ValidationError as error:
+        raise InputError(f"{path}: {validation_fault(error)}") from error
+    if not 1 <= len(said) <= _MOST:
+        raise InputError.of_range("the number of regions", len(said), f"from 1 to {_MOST}")
+    return said
+
+
+def _of_picture(path: Path, u: Floats, v: Floats) -> Floats:
+    """Return the colours of a picture, (H, W, 3), at shares u (W,) of its width and v (H,) of its height."""
+    pixels = read_picture(path)
+    rows, columns = (v * pixels.shape[0]).astype(int), (u * pixels.shape[1]).astype(int)
+    return np.asarray(pixels[rows[:, None], columns[None]], dtype=np.float64)
+
+
+def _of_svg(path: Path, u: Floats, v: Floats) -> Floats:
+    """Return the colours that shapes of an SVG fill, (H, W, 3), at shares u (W,) and v (H,) of its page."""
+    from maulstick.drawing.read import read_fills  # loads parsers
+
+    fills, (width, height) = read_fills(path)
+    x, y = np.meshgrid(u * width, v * height)
+    colours = np.ones((*x.shape, 3))
+    for colour, region in fills:
+        shapely.prepare(region)
+        colours[shapely.contains_xy(region, x, y)] = colour
+    return colours

@@ -1,0 +1,206 @@
+"""Regions of a sheet: where which hand draws, with which brushes and colours, how densely, and where nothing may be."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+import torch
+from scipy.ndimage import distance_transform_edt
+from torch import Tensor
+
+from maulstick.painting.brush import Brush
+from maulstick.painting.raster import Canvas
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.rendering.traj2stroke import Traj2Stroke
+from maulstick.storage.arrays import Bools, Floats, Image, Ints
+from maulstick.strokes.refine import refine
+from maulstick.style import Style
+from maulstick.style.regional import RegionalStyle
+
+_FINE_PX = 3000  # longest side of the field of distances to bare paper, as far as whole multiples of pixels go
+_FINER = 4  # at most so many of its samples per pixel
+_SLACK = 2e-5  # metres that a mark is kept from bare paper
+_MOVES = 40  # moves at most that bring a finished stroke off bare paper, before it is left out
+_WANDER = pi / 18  # radians that strokes may turn away from the direction of their region
+_SAME = 1.5 / 255  # of sRGB: a paint that is as near is the colour that a region names
+
+
+@dataclass(frozen=True)
+class Region:
+    """What holds in a region.
+
+    hand: that draws there.  brushes: (B,), which of the plan's may be used there.
+    colours: sRGB in [0, 1], the only ones there, None for all.  share: of all strokes, None for what its details need.
+    bare: whether no ink may lie there.  angle: radians clockwise from the right, of the chords of all strokes there.
+    importance: how much more it counts than the rest of the sheet.
+    weights: of terms of the loss by name, in multiples of the plan's own.
+    """
+
+    name: str
+    hand: Style
+    brushes: tuple[bool, ...]
+    colours: tuple[tuple[float, float, float], ...] | None = None
+    share: float | None = None
+    bare: bool = False
+    angle: float | None = None
+    importance: float = 1.0
+    weights: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Regions of a canvas: labels (H, W), each the index of one of those that are `said`; the first is the rest."""
+
+    labels: Ints
+    said: tuple[Region, ...]
+    canvas: Canvas
+
+    @cached_property
+    def style(self) -> RegionalStyle:
+        """The hands of all regions as one style."""
+        return RegionalStyle([region.hand for region in self.said])
+
+    @cached_property
+    def pools(self) -> list[tuple[Bools, float | None]]:
+        """Parts of the sheet that strokes do not leave for another, (R,) regions each, and the shares of all strokes.
+
+        Regions with a share of their own are one each; all others, bare paper apart, are the last.
+        """
+        own = [[region is other for other in self.said] for region in self.said if region.share and not region.bare]
+        shares: list[float | None] = [region.share for region in self.said if region.share and not region.bare]
+        rest = [not region.bare and not region.share for region in self.said]
+        if any(rest) and np.isin(self.labels, np.flatnonzero(rest)).any():
+            own, shares = [*own, rest], [*shares, None]
+        return list(zip(np.array(own, dtype=bool), shares, strict=True))
+
+    def counts(self, strokes: int) -> list[int]:
+        """Return how many of so many strokes each pool has."""
+        shares = [share or 0.0 for _, share in self.pools]
+        if any(share is None for _, share in self.pools):
+            shares[-1] = max(1 - sum(shares), 0.0)
+        ends = np.round(strokes * np.cumsum(shares) / sum(shares))
+        counts: list[int] = np.diff(ends, prepend=0).astype(int).tolist()
+        return counts
+
+    def at(self, centres: Tensor) -> Tensor:
+        """Return the region that each of the centres (N, 2), metres, lies in, (N,)."""
+        return torch.from_numpy(self.labels[self._pixels(centres.detach().numpy())])
+
+    def emphasis(self, importance: Image, term: str | None = None) -> Image:
+        """Return how much each pixel counts in a term of the loss, (H, W); bare paper, where nothing is, not at all."""
+        times = np.array([
+            0.0 if region.bare else region.importance * dict(region.weights).get(term or "", 1.0)
+            for region in self.said
+        ])  # fmt: skip
+        return np.asarray(importance * times[self.labels], dtype=np.float32)
+
+    def allows_brush(self, number: int) -> Bools:
+        """Return where the brush of this number may be used, (H, W)."""
+        return np.asarray(np.array([region.brushes[number] for region in self.said])[self.labels])
+
+    def allowed_paints(self, regions: Tensor, paints: Floats) -> Bools:
+        """Return which of the paints (k, 3) strokes of these regions, (N,), may have, (N, k)."""
+        allowed = np.ones((len(self.said), len(paints)), dtype=bool)
+        for number, region in enumerate(self.said):
+            if region.colours is not None:
+                away = np.abs(paints[:, None] - np.array(region.colours)[None]).max(axis=2)
+                allowed[number] = (away < _SAME).any(axis=1)
+        return np.asarray(allowed[regions.numpy()])
+
+    def moved_into(self, numbers: tuple[int, ...], centres: Floats) -> Floats:
+        """Return centres (N, 2), metres, those outside the regions of these numbers in the nearest of their pixels."""
+        if numbers not in self._nearest:
+            there = np.isin(self.labels, numbers)
+            away = distance_transform_edt(~there, return_distances=False, return_indices=True) if there.any() else None
+            self._nearest[numbers] = None if away is None else away.astype(np.int64)
+        nearest = self._nearest[numbers]
+        here = self._pixels(centres)
+        if nearest is None:
+            return centres
+        row, column = nearest[0][here], nearest[1][here]
+        moved = (np.stack([column, row], axis=-1) + 0.5) / self.canvas.pixels_per_metre
+        outside = ~np.isin(self.labels[here], numbers)
+        return np.where(outside[:, None], moved.astype(centres.dtype), centres)
+
+    @torch.no_grad()
+    def keep(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
+        """Move strokes by the least that keeps their middles in their regions, and off bare paper; turn them back.
+
+        brushes: of each stroke.
+        """
+        regions = self.style.regions_of(strokes.codes)
+        centres = strokes.centres.numpy()
+        for number in range(len(self.said)):
+            rows = (regions == number).numpy()
+            centres[rows] = self.moved_into((number,), centres[rows])
+        for number, region in enumerate(self.said):
+            if region.angle is not None:
+                own = regions == number
+                away = (strokes.angles[own] - region.angle + pi / 2).remainder(pi) - pi / 2
+                strokes.angles[own] += away.clamp(-_WANDER, _WANDER) - away
+        if self._has_bare:
+            marks = brushes.marks(strokes.trajectories(self.style), 1.0)
+            moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())
+            strokes.centres.add_(torch.from_numpy(moves).float())
+
+    def kept_off_bare(self, trajectories: Floats, brush: Brush) -> tuple[Floats, Bools]:
+        """Return commanded trajectories (N, n, 3) moved off bare paper, and of which no mark lies on it, (N,)."""
+        kept, clear = trajectories.copy(), np.ones(len(trajectories), dtype=bool)
+        if not self._has_bare:
+            return kept, clear
+        for row in range(len(kept)):
+            for _ in range(_MOVES):
+                points, half_widths, _ = brush.bare_mark(refine([kept[row]])[0])
+                move = self._off_bare(points[None], half_widths[None])[0]
+                clear[row] = not move.any()
+                if clear[row]:
+                    break
+                kept[row, :, :2] += move
+        return kept, clear
+
+    def is_off_bare(self, trajectory: Floats, brush: Brush) -> bool:
+        """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
+        return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
+
+    @property
+    def _has_bare(self) -> bool:
+        return any(region.bare for region in self.said)
+
+    def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
+        """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
+        distance, slopes = self._away
+        scale = distance.shape[0] / self.canvas.height
+        row = (points[..., 1] * scale).astype(int).clip(0, distance.shape[0] - 1)
+        column = (points[..., 0] * scale).astype(int).clip(0, distance.shape[1] - 1)
+        depth = half_widths.clip(min=0) + _SLACK - distance[row, column]
+        deepest = depth.argmax(axis=1)
+        every = np.arange(len(points))
+        most = depth[every, deepest].clip(min=0)
+        slope = slopes[:, row[every, deepest], column[every, deepest]].T
+        length = np.maximum(np.hypot(*slope.T), 1e-9)[:, None]
+        moves: Floats = slope / length * (most + _SLACK * (most > 0))[:, None]
+        return moves
+
+    @cached_property
+    def _away(self) -> tuple[Floats, Floats]:
+        """Signed distance from bare paper, metres, (h, w), at most as large as it is, and its slopes, (2, h, w)."""
+        finer = max(1, min(_FINER, _FINE_PX // max(self.labels.shape)))
+        bare = np.array([region.bare for region in self.said])[self.labels].repeat(finer, 0).repeat(finer, 1)
+        scale = bare.shape[0] / self.canvas.height
+        if bare.all():
+            distance = np.full(bare.shape, -1.0)
+        else:
+            distance = (distance_transform_edt(~bare) - distance_transform_edt(bare) - 1.5) / scale
+        down, across = np.gradient(distance)
+        return distance, np.stack([across, down])
+
+    @cached_property
+    def _nearest(self) -> dict[tuple[int, ...], Ints | None]:
+        """Rows and columns of the nearest pixel of some regions, (2, H, W), as they are needed; None for none."""
+        return {}
+
+    def _pixels(self, points: Floats) -> tuple[Ints, Ints]:
+        place = (points * self.canvas.pixels_per_metre).astype(int)
+        height, width = self.labels.shape
+        return place[..., 1].clip(0, height - 1), place[..., 0].clip(0, width - 1)

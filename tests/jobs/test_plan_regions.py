@@ -1,0 +1,276 @@
+"""Regions of a picture, each with its own hand, brushes, colours and share, or bare."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+import maulstick as ms
+from maulstick.errors import InputError
+from maulstick.jobs.plan.again import planned_before
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.painting import Painting
+from maulstick.painting.raster import Canvas
+from maulstick.planning.regions import Regions
+from maulstick.rendering.preview import preview
+from tests.support.planned import picture
+
+SIDE, PX = 0.06, 48
+PLAN: dict[str, Any] = {
+    "strokes": 60, "exact": True, "paints": 4, "steps": 30, "px": PX, "size": "60x60mm", "brush": "marker",
+    "style": "loops",
+}  # fmt: skip
+QUARTERS = ("#ff0000", "#00ff00", "#0000ff", "#ffffff")  # left above, right above, left below, right below
+SAY = """
+[face]
+colour = "#ff0000"
+brush = "fineliner,marker"
+share = 0.5
+importance = 3
+[coat]
+colour = "#00ff00"
+style = "hatching"
+direction = 45
+colours = ["#cc4400", "#552200"]
+[sky]
+colour = "#0000ff"
+bare = true
+[rest]
+weights = {tone = 2}
+"""
+
+
+def a_map(size: int = 40) -> Image.Image:
+    image = Image.new("RGB", (size, size))
+    half = size // 2
+    for number, colour in enumerate(QUARTERS):
+        image.paste(colour, (number % 2 * half, number // 2 * half, size, size))
+    return image
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("regions")
+    Image.fromarray((255 * picture()).astype(np.uint8)).save(folder / "disc.png")
+    a_map().save(folder / "map.png")
+    (folder / "say.toml").write_text(SAY)
+    return folder
+
+
+def prepared_with(folder: Path, say: str | None = None, **changes: Any) -> Prepared:
+    if say is not None:
+        (folder / "other.toml").write_text(say)
+    files = {"regions": folder / "map.png", "say": folder / ("say.toml" if say is None else "other.toml")}
+    return prepare(PlanRequest(folder / "disc.png", PlanOptions(**{**PLAN, **files, **changes})))
+
+
+@pytest.fixture(scope="module")
+def prepared(folder: Path) -> Prepared:
+    return prepared_with(folder)
+
+
+@pytest.fixture(scope="module")
+def painting(prepared: Prepared) -> Painting:
+    return prepared.painting(prepared.plan(lambda progress: True, None))
+
+
+def strokes_in(painting: Painting, region: str) -> list[Any]:
+    return [stroke for stroke in painting.strokes if stroke.region == region]
+
+
+def middle(stroke: Any) -> tuple[float, float]:
+    x, y, _ = np.mean(stroke.trajectory, axis=0)
+    return float(x), float(y)
+
+
+def test_each_region_is_drawn_by_its_hand_which_the_file_says(painting: Painting) -> None:
+    assert {stroke.style.name for stroke in strokes_in(painting, "face")} == {"loops"}
+    assert {stroke.style.name for stroke in strokes_in(painting, "coat")} == {"hatching"}
+    sizes = {name: {len(s.style.code) for s in strokes_in(painting, name)} for name in ("face", "coat")}
+    assert all(len(size) == 1 for size in sizes.values()), "codes are those of the hand alone"
+
+
+def test_strokes_stay_in_their_regions(painting: Painting) -> None:
+    slack = 2 / PX * SIDE
+    for name, (right, below) in {"face": (0, 0), "coat": (1, 0), "rest": (1, 1)}.items():
+        places = np.array([middle(stroke) for stroke in strokes_in(painting, name)])
+        assert len(places) > 2
+        least = np.array([right, below]) * SIDE / 2 - slack
+        assert (places > least).all()
+        assert (places < least + SIDE / 2 + 2 * slack).all()
+
+
+def test_a_share_of_the_strokes_is_kept(painting: Painting) -> None:
+    assert len(strokes_in(painting, "face")) == pytest.approx(30, abs=2)
+
+
+def test_each_region_uses_its_brushes_and_its_colours(painting: Painting) -> None:
+    def used(name: str) -> tuple[set[str], set[str]]:
+        paints = [painting.paints[stroke.paint] for stroke in strokes_in(painting, name)]
+        return {paint.brush for paint in paints}, {paint.hex for paint in paints}
+
+    assert used("face")[0] == {"marker", "fineliner"}
+    assert used("rest")[0] == {"marker"}
+    brushes, colours = used("coat")
+    assert brushes == {"marker"}
+    assert colours <= {"#cc4400", "#552200"}
+    assert len({paint.hex for paint in painting.paints}) <= 4
+
+
+def test_no_ink_lies_on_bare_paper_though_the_picture_is_dark_there(prepared: Prepared, painting: Painting) -> None:
+    assert strokes_in(painting, "sky") == []
+    fine = preview(painting, Canvas(SIDE, SIDE, 8 * PX / SIDE))
+    half = fine.shape[0] // 2
+    bare = fine[half + 8 :, : half - 8]
+    assert bare.min() > 0.99
+    assert fine[:half, :half].min() < 0.5
+
+
+def test_strokes_of_a_direction_lie_in_it(painting: Painting) -> None:
+    for stroke in strokes_in(painting, "coat"):
+        x, y = (np.array(stroke.trajectory[-1]) - stroke.trajectory[0])[:2]
+        away = (np.arctan2(y, x) - np.pi / 4 + np.pi / 2) % np.pi - np.pi / 2
+        assert abs(away) < np.radians(10.5)
+
+
+def test_the_emphasis_of_regions_is_in_the_weights(prepared: Prepared) -> None:
+    weights = prepared.problem.weights.numpy()
+    quarter = PX // 4
+    face, coat, sky, rest = (weights[y * quarter, x * quarter] for y, x in ((1, 1), (1, 3), (3, 1), (3, 3)))
+    assert (face / coat, sky, rest / coat) == pytest.approx((3, 0, 1))
+
+
+def test_it_is_the_same_each_time_and_can_be_planned_again(
+    folder: Path, prepared: Prepared, painting: Painting
+) -> None:
+    states: list[Any] = []
+    prepared.plan(lambda progress: states.append(progress.state()) is None, None)
+    assert prepared.painting(prepared.plan(lambda progress: True, states[20])).strokes == painting.strokes
+    locked = ms.Painting.of(painting).lock(painting.strokes[0].id, painting.strokes[-1].id)
+    files = {"regions": folder / "map.png", "say": folder / "say.toml"}
+    again = ms.plan(folder / "disc.png", again=locked, options=planned_before(locked, {**files, "steps": 3}))
+    assert {s.id: s.trajectory for s in again.strokes if s.locked} == {
+        s.id: s.trajectory for s in locked.strokes if s.locked
+    }
+    assert {stroke.style.name for stroke in strokes_in(again, "coat") if stroke.style} == {"hatching"}
+
+
+def test_an_svg_says_the_same_as_a_picture_of_it(folder: Path) -> None:
+    rects = "".join(
+        f'<rect x="{20 * (i % 2)}" y="{20 * (i // 2)}" width="20" height="20" fill="{colour}"/>'
+        for i, colour in enumerate(QUARTERS[:3])
+    )
+    (folder / "map.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="40" height="40" viewBox="0 0 40 40">{rects}</svg>'
+    )
+    drawn, painted = (prepared_with(folder, regions=folder / name).problem.regions for name in ("map.svg", "map.png"))
+    assert isinstance(drawn, Regions)
+    assert isinstance(painted, Regions)
+    assert np.array_equal(drawn.labels, painted.labels)
+
+
+def test_an_indexed_picture_says_the_same(folder: Path) -> None:
+    a_map().quantize(4).save(folder / "indexed.png")
+    indexed, painted = (prepared_with(folder, regions=folder / n).problem.regions for n in ("indexed.png", "map.png"))
+    assert indexed is not None
+    assert painted is not None
+    assert np.array_equal(indexed.labels, painted.labels)
+
+
+def test_one_ink_has_regions_too(folder: Path) -> None:
+    say = '[dark]\ncolour="#ff0000"\nshare=0.7\n[sky]\ncolour="#0000ff"\nbare=true\n'
+    prepared = prepared_with(folder, say, ink="black", paints=None, brush="fineliner", style="hatching")
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    assert len(strokes_in(painting, "dark")) > 0.6 * len(painting.strokes)
+    assert strokes_in(painting, "sky") == []
+
+
+def test_colours_that_are_pinned_are_used_as_they_are(folder: Path) -> None:
+    options = PlanOptions(**PLAN, pin=("#112233", "#ffcc00"))
+    prepared = prepare(PlanRequest(folder / "disc.png", options))
+    planned = prepared.plan(lambda progress: True, None)
+    mixed = {tuple(round(255 * channel) for channel in colour) for colour in planned.paints.tolist()}
+    assert {(0x11, 0x22, 0x33), (0xFF, 0xCC, 0x00)} <= mixed
+    assert len(planned.paints) <= 4
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(1, 30), st.integers(1, 30), st.integers(0, 2**32 - 1))
+def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wide: int, high: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    colours = np.array([(255, 0, 0), (0, 0, 255), (255, 255, 255)], dtype=np.uint8)[rng.integers(0, 3, (high, wide))]
+    colours[0, 0] = (255, 0, 0)
+    Image.fromarray(colours).save(folder / "any.png")
+    say = '[ink]\ncolour="#ff0000"\n' + ('[sky]\ncolour="#0000ff"\nbare=true\n' if (colours[..., 2] > 0).any() else "")
+    try:
+        prepared = prepared_with(folder, say, regions=folder / "any.png", strokes=6, steps=2, paints=2, exact=False)
+    except InputError as error:
+        assert "shows nothing in" in str(error)  # noqa: PT017  a region of a pixel that no pixel of the canvas shows
+        return
+    painting = prepared.painting(prepared.plan(lambda progress: True, None))
+    regions = prepared.problem.regions
+    assert regions is not None
+    for stroke in painting.strokes:
+        brush = painting.brushes[painting.paints[stroke.paint].brush]
+        assert regions.is_off_bare(np.array(stroke.trajectory), brush)
+
+
+@pytest.mark.parametrize(
+    ("say", "text"),
+    [
+        ("colour = ", "is not TOML: "),
+        ("[face]\n", "face has no colour on the map; give it one, as in colour = '#ff0000'"),
+        ("[face]\ncolour = 'ff'\n", "'ff' is not a colour"),
+        ("[face]\ncolour = '#ff0000'\n[coat]\ncolour = 'red'\n", "face and coat have the same colour, red"),
+        ("[face]\ncolour = '#123456'\n", "shows nothing in #123456, the colour of face; paint it, or leave it out"),
+        ("[face]\ncolour = 'red'\nhand = 'loops'\n", "face.hand: Extra inputs are not permitted"),
+        ("[face]\ncolour = 'red'\nshare = 1.5\n", "face.share: Input should be less than 1"),
+        ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
+        ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
+        ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),
+        ("[face]\ncolour = 'red'\nshare = 0.6\n[coat]\ncolour = 'lime'\nshare = 0.6\n", "are more than 1; lower some"),
+        (
+            "".join(f"[r{i}]\ncolour='{colour}'\nbare=true\n" for i, colour in enumerate(QUARTERS)),
+            "leaves all of the sheet bare; leave some of it to be painted",
+        ),
+        ("# nothing\n", "the number of regions is 0; it must be from 1 to 64"),
+        (
+            "[face]\ncolour='red'\ncolours=['#010203','#040506','#070809','#0a0b0c','#0d0e0f']\n",
+            "the number of colours that are pinned is 5; it must be at most",
+        ),
+    ],
+)
+def test_regions_that_cannot_be_used_are_refused(folder: Path, say: str, text: str) -> None:
+    with pytest.raises(InputError) as refused:
+        prepared_with(folder, say)
+    assert text in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"regions": Path("nowhere.png")}, "nowhere.png; check its name and folder"),
+        ({"px": 4000, "steps": 1}, "regions plans in one piece; choose a smaller px"),
+        ({"ink": "black", "paints": None}, "a region is to be painted in #cc4400, which is none of the paints"),
+    ],
+)
+def test_options_that_do_not_go_with_regions_are_refused(folder: Path, changes: dict[str, Any], text: str) -> None:
+    with pytest.raises(InputError) as refused:
+        prepared_with(folder, **changes)
+    assert text in str(refused.value)
+
+
+def test_a_map_and_what_it_means_are_given_together(folder: Path) -> None:
+    with pytest.raises(InputError, match="regions maps regions, and say says what holds there; give both"):
+        PlanOptions(**PLAN, regions=folder / "map.png")
+
+
+def test_pinned_colours_are_among_paints_that_are_mixed(folder: Path) -> None:
+    with pytest.raises(InputError, match="pin names colours among paints to mix, and none are mixed; leave it out"):
+        prepare(PlanRequest(folder / "disc.png", PlanOptions(ink="black", pin=("red",))))

@@ -1,0 +1,69 @@
+"""Form of a plan on a tablet: its button covers nothing, and several brushes are chosen in it, in a real browser."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_machine_first_page import choose
+from tests.studio.test_plan_page import bring_a_picture, card
+from tests.support.studio.plans_to_paint import put_plan
+
+EDGES = "(name => document.querySelector(name).getBoundingClientRect())"
+
+PADDINGS = "[...document.querySelectorAll('.paint .side .q-field')].map((one) => getComputedStyle(one).paddingBottom)"
+
+
+def test_several_brushes_are_chosen_in_colours_kept_and_named_on_the_card(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/plan", viewport={"width": 1024, "height": 768}, has_touch=True)
+    go, more = tab.get_by_role("button", name="Plan it"), tab.get_by_label("More brushes", exact=True)
+    bring_a_picture(tab, tmp_path)
+    choose(tab, "Brush or pen", "fineliner")
+    more.click()
+    for name in ("wash", "marker"):
+        tab.get_by_role("option", name=name).click()
+    tab.keyboard.press("Escape")
+    expect(tab.get_by_role("listbox")).to_have_count(0)
+    expect(go).to_be_in_viewport(ratio=1)
+    assert tab.evaluate(f"{EDGES}('.fields').bottom <= {EDGES}('.go').top"), "it covers none of them"
+    choose(tab, "Colours", "One ink")
+    expect(more).to_be_hidden()
+    choose(tab, "Colours", "Paints")
+    choose(tab, "How carefully", "A sketch, quickly")
+    tab.get_by_label("Strokes", exact=True).fill("20")
+    expect(go).to_be_in_viewport(ratio=1)
+    go.click()
+    expect(card(tab).get_by_text("loops, wash, marker and fineliner, 20 strokes")).to_be_visible()
+    request = studio.folder / "plans" / "my-sunset" / "request.json"
+    assert json.loads(request.read_bytes())["options"]["brush"] == "fineliner,wash,marker"
+    choose(tab, "Brush or pen", "round")
+    tab.get_by_role("button", name="Plan again like this").click()
+    expect(tab.get_by_label("Brush or pen", exact=True)).to_have_value("fineliner, 0.31 mm")
+    tab.reload()
+    for name in ("wash", "marker"):
+        expect(tab.locator(".q-chip", has_text=name)).to_be_visible()
+    card(tab).get_by_role("button", name="Stop and keep").click()
+
+
+def test_trash_stays_in_sight_beside_what_is_done_and_the_plan_form_leaves_other_panels_as_they_are(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    put_plan(studio.folder, "lines")
+    tab = page("/plan", viewport={"width": 1024, "height": 768})
+    bring_a_picture(tab, tmp_path)
+    tab.get_by_role("button", name="Plan it").click()
+    expect(tab.locator(".frame .doing")).to_have_text("planning My Sunset!")
+    assert tab.evaluate(f"{EDGES}('.panel-link.aside').right <= {EDGES}('.frame .doing').left")
+    assert tab.evaluate(f"{EDGES}('.panel-link.aside').right <= {EDGES}('.panels').right")
+    tab.get_by_role("link", name="Paint").click()
+    expect(tab.get_by_role("img", name="What is painted")).to_be_visible()
+    paddings = tab.evaluate(PADDINGS)
+    tab.reload()
+    expect(tab.get_by_role("img", name="What is painted")).to_be_visible()
+    assert tab.evaluate(PADDINGS) == paddings, "fields of Paint are as if Plan had never been open"
+    tab.get_by_role("link", name="Plan").click()
+    card(tab).get_by_role("button", name="Stop and keep").click()

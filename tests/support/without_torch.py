@@ -1,0 +1,24 @@
+"""Processes that find no PyTorch, as where only painting is installed."""
+
+from pathlib import Path
+
+TAUGHT = "this needs PyTorch, which is not installed; run: pip install 'maulstick[plan]'"
+
+_FINDS_NONE = """
+import sys
+
+
+class NoTorch:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "torch":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+sys.meta_path.insert(0, NoTorch())
+"""
+
+
+def hide_torch(folder: Path) -> str:
+    """Return a path for PYTHONPATH: Python reads a file there before anything else, and finds no torch from then on."""
+    (folder / "sitecustomize.py").write_text(_FINDS_NONE)
+    return str(folder)
