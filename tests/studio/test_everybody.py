@@ -1,5 +1,6 @@
 """Panels as everybody meets them: by contrast, keyboard and names (axe-core), and without overlap at three sizes."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -48,11 +49,16 @@ OVERLAPS = """() => {
 }"""
 
 
+@pytest.fixture
+def coast(tmp_path: Path) -> Path:
+    """Put a plan where the studio finds it when it starts; return its painting.json."""
+    return put_plan_of_a_picture(tmp_path / "studio", "coast")
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
-    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path, scheme: str
+    coast: Path, studio: RunningStudio, page: Callable[..., Page], tmp_path: Path, scheme: str
 ) -> None:
-    put_plan_of_a_picture(studio.folder, "coast")
     picture = studio.folder / "pictures" / "coast" / "picture.png"
     shutil.copy(picture, picture.with_name("small.jpg"))
     (tmp_path / "boat.svg").write_text(BOAT)
@@ -60,17 +66,25 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
     opened.set_input_files("input[type=file][accept*=svg]", tmp_path / "boat.svg")
     expect(opened.get_by_role("article", name="Drawing boat")).to_be_visible()
     links = opened.get_by_role("navigation", name="Panels").get_by_role("link")
-    found = {}
-    for number in range(links.count()):
-        links.nth(number).click()
-        expect(links.nth(number)).to_have_attribute("aria-current", "page")
-        opened.wait_for_load_state("networkidle")
-        panel = opened.title()
+    found: dict[tuple[str, int | str], list[str]] = {}
+
+    def look(panel: str) -> None:
         for width, height in SIZES:
             opened.set_viewport_size({"width": width, "height": height})
             if overlaps := opened.evaluate(OVERLAPS):
                 found[panel, width] = overlaps
-        found |= {(panel, rule): nodes for rule, nodes in faults_by_axe(opened).items()}
+        found.update({(panel, rule): nodes for rule, nodes in faults_by_axe(opened).items()})
+
+    for number in range(links.count()):
+        links.nth(number).click()
+        expect(links.nth(number)).to_have_attribute("aria-current", "page")
+        opened.wait_for_load_state("networkidle")
+        look(opened.title())
+    opened.goto(f"{studio.url}/plan/coast")
+    expect(opened.locator(".strokes-view")).to_have_attribute("data-sharp", "")
+    opened.locator(".strokes-view").press("Control+a")
+    expect(opened.get_by_text(re.compile(r"^[0-9]+ strokes: "))).to_be_visible()
+    look("directing")
     assert found == {}
     links.get_by_text("Plan", exact=True).click()
     expect(opened.get_by_role("img", name="The picture on its sheet")).to_be_visible()  # which moves what is below

@@ -26,6 +26,10 @@ _PANELS = {
 }
 """Panels by path: name, icon, and module, whose `build` is called with the studio and the query of the link."""
 
+_DIRECT = "/plan/{name}"
+"""Path of the canvas on which a plan is directed, whose `build` is called with its name; it is part of Plan."""
+
+_DIRECTING = "maulstick.studio.panels.direct.direct"
 _TRASH = "/trash"
 _PAGES = {**_PANELS, _TRASH: ("Trash", "delete_outline", "maulstick.studio.panels.trash.trash")}
 """Panels, and what is no step on the way to a painting."""
@@ -92,7 +96,12 @@ def page(studio: Studio, door: Door) -> None:
                     link.props('aria-current="page"')
             title.turn_to(_PAGES[path][0] if path in _PAGES else "No such page")
 
-        _Panels({path: _built(path, studio, mark) for path in _PAGES}, lost=lambda: mark(""))
+        def direct(arguments: PageArguments) -> None:
+            mark("/plan")
+            import_module(_DIRECTING).build(studio, arguments.path_parameters["name"])
+
+        panels = {path: _built(path, studio, mark) for path in _PAGES}
+        _Panels({**panels, _DIRECT: direct}, lost=lambda: mark(""))
 
 
 def _links() -> dict[str, ui.link]:

@@ -7,10 +7,11 @@ from urllib.parse import quote
 from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, MaulstickError
 from maulstick.studio.state.gallery import SCREEN
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name, title_of
+from maulstick.studio.wording import error_text
 from maulstick.studio.workers.plan_pictures import AGAIN, LARGE
 from maulstick.studio.workers.planner import TARGET
 
@@ -63,6 +64,17 @@ async def live(name: str, seen: int, request: Request) -> Response:
     if plan is None or not plan.canvas:
         return Response(status_code=404)
     return Response(plan.canvas, media_type="image/jpeg", headers=_FRESH)
+
+
+@routes.get("/strokes/{name}/{version}")
+async def strokes(name: str, version: int, request: Request, since: int | None = None) -> Response:
+    """Send the strokes of a plan after so many acts of a person that differ from those after `since` acts."""
+    studio: Studio = request.app.state.studio
+    try:
+        marks = await studio.directing(name).marks(version, since)
+    except MaulstickError as error:
+        return PlainTextResponse(error_text(error), status_code=409)
+    return Response(marks, media_type="application/octet-stream", headers=_FRESH)
 
 
 @routes.get("/seen/{seen}.jpg")

@@ -21,6 +21,7 @@ from maulstick.studio.state.carrying import REQUEST, carried_off, read_request
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.own_pictures import keep_own, keep_own_in_trash, with_own
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
+from maulstick.studio.state.versions import Around
 from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
@@ -152,14 +153,21 @@ class Plans:
             return ""
         return f"planning {self.titles()[busy[0].name]}" if len(busy) == 1 else f"planning {len(busy)} pictures"
 
-    def add(self, request: PlanRequest) -> Plan:
-        """Add a plan, and begin it at once or when others are finished."""
+    def add(self, request: PlanRequest, title: str = "", around: Around | None = None) -> Plan:
+        """Add a plan, and begin it at once or when others are finished.
+
+        title: another than that of its picture or text.  around: what it is planned around, if anything.
+        """
         picture, text = request.picture, request.options.text or ""
-        title = self._folder.title_for("plans", clean_title(text) if picture is None else title_of(picture.parent))
+        usual = clean_title(text) if picture is None else title_of(picture.parent)
+        title = self._folder.title_for("plans", title or usual)
         name = self._folder.free_name("plans", title)
         plan = Plan(name, self._folder.of("plans", name), request)
         with as_output_error(plan.folder):
             plan.folder.mkdir()
+            if around is not None:
+                plan.request = around.move_to(plan.folder, request)
+                plan.canvas, plan.seen = around.frame, 1
         plan.write_request()
         retitle(plan.folder, title)
         self.plans[name] = plan

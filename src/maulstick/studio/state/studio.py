@@ -7,11 +7,13 @@ from typing import final
 from maulstick.errors import InputError
 from maulstick.studio.state.by_hand import ByHand
 from maulstick.studio.state.camera_views import CAMERAS, CameraViews
+from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import Mixing
-from maulstick.studio.state.plans import Plans
+from maulstick.studio.state.own_pictures import with_own
+from maulstick.studio.state.plans import Plan, Plans
 from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
 from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run
@@ -20,7 +22,9 @@ from maulstick.studio.state.styles import Styles
 from maulstick.studio.state.surveys import Surveys
 from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.state.thrown import STYLES_FOLDER
+from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
+from maulstick.studio.state.versions import Around, version_title
 from maulstick.studio.workers.desk import Desk
 
 
@@ -41,6 +45,7 @@ class Studio:
         self.styles = Styles(folder, self.desk)
         self.gallery = Gallery(folder, self.desk)
         self.plans, self.settings, self.presets = Plans(folder), Settings(folder), Presets(folder)
+        self._directed: dict[str, Directing] = {}  # by the plan's name, once somebody does
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
@@ -63,6 +68,25 @@ class Studio:
                 CAMERAS: lambda trashed, _: self.camera_views.take_back(trashed),
             },
         )
+
+    def directing(self, name: str) -> Directing:
+        """Return a person's acts on the plan of that name. Raises InputError where there is no finished one."""
+        plan = self.plans.of(name)
+        if plan.is_busy or not plan.is_painting:
+            raise InputError(f"{plan.title} is not planned yet; direct it once it is")
+        if name not in self._directed or self._directed[name].planned != plan.planned:
+            self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
+        return self._directed[name]
+
+    async def plan_around(self, name: str) -> Plan:
+        """Plan again around what a person has locked and changed in the plan of that name; return the new plan.
+
+        Raises InputError where there is no finished plan, and OutputError where there is no room.
+        """
+        directing, plan = self.directing(name), self.plans.of(name)
+        frame = await directing.write(now := self.folder.incoming())
+        title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
+        return self.plans.add(with_own(plan.request, plan.folder), title, Around(now, frame))
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

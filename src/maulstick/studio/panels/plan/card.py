@@ -102,7 +102,7 @@ class PlanCard:
         self._on.set_text("Try again" if plan.phase is Phase.FAILED else "Go on")
         self._stop.visible = plan.phase in (Phase.WAITING, Phase.PLANNING)
         self._on.visible = plan.phase in (Phase.STOPPED, Phase.FAILED)
-        self._mix.visible = self._files.visible = finished
+        self._mix.visible = self._files.visible = self._direct.visible = finished
         self._away.visible = not plan.is_busy
 
     def _buttons(self) -> None:
@@ -110,6 +110,9 @@ class PlanCard:
         self._stop = ui.button("Stop and keep", icon="back_hand", on_click=lambda: plans.stop(plan))
         self._on = ui.button("Go on", icon="play_arrow", on_click=lambda: plans.go_on(plan)).props("outline")
         self._mix = _paint_button(plan)
+        to_canvas = f"/plan/{plan.name}"
+        self._direct = ui.button("Direct it", icon="gesture", on_click=lambda: ui.navigate.to(to_canvas))
+        self._direct.props("outline").tooltip("Choose strokes on a large canvas: lock, take out, move or add some")
         self._files = ui.dropdown_button("Files", icon="download", auto_close=True).props("outline")
         with self._files:
             for file, label in _FILES.items():

@@ -1,0 +1,1 @@
+"""Panel on which a plan is directed."""

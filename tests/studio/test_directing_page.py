@@ -1,0 +1,153 @@
+"""Canvas on which a plan is directed, in a browser: from opening it to a version that is planned around an act."""
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.painting import read_painting
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_zoom_page import pinch
+from tests.support.planned import STROKES
+from tests.support.studio.plans_to_paint import put_plan_of_a_picture
+
+_SIDE = 60.0  # mm, of the sheet
+
+
+def sharp(view: Locator, acts: int) -> None:
+    """Wait until the page shows the strokes after so many acts, drawn as vectors."""
+    expect(view).to_have_attribute("data-acts", str(acts))
+    expect(view).to_have_attribute("data-sharp", "")
+
+
+def colours_seen(page: Page) -> int:
+    """Count the colours on the canvas: where strokes are drawn there are several."""
+    return int(
+        page.evaluate("""() => {
+          const sheet = document.querySelector(".strokes-view canvas");
+          const { data } = sheet.getContext("2d").getImageData(0, 0, sheet.width, sheet.height);
+          return new Set(new Uint32Array(data.buffer)).size;
+        }""")
+    )
+
+
+@pytest.fixture
+def coast(tmp_path: Path) -> Path:
+    """Put a plan where the studio finds it when it starts, which can be planned again; return its painting.json."""
+    file = put_plan_of_a_picture(tmp_path / "studio", "coast")
+    picture = tmp_path / "studio" / "pictures" / "coast" / "picture.png"
+    shutil.copy(picture, picture.with_name("small.jpg"))
+    options = PlanOptions(
+        size="60x60mm", strokes=STROKES, paints=2, brush="marker", style="loops", steps=3, ask_every=1, px=48
+    )
+    (file.parent / "request.json").write_text(json.dumps(PlanRequest(picture, options).as_json()))
+    return file
+
+
+def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_around(
+    coast: Path, studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    planned = read_painting(coast)
+    tab = page("/plan", has_touch=True, viewport={"width": 1280, "height": 800})
+    tab.get_by_role("article", name="Plan coast").get_by_role("button", name="Direct it").click()
+    view = tab.get_by_role("group", name="The strokes of coast")
+    sharp(view, 0)
+    assert colours_seen(tab) > 10
+    said = tab.locator(".said")
+    expect(said).to_have_text(re.compile("^Nothing is chosen"))
+
+    view.focus()
+    view.press(".")
+    expect(said).to_have_text(re.compile("^1 stroke: #[0-9a-f]{6}, marker$"))
+    view.press("Control+a")
+    expect(said).to_have_text(re.compile(f"^{STROKES} strokes: #[0-9a-f]{{6}}, marker and #[0-9a-f]{{6}}, marker$"))
+    view.press("n")
+    expect(said).to_have_text(re.compile("^Nothing is chosen"))
+    box = view.bounding_box()
+    assert box is not None
+    scale = min(box["width"], box["height"]) / _SIDE
+    corner = box["x"] + (box["width"] - scale * _SIDE) / 2, box["y"] + (box["height"] - scale * _SIDE) / 2
+
+    def at(x: float, y: float) -> tuple[float, float]:
+        return corner[0] + scale * x, corner[1] + scale * y
+
+    scaled = view.locator(".scale")
+    fits = scaled.inner_text()
+    pinch(view, *at(30, 30), 40, 160)
+    expect(scaled).not_to_have_text(fits)
+    view.press("1")
+    expect(scaled).to_have_text("100 % of its size")
+    view.press("0")
+    expect(scaled).to_have_text(fits)
+    view.press("m")
+    tab.mouse.move(*at(30, 30))
+    expect(view.locator(".loupe")).to_be_visible()
+    view.press("m")
+    expect(view.locator(".loupe")).to_be_hidden()
+    sharp(view, 0)
+
+    first = planned.strokes[-1]  # nothing lies over it
+    x, y, _ = first.trajectory[0]
+    tab.mouse.click(*at(1e3 * x, 1e3 * y))
+    expect(said).to_have_text(re.compile("^1 stroke: "))
+    view.press("l")
+    expect(said).to_have_text(re.compile("; locked$"))
+    expect(tab.get_by_role("button", name="Unlock")).to_be_visible()
+    sharp(view, 1)
+    view.press("Shift+ArrowLeft")
+    sharp(view, 2)
+
+    tab.get_by_role("button", name="None", exact=True).click()
+    tab.mouse.move(*at(1, 1))
+    tab.mouse.down()
+    for place in ((59, 1), (59, 30), (1, 30), (1, 1)):
+        tab.mouse.move(*at(*place), steps=3)
+    tab.mouse.up()
+    expect(said).to_have_text(re.compile("^[0-9]+ strokes?: "))
+    lassoed = int(said.inner_text().split()[0])
+    inside = [
+        sum(p[1] < 0.03 for p in s.trajectory) > len(s.trajectory) / 2 for s in planned.strokes if s.id != first.id
+    ]
+    assert abs(lassoed - sum(inside)) <= 2, "marks lie a little beside what is commanded"
+    view.press("Delete")
+    sharp(view, 3)
+    tab.get_by_role("button", name="Undo").click()
+    sharp(view, 4)
+    expect(view).to_have_attribute("data-strokes", str(STROKES))
+    view.press("Control+z")
+    sharp(view, 5)
+
+    tab.reload()
+    sharp(view, 5)
+    tab.get_by_role("button", name="Redo").click()
+    sharp(view, 6)
+    tab.get_by_role("button", name="Draw", exact=True).click()
+    tab.mouse.move(*at(5, 5))
+    tab.mouse.down()
+    tab.mouse.move(*at(20, 8), steps=5)
+    tab.mouse.up()
+    sharp(view, 7)
+    expect(view).to_have_attribute("data-strokes", str(STROKES + 1))
+    assert read_painting(coast) == planned
+
+    with tab.expect_download() as download:
+        tab.get_by_role("button", name="Save this as it is").click()
+        tab.get_by_role("dialog").get_by_role("button", name="Save").click()
+    assert len(re.findall("<path", download.value.path().read_text())) == STROKES + 1
+    tab.get_by_role("button", name="Plan again around this").click()
+    card = tab.get_by_role("article", name="Plan coast, version 2")
+    expect(card.locator(".phase")).to_have_text(re.compile("^planned$"))
+    version = studio.folder / "plans" / "coast-version-2"
+    assert '"studio:/plans/coast-version-2/again.json"' in (version / "request.json").read_text(), "it can be moved"
+    again = read_painting(version / "painting.json")
+    moved = np.array(first.trajectory) - (1e-4, 0, 0)
+    kept = {stroke.id: stroke for stroke in again.strokes if stroke.locked}
+    assert np.array(kept[first.id].trajectory) == pytest.approx(moved, abs=2e-6)
+    assert sorted(stroke.origin for stroke in kept.values()) == ["person", "planned"]
