@@ -60,8 +60,9 @@ def test_a_stroke_that_begins_anew_has_no_momentum_of_the_one_before() -> None:
     assert (moved[[0, 1, 3, 4]] > 0).all()
 
 
-def test_paints_adapt_once_they_are_added() -> None:
-    descent, paints = Descent(strokes(3), spacing=0.01), torch.full((2, 3), 0.5, requires_grad=True)
-    descent.add_paints(paints)
+def test_paints_adapt_once_they_are_added_but_for_those_that_are_pinned() -> None:
+    descent, paints = Descent(strokes(3), spacing=0.01), torch.full((3, 3), 0.5, requires_grad=True)
+    descent.add_paints(paints, torch.tensor([False, True, False]))
     descent.step(paints.sum() + pull(descent.strokes, 1.0), progress=0.0)
-    assert (paints < 0.5).all()
+    assert (paints[[0, 2]] < 0.5).all()
+    assert (paints[1] == 0.5).all()

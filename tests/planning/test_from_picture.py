@@ -158,6 +158,7 @@ def test_making_holds_every_option_and_more() -> None:
         "exact": False,
         "paints": 4,
         "palette": [[0.5, 0.0, 0.25]],
+        "pinned": [],
         "steps": 80,
         "ask_every": 4,
         "seed": 0,
