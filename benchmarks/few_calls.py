@@ -31,8 +31,9 @@ from maulstick.planning.initialise import Initialiser
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.objectives import Likeness, NetworkLoss
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.rendering.threads import usual_torch_threads
 from maulstick.style import load_style

@@ -51,8 +51,9 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import PlanProgress, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, Weighted
+from maulstick.planning.result import PlanProgress
 from maulstick.planning.schedule import Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.style import load_style

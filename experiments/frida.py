@@ -15,8 +15,8 @@ from torch.nn.functional import logsigmoid
 
 from maulstick.colour.palette import mix_paints
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlanningProblem
+from maulstick.planning.result import PlanResult
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.strokes.strokes import POINTS

@@ -16,7 +16,7 @@ from maulstick.painting.painting import Painting, read_painting
 from maulstick.painting.picture import decode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.planner import plan_mural
-from maulstick.planning.planner import PlanResult
+from maulstick.planning.result import PlanResult
 from maulstick.rendering.preview import preview
 from tests.cli.conftest import PORTRAIT, RESULTS, Ran, paint, run
 from tests.planning.features.test_clip import TEXT, TRANSFORMER

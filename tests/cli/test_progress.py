@@ -11,7 +11,7 @@ from maulstick.cli.progress import VideoRecorder
 from maulstick.jobs.plan import prepare
 from maulstick.painting.painting import read_painting
 from maulstick.painting.video import Video
-from maulstick.planning.planner import PlanProgress
+from maulstick.planning.result import PlanProgress
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint
 
 

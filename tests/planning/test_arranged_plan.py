@@ -9,8 +9,9 @@ import torch
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style.arrangement.neighbourhoods import Laid

@@ -16,8 +16,9 @@ from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
 from maulstick.planning.objectives.pyramid import plain_mean_squares
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image
 from maulstick.style import load_style

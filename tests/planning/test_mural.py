@@ -19,8 +19,9 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State, read_state, write_state
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.preview import preview

@@ -12,8 +12,9 @@ from maulstick.planning import planner
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image as Picture

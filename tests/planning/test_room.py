@@ -18,8 +18,9 @@ from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.planner import PlanProgress, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanProgress
 from maulstick.planning.room import Room, check_room, kept_in
 from maulstick.rendering.preview import truth
 from maulstick.storage.arrays import Bools, Floats, Image

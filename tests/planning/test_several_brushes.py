@@ -14,8 +14,9 @@ from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from maulstick.planning.stroke_effects import TargetView, insertion_costs
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke

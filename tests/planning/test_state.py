@@ -8,8 +8,9 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import KIND, State, read_state, write_state
 from maulstick.storage.arrays import Image as Picture
 from maulstick.storage.arrays import write_arrays

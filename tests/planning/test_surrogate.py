@@ -5,8 +5,9 @@ import torch
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.planner import PlanProgress, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress
 from maulstick.planning.surrogate import Surrogate
 from maulstick.storage.arrays import Image as Picture
 from tests.planning.conftest import mse, options, problem_for

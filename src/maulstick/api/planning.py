@@ -20,7 +20,7 @@ from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, names_of
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.picture import READ_PX, Picture, image_of
-from maulstick.planning.planner import PlanProgress
+from maulstick.planning.result import PlanProgress
 from maulstick.rendering.likeness import likeness
 from maulstick.rendering.preview import preview_of_height
 from maulstick.style import Style

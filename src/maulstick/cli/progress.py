@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from maulstick.painting.video import Video
 
 if TYPE_CHECKING:
-    from maulstick.planning.planner import PlanProgress as Step
+    from maulstick.planning.result import PlanProgress as Step
 
 _FRAMES = 160  # of a video, at most: enough for some seconds of it
 

@@ -12,11 +12,19 @@ from maulstick.errors import InputError
 from maulstick.storage.arrays import Bools, Floats, Ints
 
 
-def mix_paints(colours: Floats, amounts: Floats, k: int, seed: int) -> Floats:
+def mix_paints(
+    colours: Floats, amounts: Floats, k: int, seed: int, pinned: Sequence[tuple[float, float, float]] = ()
+) -> Floats:
     """Return at most k paints (k, 3) for colours (N, 3) that cover `amounts` (N,) of canvas, light first; all in sRGB.
 
     k-means in CIELAB, repeated from several starts; fewer colours than k give fewer paints.
+    pinned: paints among them that are as they are.
     """
+    if pinned:
+        others = mix_paints(colours, amounts, k - len(pinned), seed) if len(colours) and k > len(pinned) else None
+        both = np.array(pinned) if others is None else np.concatenate([others, np.array(pinned)])
+        light_first: Floats = both[np.argsort(-lightness(both), kind="stable")]
+        return light_first
     from sklearn.cluster import KMeans  # takes a second to load
     from sklearn.exceptions import ConvergenceWarning
 

@@ -18,9 +18,9 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.placement import ink_density
-from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
+from maulstick.planning.result import PlanResult
 from maulstick.planning.room import kept_in
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones

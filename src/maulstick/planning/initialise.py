@@ -22,7 +22,7 @@ from maulstick.planning.placement import (
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
-from maulstick.planning.stroke_canvas import as_array
+from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
 from maulstick.style.arrangement import Arrangement
@@ -64,6 +64,19 @@ class Initialiser:
             differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
             density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
+
+    def completed(self, start: StrokeParameters, pool: int) -> StrokeParameters:
+        """Return strokes to start with, and those that are left out, where these leave the canvas furthest off.
+
+        pool: as in `TargetView`. Without a target they are anywhere.
+        """
+        problem, count = self._problem, self._options.strokes - len(start)
+        if problem.target is None:
+            return joined([start, self._anywhere()[0][torch.arange(count)]])
+        with torch.no_grad():
+            canvas = StrokeCanvas(start, problem).render()
+            density = self.missing(TargetView(problem.target, problem.weights, pool), canvas)
+        return joined([start, self.strokes(problem.target, density, count, self._usual_spacing)[0]])
 
     def by_pool(self, rows: Tensor, strokes: StrokeParameters, density: Floats) -> list[tuple[Tensor, Floats]]:
         """Return rows of the strokes pool by pool, and of each pool the density (H, W); one pool without regions."""

@@ -5,7 +5,6 @@ paints, all strokes of a paint stand together, and shapes go on adapting to what
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from math import exp
 
 import numpy as np
@@ -18,8 +17,9 @@ from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.descent import Descent
 from maulstick.planning.initialise import Initialiser
-from maulstick.planning.parameters import StrokeParameters, joined
+from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.room import surface_of
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
@@ -27,7 +27,7 @@ from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
 from maulstick.planning.surrogate import Surrogate
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Bools
 from maulstick.style.lengths import keep_lengths
 from maulstick.style.regional import RegionalStyle
 from maulstick.style.traits import path_length
@@ -40,33 +40,6 @@ _TURNING_OF_GROUPS = 0.2  # of the usual rate: strokes lie side by side already,
 _NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
-
-
-@dataclass(frozen=True)
-class PlanProgress:
-    """Progress after a step: the share of planning that is done, the loss, its parts by name, and the canvas (C, H, W).
-
-    state: returns all that planning needs to go on from here; must be called before the next step.
-    """
-
-    done: float
-    loss: float
-    parts: dict[str, float]
-    canvas: Tensor
-    state: Callable[[], State]
-
-
-@dataclass(frozen=True)
-class PlanResult:
-    """N strokes in painting order, the paints (k, 3), sRGB in [0, 1], and the index of each stroke's paint, (N,).
-
-    before: (M,), how many of the strokes are painted before each neighbour.
-    """
-
-    strokes: StrokeParameters
-    paints: Tensor
-    paint_of: Tensor
-    before: Tensor = field(default_factory=lambda: torch.zeros(0, dtype=torch.long))
 
 
 @one_torch_thread()
@@ -123,7 +96,7 @@ class _Planning:
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         self._arranging = None
         if start is not None and len(start) < options.strokes:
-            start = self._completed(start)
+            start = self._initialiser.completed(start, self._pool)
         if start is None:
             start, self._spacing = self._initialiser.first()
             if arrangement is not None:
@@ -246,17 +219,6 @@ class _Planning:
             loss, values = loss + self._surrogate.loss(canvas), values | self._surrogate.parts
         return loss, values
 
-    def _completed(self, start: StrokeParameters) -> StrokeParameters:
-        """Return the strokes to start with, and new ones where these leave the canvas furthest from the target."""
-        problem, count = self._problem, self._options.strokes - len(start)
-        target = problem.target
-        if target is None:
-            return joined([start, self._initialiser.first()[0][torch.arange(count)]])
-        with torch.no_grad():
-            canvas = StrokeCanvas(start, problem).render()
-            density = self._initialiser.missing(TargetView(target, problem.weights, self._pool), canvas)
-        return joined([start, self._initialiser.strokes(target, density, count, self._spacing)[0]])
-
     def _view(self) -> TargetView:
         """Return how the canvas is compared with the target, or without one, with what the surrogate proposes."""
         target = self._problem.target
@@ -302,23 +264,11 @@ class _Planning:
         else:
             marks, colours = self._stroke_canvas.drawn()
             shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._problem.paper, marks, colours)))
-            free = as_array(self._stroke_canvas.strokes.colours)
-            mixed = self._mixed(free, np.sqrt(shown.clip(min=1)), options.paints)
+            free, own = as_array(self._stroke_canvas.strokes.colours), self._stroke_canvas.mixes
+            amounts = np.sqrt(shown.clip(min=1))
+            mixed = mix_paints(free[own], amounts[own], options.paints, options.seed, options.pinned)
             paints = torch.tensor(mixed, dtype=torch.float32)
         self._stroke_canvas.quantise(self._paints_to_use(paints), self._schedule.grouped)
-
-    def _mixed(self, colours: Floats, amounts: Floats, count: int) -> Floats:
-        """Return so many paints (k, 3) for colours (N, 3), those that are pinned among them, light first."""
-        pinned, own = np.array(self._options.pinned).reshape(-1, 3), np.ones(len(colours), dtype=bool)
-        if (regions := self._problem.regions) is not None:
-            there = regions.style.regions_of(self._stroke_canvas.strokes.codes).tolist()
-            own = np.array([regions.said[number].colours is None for number in there])
-        mixed = np.zeros((0, 3))
-        if own.any() and count > len(pinned):
-            mixed = mix_paints(colours[own], amounts[own], count - len(pinned), self._options.seed)
-        paints = np.concatenate([mixed, pinned])
-        light_first: Floats = paints[np.argsort(-lightness(paints), kind="stable")] if len(pinned) else paints
-        return light_first
 
     @torch.no_grad()
     def _repaint(self) -> None:

@@ -107,6 +107,14 @@ class StrokeCanvas:
         colours, mixed = as_array(self.strokes.colours), as_array(paints)
         self.repaint(torch.from_numpy(nearest_paint(colours, mixed, self.allowed_paints())), grouped)
 
+    @property
+    def mixes(self) -> Bools:
+        """Which of the strokes, (N,), have colours that paints are mixed for, where their region names none."""
+        if self._regions is None:
+            return np.ones(len(self.strokes), dtype=bool)
+        free = np.array([region.colours is None for region in self._regions.said])
+        return np.asarray(free[self._regions.style.regions_of(self.strokes.codes).numpy()])
+
     def allowed_paints(self) -> Bools | None:
         """Return which of the paints each stroke may have where it lies, (N, k); None where each may have all."""
         if self._regions is None or self.paints is None:

@@ -17,7 +17,7 @@ from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.jobs.plan.results import write_results
 from maulstick.painting.brush import finest_of
 from maulstick.painting.video import Video
-from maulstick.planning.planner import PlanProgress
+from maulstick.planning.result import PlanProgress
 from maulstick.planning.state import read_state
 from maulstick.rendering.preview import preview
 from maulstick.storage.folders import made_folder

@@ -19,7 +19,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.jobs.plan.tries import best_of, prepare_try, seeds_of
 from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.painting.painting import Painting
-from maulstick.planning.planner import PlanProgress
+from maulstick.planning.result import PlanProgress
 
 _REPORT_EVERY = 0.2  # seconds between two reports of a process: enough for a progress bar
 

@@ -18,8 +18,8 @@ from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.planner import PlanResult
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanResult
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise

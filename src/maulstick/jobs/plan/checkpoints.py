@@ -8,7 +8,7 @@ from pathlib import Path
 from maulstick.jobs.plan.prepare import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
-from maulstick.planning.planner import PlanProgress
+from maulstick.planning.result import PlanProgress
 from maulstick.planning.state import State, read_state, write_state
 
 _EVERY = 15.0  # least seconds between two checkpoints: at most so much work is lost

@@ -24,8 +24,9 @@ from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.room import check_room, surface_of
 from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State

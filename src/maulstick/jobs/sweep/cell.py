@@ -138,7 +138,7 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
     from maulstick.jobs.plan.checkpoints import plan_with  # these load torch
     from maulstick.jobs.plan.prepare import prepare
     from maulstick.jobs.plan.results import write_results
-    from maulstick.planning.planner import PlanProgress
+    from maulstick.planning.result import PlanProgress
 
     record, request = read_cell(folder), _request(folder)
     prepared = prepare(request)

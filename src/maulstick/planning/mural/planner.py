@@ -28,8 +28,9 @@ from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.windows import Mural, Windows, enlarged
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
-from maulstick.planning.planner import PlanProgress, PlanResult, plan
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones

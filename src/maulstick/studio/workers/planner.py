@@ -21,7 +21,7 @@ from maulstick.studio.workers.process import Line
 from maulstick.studio.workers.unchanged import check_or_keep_sums
 
 if TYPE_CHECKING:
-    from maulstick.planning.planner import PlanProgress
+    from maulstick.planning.result import PlanProgress
 
 _STEP_PERIOD = 0.25  # seconds between two messages: fluent on the page, and cheap beside planning
 _FRAMES, _FRAME_PX = 48, 640  # pictures of the order of strokes, one per step of a slider; pixels of the longer side
