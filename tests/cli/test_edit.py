@@ -78,7 +78,7 @@ def test_an_edit_says_what_it_wrote(folder: Path) -> None:
     ("words", "text"),
     [
         ((), "there is nothing to change; give --lock, --remove or another edit"),
-        (("--lock", "1,x"), "--lock names 'x'; strokes are named by their ids, as in 3,7-12"),
+        (("--lock", "1,x"), "--lock names 'x'; strokes are named by their ids, as in 3,7-12, or a region's name"),
         (("--remove", "9-3"), "--remove names '9-3'; a range goes from a smaller id to a larger one, as in 7-12"),
         (("--remove", "0-99999999"), "--remove names '0-99999999'; a range goes from a smaller id to a larger one"),
         (("--lock", "99"), "there is no stroke 99 in the painting; name strokes by their ids"),

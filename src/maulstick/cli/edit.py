@@ -50,7 +50,7 @@ def edit(
     ] = None,
     unlock: Annotated[str | None, _edits(metavar="IDS", help="Let planning change these strokes again.")] = None,
     lock: Annotated[
-        str | None, _edits(metavar="IDS|all", help="Lock strokes, so that planning again leaves them as they are.")
+        str | None, _edits(metavar="IDS", help="Lock strokes, so that planning again leaves them as they are.")
     ] = None,
     remove: Annotated[str | None, _edits(metavar="IDS", help="Take strokes out.")] = None,
     out: Annotated[Path | None, _writing(metavar="FILE", help="The painting.json to write.")] = None,
@@ -58,8 +58,9 @@ def edit(
 ) -> None:
     """Change strokes of a painting by hand; `maulstick plan --again` then plans the rest around the locked ones.
 
-    Strokes are named by their ids, as 3,7-12: `painting.svg` has them as stroke-3, and painting.json as "id". Paints
-    count from 1, in the order of palette.png where there is one brush, and of "paints" in painting.json.
+    Strokes are named by their ids, as 3,7-12: painting.svg has them as stroke-3, and painting.json as "id". A region's
+    name stands for all of its strokes, and all for all. Paints count from 1, as in "paints" of painting.json: brush by
+    brush, the broadest first, and of each from light to dark.
 
     Example: maulstick edit cat/painting.json --lock 3,7-12 --remove 40 --out cat/mine.json
     """
@@ -69,23 +70,22 @@ def edit(
     before = read_painting(painting)
     edits: list[StrokeEdit] = []
     for text in repaint or []:
-        ids, paint = _parts(text, "--repaint", "12,15-20:3", int)
+        ids, paint = _parts(text, "--repaint", "12,15-20:3", int, before)
         edits.append(RepaintStrokes(strokes=ids, paint=_index(paint, before)))
     for text in move or []:
-        ids, by = _parts(text, "--move", "12:2.5,-1", _millimetres)
+        ids, by = _parts(text, "--move", "12:2.5,-1", _millimetres, before)
         edits.append(MoveStrokes(strokes=ids, by=by))
     for text in turn or []:
-        ids, degrees = _parts(text, "--turn", "12-14:30", float)
+        ids, degrees = _parts(text, "--turn", "12-14:30", float, before)
         edits.append(MoveStrokes(strokes=ids, turn=radians(degrees)))
     for text in add or []:
         edits.extend(_drawn(text, before))
     if unlock is not None:
-        edits.append(UnlockStrokes(strokes=_ids(unlock, "--unlock")))
+        edits.append(UnlockStrokes(strokes=_ids(unlock, "--unlock", before)))
     if lock is not None:
-        every = tuple(stroke.id for stroke in before.strokes)
-        edits.append(LockStrokes(strokes=every if lock == "all" and every else _ids(lock, "--lock")))
+        edits.append(LockStrokes(strokes=_ids(lock, "--lock", before)))
     if remove is not None:
-        edits.append(RemoveStrokes(strokes=_ids(remove, "--remove")))
+        edits.append(RemoveStrokes(strokes=_ids(remove, "--remove", before)))
     if not edits:
         raise InputError("there is nothing to change; give --lock, --remove or another edit")
     after = edited(before, edits)
@@ -114,23 +114,28 @@ def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     return strokes
 
 
-def _parts(text: str, name: str, example: str, value_of: Callable[[str], Value]) -> tuple[tuple[int, ...], Value]:
+def _parts(
+    text: str, name: str, example: str, value_of: Callable[[str], Value], painting: Painting
+) -> tuple[tuple[int, ...], Value]:
     """Return the ids before the colon, and the value after it."""
     ids, colon, value = text.partition(":")
     try:
         if not colon:
             raise ValueError
-        return _ids(ids, name), value_of(value)
+        return _ids(ids, name, painting), value_of(value)
     except ValueError:
         raise InputError(f"{name} is {text!r}; it must be like {example}") from None
 
 
-def _ids(text: str, name: str) -> tuple[int, ...]:
+def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
     ids: list[int] = []
-    for part in text.split(","):
-        first, dash, last = part.strip().partition("-")
+    for part in map(str.strip, text.split(",")):
+        if of_region := [stroke.id for stroke in painting.strokes if part in ("all", stroke.region)]:
+            ids.extend(of_region)
+            continue
+        first, dash, last = part.partition("-")
         if not (first.isdigit() and (last.isdigit() or not dash)):
-            raise InputError(f"{name} names {part!r}; strokes are named by their ids, as in 3,7-12")
+            raise InputError(f"{name} names {part!r}; strokes are named by their ids, as in 3,7-12, or a region's name")
         begin, end = int(first), int(last or first)
         if not begin <= end < begin + _MOST_IDS:
             raise InputError(f"{name} names {part!r}; a range goes from a smaller id to a larger one, as in 7-12")

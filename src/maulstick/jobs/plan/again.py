@@ -25,7 +25,7 @@ from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise
 from maulstick.style.pressure import fit_knots
 
-_FILES = ("look", "clip_weights")  # options of which a painting only knows the file's name
+_FILES = ("look", "clip_weights", "regions", "say")  # options of which a painting only knows the file's name
 _SETTLED = ("background", "paper", "paints", "paints_from", "ink")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 

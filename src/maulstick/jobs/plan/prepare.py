@@ -10,7 +10,7 @@ from maulstick.errors import InputError, option
 from maulstick.jobs.plan.again import Again
 from maulstick.jobs.plan.device import Choice, choose_device
 from maulstick.jobs.plan.inputs import SHEET_PX, enough, held, mural_of, network_of, picture_of, settings_of, sheet_of
-from maulstick.jobs.plan.options import AUTO
+from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.region_files import RegionFiles
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
@@ -206,20 +206,12 @@ def prepare(
     if mural is None:
         layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
-        for limited, given in (("again", again), ("regions", files)):
-            if given is not None:
-                raise InputError(f"{option(limited)} plans in one piece; choose a smaller {option('px')}")
+        _check_windows(again, files)
         layout = mural.overview(LONGEST_PX)
     check_room(layout.room, brushes)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
-    settings, supply = settings_of(options, tubes, () if files is None else files.colours), None
-    if settings.one_ink:
-        if len(brushes) > 1:
-            raise InputError(
-                f"{option('brush')} {names_of(brushes)} names several, and one ink is drawn with one; name one, or "
-                "paint in colours"
-            )
-        supply = InkSupply.of(layout, finest, style, settings.palette[0], with_lines=options.drawing == "both")
+    settings = settings_of(options, tubes, () if files is None else files.colours)
+    supply = _supply(options, settings, layout, brushes, style) if settings.one_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
     names, strokes = {hex_colour(tube.colour): tube.name for tube in tubes}, settings.strokes
@@ -280,3 +272,22 @@ def prepare(
         is_held,
         again,
     )
+
+
+def _check_windows(again: Again | None, files: RegionFiles | None) -> None:
+    """Raise InputError for what is not planned in windows."""
+    for name, given in (("again", again), ("regions", files)):
+        if given is not None:
+            raise InputError(f"{option(name)} plans in one piece; choose a smaller {option('px')}")
+
+
+def _supply(
+    options: PlanOptions, settings: PlannerSettings, layout: Layout, brushes: tuple[Brush, ...], style: Style
+) -> InkSupply | None:
+    """Return the supply of one ink. Raises InputError for several brushes."""
+    if len(brushes) > 1:
+        raise InputError(
+            f"{option('brush')} {names_of(brushes)} names several, and one ink is drawn with one; name one, or "
+            "paint in colours"
+        )
+    return InkSupply.of(layout, brushes[0], style, settings.palette[0], with_lines=options.drawing == "both")
