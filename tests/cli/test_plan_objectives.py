@@ -257,6 +257,7 @@ def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
+    monkeypatch.setattr("maulstick.jobs.plan.inputs.LONGEST_PX", 40)
     windows: list[int] = []
 
     def small(*words: Any, **more: Any) -> PlanResult:

@@ -181,7 +181,7 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
         ("[axes]", "axes names no option; give at least one, as in seed = [0, 1, 2]"),
         ("[axes]\nseed = 0", "is not a grid: axes.seed: Input should be a valid list (got 0)"),
         ("[axes]\nseed = []", "the axis seed has no value; give it some, or leave it out"),
-        ("[axes]\nseeds = [0]", "there is no option 'seeds'; there are: arrange, ask_every"),
+        ("[axes]\nseeds = [0]", "there is no option 'seeds'; there are: again, arrange, ask_every"),
         ("[axes]\nseed = [0]", "there is nothing to paint; give the axes or the options a picture, or a text"),
         ("[axes]\npicture = ['none.png']", "there is no picture {folder}/none.png; check its name and folder"),
         (

@@ -72,7 +72,7 @@ def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned
     shown = opened.get_by_alt_text("The picture as it is corrected")
     expect(shown).to_have_attribute("src", re.compile("^data:image/jpeg"))
     assert shown.evaluate("each => each.naturalWidth > each.naturalHeight")
-    opened.get_by_label("Brush").click()
+    opened.get_by_label("Brush or pen", exact=True).click()
     opened.get_by_role("option", name="marker").click()
     opened.get_by_role("button", name="Plan it").click()
     target = target_of(opened, plans / "standing-2")

@@ -13,6 +13,7 @@ from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
     HALF_WIDTH_IN_SPACINGS,
     Places,
+    colours_at,
     detail,
     find_places,
     ink_density,
@@ -29,6 +30,7 @@ from maulstick.style.arrangement import Arrangement
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
 _FINER = 0.3  # size of a brush's first strokes beside those of the broader one before, whose details they are
+_COLOUR_PX = 2.0  # about a stroke in a region, over which its first colour is averaged: not over its border
 _VISIBLE = 2 / 255  # least difference of sRGB between paper and picture that wants a stroke: two steps of 8 bits
 
 
@@ -158,7 +160,8 @@ class Initialiser:
         if (regions := self._problem.regions) is None:
             return places
         wanted = np.flatnonzero(np.bincount(regions.labels.ravel(), density.ravel(), len(regions.said)))
-        return replace(places, centres=scale * regions.moved_into(tuple(wanted.tolist()), places.centres / scale))
+        centres = scale * regions.moved_into(tuple(wanted.tolist()), places.centres / scale)
+        return replace(places, centres=centres, colours=colours_at(as_array(target), centres, _COLOUR_PX))
 
     def _with_brush(self, number: int, places: Places) -> StrokeParameters:
         """Return strokes of the brush of that number at the places, each by the hand of its region."""
