@@ -35,7 +35,7 @@ def main() -> None:
     parser.add_argument("--wheel", type=Path)
     arguments = parser.parse_args()
     with TemporaryDirectory() as folder:
-        built = arguments.keep or Path(folder, "built")
+        built = (arguments.keep or Path(folder, "built")).absolute()
         wheel = build(built) if arguments.wheel is None else arguments.wheel.absolute()
         print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB", flush=True)
         plan_export_and_paint(Environment(Path(folder, "whole"), wheel, "plan"), Path(folder))
