@@ -83,7 +83,7 @@ def _uri_of(path: Path) -> str:
         return path.relative_to(DOCS).as_posix()
     if path.parent == ROOT and path.name in DOCUMENTS:
         return path.name.lower()
-    return f"source/{path.relative_to(ROOT).as_posix()}.md"
+    return f"source/{path.relative_to(ROOT).as_posix().lstrip('.')}.md"  # hidden ones would be left out
 
 
 def _shown(path: Path) -> str:
