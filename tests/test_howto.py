@@ -23,7 +23,7 @@ FEW_IN_PYTHON = "strokes=24, steps=3, px=40"
 PORT = "/dev/ttyUSB0"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="150mm" height="100mm" viewBox="0 0 150 100">{}</svg>'
 WAVES = (f'<path fill="none" d="M{10 + 20 * (i % 6)} {15 + 17 * (i // 6)} q5 {i - 20} 12 {i / 3}"/>' for i in range(30))
-POSTER = '<circle cx="40" cy="50" r="20"/><rect x="80" y="30" width="40" height="40" fill="#a03020"/>'
+POSTER = '<circle cx="40" cy="50" r="10"/><rect x="80" y="30" width="20" height="20" fill="#a03020"/>'
 
 pytestmark = pytest.mark.filterwarnings("ignore:libmypaint is not installed")
 
@@ -41,7 +41,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (folder / "tubes.csv").write_text("name,colour\nblack,#101010\nochre,#c08040\nwhite,#f7f7f2\n")
     (folder / "take.csv").write_bytes(motive_csv(simulate(loops_and_lines(5), 1).take))
     (grid,) = blocks(TEXT, "toml")
-    (folder / "grid.toml").write_text(f"{grid.replace('[0, 1]', '[0]')}strokes = 12\nsteps = 3\npx = 40\n")
+    few = grid.replace('"loops", ', "")
+    (folder / "grid.toml").write_text(f"{few}strokes = 12\nsteps = 3\npx = 40\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(folder / "data"))
         patch.chdir(folder)
@@ -61,7 +62,7 @@ def said(folder: Path) -> dict[str, str]:
                 patch.setattr("sys.argv", [words[1], *words[2:], *FEW[:4]])
                 runpy.run_path(words[1], run_name="__main__")
             elif words != ["maulstick", "studio"]:  # tests/test_readme.py opens it
-                few = FEW if words[1] == "plan" else ()
+                few = FEW if words[1] == "plan" else ("--px", "128") if words[1:3] == ["style", "show"] else ()
                 ran = run(*words[1:], *few)
                 assert ran.code == 0, f"{line}: {ran.stderr}"
                 said[line] = ran.stdout + ran.stderr
