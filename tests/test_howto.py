@@ -62,7 +62,7 @@ def said(folder: Path) -> dict[str, str]:
                 patch.setattr("sys.argv", [words[1], *words[2:], *FEW[:4]])
                 runpy.run_path(words[1], run_name="__main__")
             elif words != ["maulstick", "studio"]:  # tests/test_readme.py opens it
-                few = FEW if words[1] == "plan" else ("--px", "128") if words[1:3] == ["style", "show"] else ()
+                few = FEW if words[1] == "plan" else ("--px", "240") if words[1:3] == ["style", "show"] else ()
                 ran = run(*words[1:], *few)
                 assert ran.code == 0, f"{line}: {ran.stderr}"
                 said[line] = ran.stdout + ran.stderr
