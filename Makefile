@@ -2,6 +2,7 @@
 # make test           lint, import contracts, types and tests
 # make wheel          build the sdist and the wheel into dist/, and try the wheel in an empty environment without a compiler
 # make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
+# make site           the documentation as a website in build/site, which needs no network
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
 # make clean          remove whatever these made
@@ -37,7 +38,7 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
 	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
 
-.PHONY: demo test wheel test-baseline bench paper clean
+.PHONY: demo test wheel site test-baseline bench paper clean
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
@@ -53,6 +54,9 @@ test: $(VENV)/installed-dev
 
 wheel: $(VENV)/installed-dev
 	$(BIN)/python .ci/wheel.py --keep dist
+
+site: $(VENV)/installed-dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 test-baseline: $(VENV)/installed-dev
 	$(OLDEST) NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c '$(OF_NUMPY)')" \
@@ -78,7 +82,7 @@ $(VENV)/installed: $(SOURCES)
 
 $(VENV)/installed-dev: $(SOURCES)
 	$(environment)
-	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,franka,mocap,plan,ray,slurm,studio,ur,video,wacom,xarm]'
+	$(INSTALL) $(EDITABLE) '.[camera,clip,dev,docs,franka,mocap,plan,ray,slurm,studio,ur,video,wacom,xarm]'
 	@touch $@ $(VENV)/installed
 
 # Say in one line what is missing; then make .venv anew unless it works.

@@ -18,6 +18,7 @@ import tables_of_brushes as brushes
 import tables_of_held as held
 import tables_of_plans as plans
 import tables_of_styles as styles
+import tables_of_summary as summary
 from kept import ROOT
 
 COMMANDS = {
@@ -62,6 +63,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "held": held.held_table,
     "arrangement": arrangement.arrangement_table,
     "order": arrangement.order_table,
+    "summary": summary.summary_table,
 }
 
 

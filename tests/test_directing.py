@@ -1,19 +1,17 @@
 """The tutorial on directing a portrait: its lines, in order; plans with fewer strokes and steps."""
 
 import json
-import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from maulstick.painting.painting import Painting, read_painting
+from tests.support.documents import ROOT, lines, typed
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = ROOT / "docs"
 TEXT = (DOCS / "directing.md").read_text(encoding="utf-8")
-LINES = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.splitlines()]
+LINES = lines(TEXT)
 FEWER = ("--steps", "6", "--px", "96")
 
 
@@ -32,10 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         if "--add" in words:
             last = len(read_painting(folder / "first" / "painting.json").paints)
             words[words.index("--add") + 1] = f"{last}:signature.json"
-        ran = subprocess.run(
-            [Path(sys.executable).parent / "maulstick", *words], cwd=folder, capture_output=True, text=True
-        )
-        assert ran.returncode == 0, f"{line}: {ran.stderr}"
+        typed(words, folder)
     return folder
 
 

@@ -52,7 +52,9 @@ def no_access(monkeypatch: pytest.MonkeyPatch, forbidden: Path) -> None:
 
 def test_the_extras_are_those_of_the_package() -> None:
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    packages = {name: lines[0].partition(">=")[0] for name, lines in declared.items() if name not in ("dev", "plan")}
+    packages = {
+        name: lines[0].partition(">=")[0] for name, lines in declared.items() if name not in ("dev", "docs", "plan")
+    }
     assert {name: extra.package for name, extra in EXTRAS.items()} == packages
 
 
