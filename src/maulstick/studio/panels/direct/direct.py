@@ -86,9 +86,9 @@ class _Directed:
             self._canvas = StrokeCanvas(plan.name, sheet, directing.version, picture, label)
         with side:
             self._tools(picture)
-            self._chosen = ChosenStrokes(sheet, self._canvas, self._edit, self._show_tool)
-            self._places = Places(studio, plan, directing, self._canvas)
             self._history()
+            self._chosen = ChosenStrokes(sheet, self._canvas, self._edit, self._show_tool)
+            self._places = Places(studio, plan, directing, self._canvas, sheet)
             self._versions()
             self._keys()
         self._canvas.on("chosen", self._chosen.take)

@@ -9,9 +9,11 @@ from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.versions import without_own_places
+from maulstick.studio.workers.stroke_marks import ShownSheet
 
 _MOST_NUMBERS = 40_000  # of a line, two a point
-_TIMES, _BROAD = 3.0, 20.0  # how much more it counts, and the width of its brush in millimetres, at first
+_TIMES = 3.0  # how much more counts at first what is painted with the brush of importance
+_BROAD, _SHARE = 20.0, 0.15  # its width at first, at most, in millimetres and in shares of the sheet's shorter side
 _MOST_TIMES, _BROADEST = 1000, 500
 _HINTS = {
     "region": "Drag a line around an area. What you say of it below holds there, over what lies under it.",
@@ -23,17 +25,20 @@ _HINTS = {
 
 
 class Places:
-    """Part of the panel about regions and guides. plan: that they are said of."""
+    """Part of the panel about regions and guides. plan, sheet: that they are said of."""
 
-    def __init__(self, studio: Studio, plan: Plan, directing: Directing, canvas: StrokeCanvas) -> None:
+    def __init__(
+        self, studio: Studio, plan: Plan, directing: Directing, canvas: StrokeCanvas, sheet: ShownSheet
+    ) -> None:
         self._saying, self._canvas = directing.saying, canvas
+        self._usual_broad = round(min(_BROAD, _SHARE * min(sheet.width, sheet.height)), 1)
         self._chosen: int | None = None
         self.root = ui.element().classes("sheet places")
         with self.root:
-            self._hint = html.p().classes("hint")
+            self._hint = ui.label().classes("hint")
             with ui.element().classes("numbers") as self._brush:
                 self._times = ui.number("Counts", value=_TIMES, min=0, max=_MOST_TIMES, suffix="times")
-                self._broad = ui.number("Brush", value=_BROAD, min=0.1, max=_BROADEST, suffix="mm")
+                self._broad = ui.number("Brush", value=self._usual_broad, min=0.1, max=_BROADEST, suffix="mm")
                 self._broad.on_value_change(self.show)
             if (foreign := without_own_places(plan.request, plan.folder).options.regions) is not None:
                 told = f"This plan has the regions of {foreign.name}; those painted here take their place."
@@ -43,6 +48,11 @@ class Places:
         canvas.on("said", self._draw)
         canvas.on("region", self._clicked)
         self.take_up("")
+
+    @property
+    def _width(self) -> float:
+        """Width of the brush of importance, millimetres."""
+        return float(self._broad.value or self._usual_broad)
 
     def take_up(self, tool: str) -> None:
         """Show what is needed for a tool of `SAYING`, or nothing for another one."""
@@ -55,7 +65,7 @@ class Places:
         said = self._saying.now
         if self._chosen not in [each.id for each in (*said.regions, *said.guides)]:
             self._chosen = None
-        self._canvas.show_places(said, self._chosen, float(self._broad.value or _BROAD))
+        self._canvas.show_places(said, self._chosen, self._width)
         self._list.clear()
         with self._list:
             for region in reversed(said.regions):  # as they lie, the topmost first
@@ -119,5 +129,5 @@ class Places:
             return await self._saying.guide(points)
         if tool == IMPORTANCE:
             times = _TIMES if self._times.value is None else self._times.value
-            return await self._saying.emphasise(points, 1e-3 * (self._broad.value or _BROAD), times)
+            return await self._saying.emphasise(points, 1e-3 * self._width, times)
         return await self._saying.enclose(points, bare=tool == "bare")
