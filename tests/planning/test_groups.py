@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from maulstick.planning.directions import directions
 from maulstick.planning.groups import place_groups
 from maulstick.planning.placement import Places
 from maulstick.storage.arrays import Floats, Ints
@@ -24,7 +25,8 @@ def placed(
     density = np.ones(SIZE) if density is None else density
     target = np.ones((3, *SIZE)) if target is None else target
     room = (SIZE[0] * SIZE[1] / count) ** 0.5
-    return place_groups(target, density, count, arranged(), room, SCALE, np.random.default_rng(seed))
+    lines = directions(target, room, arranged().leaning)
+    return place_groups(target, lines, density, count, arranged(), room, SCALE, np.random.default_rng(seed))
 
 
 def test_every_group_lies_as_the_hand_drew_it() -> None:

@@ -73,6 +73,26 @@ def read_fills(path: str | Path) -> tuple[list[tuple[Rgb, BaseGeometry]], tuple[
     return _read(Path(path), fills)
 
 
+def read_lines(path: str | Path) -> tuple[list[tuple[str | None, Rgb, Floats]], tuple[float, float]]:
+    """Return the lines of an SVG, each with its layer's or group's name, its colour and its points (k, 2), metres.
+
+    Beside them the size of the page. Raises InputError as `read_drawing` does.
+    """
+
+    def drawn(walk: Walk) -> tuple[list[tuple[str | None, Rgb, Floats]], tuple[float, float]]:
+        shapes = list(walk.shapes())
+        placed = Placed(shapes, Layout.of(walk.page, DrawingOptions()))
+        found = [
+            (None if shape.group is None else shape.group.label, shape.stroke, line)
+            for shape, lines in zip(shapes, placed.lines, strict=True)
+            if shape.stroke is not None
+            for line in lines
+        ]
+        return found, (float(placed.layout.sheet[0]), float(placed.layout.sheet[1]))
+
+    return _read(Path(path), drawn)
+
+
 def _read(path: Path, of: Callable[[Walk], Read]) -> Read:
     """Return what `of` makes of a walk through an SVG."""
     root = parsed_svg(read_whole(path, "drawing", _LARGEST_FILE), path)

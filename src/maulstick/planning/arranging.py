@@ -36,6 +36,8 @@ class Arranging:
         self._scale = problem.canvas.pixels_per_metre
         picture = problem.paper if problem.target is None else problem.target
         self._lines = directions(as_array(picture), spacing * self._scale, arrangement.leaning)
+        if problem.guides is not None:
+            self._lines = problem.guides.over(self._lines)
 
     def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
         """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""

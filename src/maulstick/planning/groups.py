@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from maulstick.planning.directions import directions
 from maulstick.planning.placement import Places, at_pixels, colours_at, edge_size
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
@@ -17,6 +16,7 @@ _REACH_IN_BLURS = 4  # farther than this no ink is blurred
 
 def place_groups(
     target: Floats,
+    lines: Complexes,
     density: Floats,
     count: int,
     arrangement: Arrangement,
@@ -24,16 +24,15 @@ def place_groups(
     scale: float,
     rng: np.random.Generator,
 ) -> tuple[Places, Ints]:
-    """Place groups of a hand, `count` strokes in all, by the density (H, W) along the edges of the target (C, H, W).
+    """Place groups of a hand, `count` strokes in all, by the density (H, W) along lines (H, W) of a target (C, H, W).
 
     Return the places, and the rows of the hand's strokes that they are like, (N,). All groups of the hand are used
     before one is used again; the longest are placed first. Each is laid where its lines miss most of what the density
-    wants, turned by the `directions` there; where there are none it lies as the hand drew it.
+    wants, turned along the lines there; where there are none it lies as the hand drew it.
 
-    room: distance between strokes, pixels.  scale: pixels per metre.
+    lines: as `directions` returns them.  room: distance between strokes, pixels.  scale: pixels per metre.
     """
     height, width = density.shape
-    lines = directions(target, room, arrangement.leaning)
     paths = arrangement.paths * scale
     chosen = sorted(_choose(arrangement, count, rng), key=lambda rows: -path_lengths(paths[rows]).sum())
     wanted = density + 1e-9  # an empty density counts as an even one

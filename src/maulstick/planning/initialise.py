@@ -8,6 +8,7 @@ from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
+from maulstick.planning.directions import directions
 from maulstick.planning.groups import place_groups
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
@@ -164,9 +165,11 @@ class Initialiser:
         return replace(places, centres=centres, colours=colours_at(as_array(target), centres, _COLOUR_PX))
 
     def _with_brush(self, number: int, places: Places) -> StrokeParameters:
-        """Return strokes of the brush of that number at the places, each by the hand of its region."""
+        """Return strokes of the brush of that number at the places, each by the hand of its region, along guides."""
         problem, scale = self._problem, self._problem.canvas.pixels_per_metre
         finer = replace(places, spacing=_FINER**number * places.spacing)
+        if problem.guides is not None:
+            finer = problem.guides.turned(finer)
         if problem.regions is None:
             strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng)
         else:
@@ -175,14 +178,12 @@ class Initialiser:
         return strokes
 
     def _of_regions(self, regions: Regions, places: Places, brush: Brush) -> StrokeParameters:
-        """Return strokes at the places, each by the hand and in the direction of its region."""
+        """Return strokes at the places, each by the hand of its region."""
         scale, parts, order = self._problem.canvas.pixels_per_metre, [], []
         region_of = regions.at(torch.from_numpy(places.centres / scale)).numpy()
         for number in np.unique(region_of).tolist():
             rows, region = np.flatnonzero(region_of == number), regions.said[number]
             own = Places(**{name: array[rows] for name, array in vars(places).items()})
-            if region.angle is not None:
-                own = replace(own, angles=np.full(len(rows), region.angle))
             strokes = start_strokes(own, region.hand, brush, scale, self._torch_rng)
             parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
             order.append(rows)
@@ -193,8 +194,11 @@ class Initialiser:
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes as `strokes` does, in groups of the hand."""
         spacing, scale = self._usual_spacing, self._problem.canvas.pixels_per_metre
-        room = spacing * scale
-        places, rows = place_groups(as_array(target), density, count, arrangement, room, scale, self._rng)
+        image, room = as_array(target), spacing * scale
+        lines = directions(image, room, arrangement.leaning)
+        if self._problem.guides is not None:
+            lines = self._problem.guides.over(lines)
+        places, rows = place_groups(image, lines, density, count, arrangement, room, scale, self._rng)
         codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)
         return strokes_at(places, codes, knots, self._problem.brushes[0], scale), spacing
 

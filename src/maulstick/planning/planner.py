@@ -207,6 +207,8 @@ class _Planning:
             self._style.keep_lengths(strokes.codes)
         elif self._lengths is not None:
             keep_lengths(strokes.codes, self._style, self._lengths)
+        if self._problem.guides is not None and self._arranging is None:
+            self._problem.guides.keep(strokes)  # arranged strokes lie in groups, which are turned whole
         self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
 

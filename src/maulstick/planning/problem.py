@@ -9,6 +9,7 @@ from torch import Tensor
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
+from maulstick.planning.guides import Guides
 from maulstick.planning.objectives import NetworkLoss, Objective
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import Room
@@ -106,6 +107,7 @@ class PlanningProblem:
     neighbours: strokes of other plans on the same canvas.
     room: the part of the canvas that ink must not leave, None for all of it.
     regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
+    guides: directions of strokes that are said; None where the picture alone says them.
     """
 
     target: Tensor | None
@@ -119,3 +121,4 @@ class PlanningProblem:
     neighbours: Neighbours = NO_NEIGHBOURS
     room: Room | None = None
     regions: Regions | None = None
+    guides: Guides | None = None

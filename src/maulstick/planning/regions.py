@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
 
 import numpy as np
 import torch
@@ -22,7 +21,6 @@ _FINE_PX = 3000  # longest side of the field of distances to bare paper, as far 
 _FINER = 4  # at most so many of its samples per pixel
 _SLACK = 2e-5  # metres that a mark is kept from bare paper
 _MOVES = 40  # moves at most that bring a finished stroke off bare paper, before it is left out
-_WANDER = pi / 18  # radians that strokes may turn away from the direction of their region
 _SAME = 1.5 / 255  # of sRGB: a paint that is as near is the colour that a region names
 
 
@@ -33,6 +31,7 @@ class Region:
     hand: that draws there.  brushes: (B,), which of the plan's may be used there.
     colours: sRGB in [0, 1], the only ones there, None for all.  share: of all strokes, None for what its details need.
     bare: whether no ink may lie there.  angle: radians clockwise from the right, of the chords of all strokes there.
+    follows_guides: whether all strokes there lie along the nearest guide.
     importance: how much more it counts than the rest of the sheet.
     weights: of terms of the loss by name, in multiples of the plan's own.
     """
@@ -44,6 +43,7 @@ class Region:
     share: float | None = None
     bare: bool = False
     angle: float | None = None
+    follows_guides: bool = False
     importance: float = 1.0
     weights: tuple[tuple[str, float], ...] = ()
 
@@ -125,7 +125,7 @@ class Regions:
 
     @torch.no_grad()
     def keep(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
-        """Move strokes by the least that keeps their middles in their regions, and off bare paper; turn them back.
+        """Move strokes by the least that keeps their middles in their regions, and off bare paper.
 
         brushes: of each stroke.
         """
@@ -134,11 +134,6 @@ class Regions:
         for number in range(len(self.said)):
             rows = (regions == number).numpy()
             centres[rows] = self.moved_into((number,), centres[rows])
-        for number, region in enumerate(self.said):
-            if region.angle is not None:
-                own = regions == number
-                away = (strokes.angles[own] - region.angle + pi / 2).remainder(pi) - pi / 2
-                strokes.angles[own] += away.clamp(-_WANDER, _WANDER) - away
         if self._has_bare:
             marks = brushes.marks(strokes.trajectories(self.style), 1.0)
             moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())

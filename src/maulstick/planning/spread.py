@@ -21,7 +21,10 @@ def spread(style: Style, arrangement: Arrangement, width: float, height: float, 
     rng, torch_rng = np.random.default_rng(seed), torch.Generator().manual_seed(seed)
     count, scale = len(arrangement.paths), _PX / max(width, height)
     sheet = np.ones((max(1, round(height * scale)), max(1, round(width * scale))))
-    places, rows = place_groups(sheet[None], sheet, count, arrangement, (sheet.size / count) ** 0.5, scale, rng)
+    no_lines = np.zeros(sheet.shape, dtype=complex)
+    places, rows = place_groups(
+        sheet[None], no_lines, sheet, count, arrangement, (sheet.size / count) ** 0.5, scale, rng
+    )
     paths = style.decode(style.sample_around(torch.from_numpy(rows), torch_rng)[0]).detach().double()
     centres, angles = torch.from_numpy(places.centres / scale), torch.from_numpy(places.angles)
     hand = arrangement.neighbourhoods.crowded(Laid.of(paths, centres, angles).density())

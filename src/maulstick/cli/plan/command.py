@@ -142,6 +142,14 @@ def plan(
         Path | None,
         _painting(metavar="FILE", help="TOML file: the hand, brushes, colours and more where the map has each colour."),
     ] = None,
+    guides: Annotated[
+        Path | None,
+        _painting(
+            metavar="SVG",
+            help="Lines over the picture that strokes near them follow; those on its layer 'paint' are painted as "
+            "they are.",
+        ),
+    ] = None,
     pin: Annotated[
         list[str] | None,
         _painting(metavar="COLOUR", help="Use this colour as it is, among the paints to mix. May be repeated."),
@@ -250,6 +258,7 @@ def plan(
         "background": background,
         "regions": regions,
         "say": say,
+        "guides": guides,
         "pin": tuple(pin or ()),
         "text": text,
         "look": look,

@@ -25,7 +25,7 @@ from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise
 from maulstick.style.pressure import fit_knots
 
-_FILES = ("look", "clip_weights", "regions", "say")  # options of which a painting only knows the file's name
+_FILES = ("look", "clip_weights", "regions", "say", "guides")  # options of which a painting only knows the file's name
 _SETTLED = ("background", "paper", "paints", "paints_from", "ink")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
@@ -46,11 +46,6 @@ class Again:
     def __post_init__(self) -> None:
         if self.painting.literal or not self.painting.paints:
             raise InputError("the painting was not planned, so it cannot be planned again; name a plan's")
-
-    @property
-    def locked(self) -> list[Stroke]:
-        """Strokes that stay, in painting order."""
-        return [stroke for stroke in self.painting.strokes if stroke.locked]
 
     @property
     def left(self) -> list[Stroke]:
@@ -79,26 +74,24 @@ class Again:
 
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, for those of the strokes asked for that are not locked."""
-        strokes = max(settings.strokes - len(self.locked), len(self.left))
+        locked = len(locked_in(self.painting))
+        strokes = max(settings.strokes - locked, len(self.left))
         if strokes < 1:
             raise InputError(
-                f"all {len(self.locked)} strokes are locked, and {option('strokes')} asks for no more; unlock some, or "
+                f"all {locked} strokes are locked, and {option('strokes')} asks for no more; unlock some, or "
                 "ask for more"
             )
         palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
         return replace(settings, strokes=strokes, paints=None, palette=palette, pinned=())
 
-    def problem(self, problem: PlanningProblem) -> PlanningProblem:
-        """Return the problem with the locked strokes among those that are planned."""
-        return replace(problem, neighbours=neighbours_of(self.locked, self.painting, problem.brushes))
-
     def start(self, problem: PlanningProblem) -> StrokeParameters:
         """Return the strokes that are planned on, as they are."""
         return parameters_of(self.left, self.painting, problem)
 
-    def joined(self, planned: Painting, result: PlanResult) -> Painting:
-        """Return the painting that was `planned` with the locked strokes in their places."""
-        return with_locked(planned, self.locked, self.painting, result)
+
+def locked_in(painting: Painting) -> list[Stroke]:
+    """Return the strokes of a painting that stay, in painting order."""
+    return [stroke for stroke in painting.strokes if stroke.locked]
 
 
 def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:

@@ -57,9 +57,14 @@ def mural_of(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: B
 
 
 def settings_of(
-    options: PlanOptions, tubes: tuple[NamedPaint, ...], of_regions: tuple[tuple[float, float, float], ...] = ()
+    options: PlanOptions,
+    tubes: tuple[NamedPaint, ...],
+    of_regions: tuple[tuple[float, float, float], ...] = (),
+    of_guides: tuple[tuple[float, float, float], ...] = (),
 ) -> PlannerSettings:
-    """Return the planner's settings by the options, with these tubes of paint, and the colours that regions name.
+    """Return the planner's settings by the options, with these tubes of paint.
+
+    of_regions, of_guides: colours that regions and lines to be painted name, which are mixed as they are.
 
     Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
     """
@@ -70,7 +75,7 @@ def settings_of(
     for colour in of_regions if paints is None else ():
         if hex_colour(colour) not in map(hex_colour, palette):
             raise InputError(f"a region is to be painted in {hex_colour(colour)}, which is none of the paints")
-    pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions)))
+    pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
         strokes,

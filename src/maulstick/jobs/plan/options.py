@@ -36,7 +36,7 @@ _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
-_FILES = ("background", "again", "regions", "say", "look", "paints_from", "clip_weights")  # options that are paths
+_FILES = ("background", "again", "regions", "say", "guides", "look", "paints_from", "clip_weights")  # paths
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -61,6 +61,8 @@ class PlanOptions:
     are planned on from where they are.
     regions: a map of the picture in colours, a PNG or an SVG, stretched over it.  say: a TOML file that says what holds
     where the map has each colour: see docs/planning.md.
+    guides: an SVG of lines, stretched over the picture, which strokes near them follow; those on its layer ``paint``
+    are painted as they are.
     pin: colours among the paints to mix that are used as they are.
     text: what the painting should show; needs CLIP.  look: the path of a picture whose look it should have.
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
@@ -104,6 +106,7 @@ class PlanOptions:
     again: Path | None = None
     regions: Path | None = None
     say: Path | None = None
+    guides: Path | None = None
     pin: tuple[str, ...] = ()
     text: str | None = None
     look: Path | None = None

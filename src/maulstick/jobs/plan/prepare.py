@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
 
-from maulstick.colour.tubes import read_paints
+from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError, option
-from maulstick.jobs.plan.again import Again
+from maulstick.jobs.plan.again import Again, locked_in, neighbours_of, with_locked
 from maulstick.jobs.plan.device import Choice, choose_device
+from maulstick.jobs.plan.directing import Directing
 from maulstick.jobs.plan.inputs import SHEET_PX, enough, held, mural_of, network_of, picture_of, settings_of, sheet_of
 from maulstick.jobs.plan.options import AUTO, PlanOptions
-from maulstick.jobs.plan.region_files import RegionFiles
 from maulstick.jobs.plan.request import PlanRequest, sum_of
 from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
 from maulstick.painting.painting import Painting, Provenance, hex_colour
@@ -45,7 +45,7 @@ class Prepared:
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
     device: what plans, and a note on it for people.  supply: of one ink, in a hand.
     is_held: whether the brush is held at one pressure since the machine only lifts its pen.
-    again: what is planned again, None for a new plan.
+    again: what is planned again, None for a new plan.  kept: painting whose locked strokes stay among those planned.
     """
 
     request: PlanRequest
@@ -63,6 +63,7 @@ class Prepared:
     supply: InkSupply | None
     is_held: bool
     again: Again | None
+    kept: Painting | None
 
     @property
     def tones(self) -> Tones | None:
@@ -72,7 +73,7 @@ class Prepared:
     @property
     def strokes(self) -> int:
         """Number of strokes, at most, that the painting will have."""
-        return self.settings.strokes + (0 if self.again is None else len(self.again.locked))
+        return self.settings.strokes + (0 if self.kept is None else len(locked_in(self.kept)))
 
     @property
     def notes(self) -> list[str]:
@@ -141,8 +142,8 @@ class Prepared:
             self.names,
             self.problem.regions,
         )
-        if self.again is not None:
-            painting = self.again.joined(painting, planned)
+        if self.kept is not None:
+            painting = with_locked(painting, locked_in(self.kept), self.kept, planned)
         arrangement = self.style.arrangement
         if arrangement is not None and self.settings.one_ink and self.settings.arrange:
             painting = painting.model_copy(update={"succession": arrangement.succession})
@@ -164,7 +165,7 @@ class Prepared:
             tones=self.tones,
             regions=self.problem.regions,
         )
-        problem = replace(problem, neighbours=self.problem.neighbours)
+        problem = replace(problem, neighbours=self.problem.neighbours, guides=self.problem.guides)
         return replace(self, loss_options=loss_options, provenance=provenance, problem=problem)
 
 
@@ -184,20 +185,14 @@ def prepare(
     """
     options, device = request.options, choose_device(request.options.device)
     again, picture = again or Again.of(options), picture_of(request, image)
-    files = RegionFiles(options.regions, options.say) if options.regions and options.say else None
+    sheet = sheet_of(options, picture)
+    margin = parse_margin(options.margin, (sheet.width, sheet.height))
+    directing = Directing(options, (sheet.height, sheet.width) if picture is None else picture.shape, margin)
     usual = brushes or load_brushes(options.brush)
-    whole, sheet = usual if files is None else files.brushes(usual), sheet_of(options, picture)
-    brushes = tuple(held(brush, options) for brush in whole)
-    is_held = options.pressure is None and any(
-        was.pressure_matters != brush.pressure_matters for was, brush in zip(whole, brushes, strict=True)
-    )
+    brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
         brushes, sheet = again.brushes(brushes), again.sheet(sheet)
     finest = finest_of(brushes)
-    margin = parse_margin(options.margin, (sheet.width, sheet.height))
-    tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
-    if options.strokes != AUTO and len(tubes) > options.strokes:
-        raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
     if options.drawing == "lines":
         if picture is None:
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
@@ -206,34 +201,26 @@ def prepare(
     if mural is None:
         layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
-        _check_windows(again, files)
+        _check_windows(again, directing)
         layout = mural.overview(LONGEST_PX)
     check_room(layout.room, brushes)
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
-    settings = settings_of(options, tubes, () if files is None else files.colours)
+    tubes = _tubes(options)
+    settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
     supply = _supply(options, settings, layout, brushes, style) if settings.one_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
-    names, strokes = {hex_colour(tube.colour): tube.name for tube in tubes}, settings.strokes
-    if again is not None:
-        settings, names = again.settings(settings), again.names
-        strokes = settings.strokes + len(again.locked)
-    look = read_picture(options.look, longest_px=SHEET_PX) if options.look is not None else None
-    clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
-    loss_options = LossOptions(options.text, look, {**clip_weights, **options.weights}, options.drawing != "tones")
-    sums = {
-        "Maulstick": version("maulstick"),
-        "the brush": sum_of([brush.model_dump(mode="json") for brush in brushes]),
-    }
-    network = cache(partial(network_of, options))
-    tones = None if supply is None else supply.tones(strokes)
+    names = {hex_colour(tube.colour): tube.name for tube in tubes}
+    if again is None:
+        kept = directing.painted(layout, finest, settings.pinned or settings.palette)
+    else:
+        settings, names, kept = again.settings(settings), again.names, again.painting
+    locked = [] if kept is None else locked_in(kept)
+    tones = None if supply is None else supply.tones(settings.strokes + len(locked))
     if tones is not None and tones.compressed:  # none can be spared
         settings = replace(settings, exact=True)
-    regions = None
-    if files is not None:
-        shape = (sheet.height, sheet.width) if picture is None else picture.shape
-        regions = files.on(layout.canvas, shape, options.fit, margin, style, brushes, usual)
-    request = request.with_sums({**sums, "the style": style.hash if regions is None else regions.style.hash})
+    regions = directing.regions(layout, style, brushes, usual)
+    loss_options, network = _losses(options, picture), cache(partial(network_of, options))
     problem = problem_of(
         layout,
         brushes,
@@ -245,11 +232,19 @@ def prepare(
         tones=tones,
         regions=regions,
     )
-    if again is not None:
-        problem = again.problem(problem)
+    problem = replace(problem, guides=directing.guides(layout, regions))
+    if kept is not None:
+        problem = replace(problem, neighbours=neighbours_of(locked, kept, brushes))
     if options.names_clip and not problem.network_losses:
         clip = option("clip")
         raise InputError(f"{clip} says which network to ask, and no term asks one; leave it out, or weigh likeness")
+    request = request.with_sums(
+        {
+            "Maulstick": version("maulstick"),
+            "the brush": sum_of([brush.model_dump(mode="json") for brush in brushes]),
+            "the style": problem.style.hash,
+        }
+    )
     weights = loss_options.weights_to_keep(has_picture=picture is not None)
     used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
     name = request.picture.name if request.picture is not None else None
@@ -271,14 +266,36 @@ def prepare(
         supply,
         is_held,
         again,
+        kept,
     )
 
 
-def _check_windows(again: Again | None, files: RegionFiles | None) -> None:
+def _held(brushes: tuple[Brush, ...], options: PlanOptions) -> tuple[tuple[Brush, ...], bool]:
+    """Return the brushes, held where the options say so, and whether one is since its machine only lifts its pen."""
+    kept = tuple(held(brush, options) for brush in brushes)
+    changed = any(was.pressure_matters != now.pressure_matters for was, now in zip(brushes, kept, strict=True))
+    return kept, options.pressure is None and changed
+
+
+def _tubes(options: PlanOptions) -> tuple[NamedPaint, ...]:
+    """Return the paints of a file. Raises InputError for more than there are strokes."""
+    tubes = read_paints(options.paints_from) if options.paints_from is not None else ()
+    if options.strokes != AUTO and len(tubes) > options.strokes:
+        raise InputError.of_range("the number of paints", len(tubes), f"at most the {options.strokes} strokes")
+    return tubes
+
+
+def _losses(options: PlanOptions, picture: Image | None) -> LossOptions:
+    look = read_picture(options.look, longest_px=SHEET_PX) if options.look is not None else None
+    clip_weights = {"likeness": 1.0} if options.names_clip and picture is not None else {}
+    return LossOptions(options.text, look, {**clip_weights, **options.weights}, options.drawing != "tones")
+
+
+def _check_windows(again: Again | None, directing: Directing) -> None:
     """Raise InputError for what is not planned in windows."""
-    for name, given in (("again", again), ("regions", files)):
-        if given is not None:
-            raise InputError(f"{option(name)} plans in one piece; choose a smaller {option('px')}")
+    if again is not None:
+        raise InputError(f"{option('again')} plans in one piece; choose a smaller {option('px')}")
+    directing.check_windows()
 
 
 def _supply(

@@ -15,8 +15,9 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.painting.brush import Brush, Name, in_painting_order, load_brushes
 from maulstick.painting.fit import place_of
 from maulstick.painting.picture import read_picture
-from maulstick.painting.raster import Canvas
+from maulstick.painting.raster import Canvas, parse_length
 from maulstick.planning.regions import Region, Regions
+from maulstick.planning.soft_edges import softened
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.storage.files import read_whole
 from maulstick.style import Style, load_style
@@ -43,7 +44,8 @@ class _Said(BaseModel):
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
     colours: list[str] | None = None
-    direction: float | None = None
+    direction: float | Literal["guides"] | None = None
+    soft: str | None = None
     bare: bool = False
 
 
@@ -60,6 +62,10 @@ class RegionFiles:
         for name, said in self._said.items():
             if name == REST:
                 continue
+            if said.soft is not None:
+                parse_length(said.soft)
+                if said.bare:
+                    raise InputError(f"{say}: {name} is bare, and bare paper has sharp edges; leave out soft")
             if said.colour is None:
                 raise InputError(f"{say}: {name} has no colour on the map; give it one, as in colour = '#ff0000'")
             if (same := named.setdefault(parse_colour(said.colour), name)) != name:
@@ -107,7 +113,16 @@ class RegionFiles:
             raise InputError(f"{self._say} leaves all of the sheet bare; leave some of it to be painted")
         if sum(region.share or 0 for region in there) > 1:
             raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
-        return Regions(labels, regions, canvas)
+        return Regions(self._softened(labels, list(said.values()), canvas), regions, canvas)
+
+    def _softened(self, labels: Ints, said: Sequence[_Said], canvas: Canvas) -> Ints:
+        """Return labels (H, W) with the edges soft that are said to be, but never towards bare paper."""
+        open_to, noise = np.array([not one.bare for one in said]), np.random.default_rng(0).random(labels.shape)
+        for number, one in enumerate(said):
+            if one.soft is not None:
+                width = parse_length(one.soft) * canvas.pixels_per_metre
+                labels = softened(labels, number, width, open_to, noise)
+        return labels
 
     def _region(
         self, name: str, said: _Said, canvas: Canvas, style: Style, brushes: Sequence[Brush], usual: Sequence[Brush]
@@ -121,7 +136,8 @@ class RegionFiles:
             None if said.colours is None else tuple(parse_colour(colour) for colour in said.colours),
             said.share,
             said.bare,
-            None if said.direction is None else radians(said.direction),
+            radians(said.direction) if isinstance(said.direction, float) else None,
+            said.direction == "guides",
             said.importance,
             tuple(said.weights.items()),
         )

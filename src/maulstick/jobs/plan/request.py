@@ -92,7 +92,7 @@ class PlanRequest:
     def files(self) -> list[Path]:
         """Files that it names: the picture, and those of the options."""
         options = self.options
-        files = (options.look, options.background, options.again, options.regions, options.say)
+        files = (options.look, options.background, options.again, options.regions, options.say, options.guides)
         others = (options.paints_from, options.clip_weights)
         return [file for file in (self.picture, *files, *others) if file is not None]
 

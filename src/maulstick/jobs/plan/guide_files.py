@@ -1,0 +1,90 @@
+"""Files of guides: an SVG of lines over the picture, along which strokes lie; some are painted as they are."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import shapely
+
+from maulstick.colour.palette import nearest_paint
+from maulstick.errors import InputError
+from maulstick.painting.brush import Brush
+from maulstick.painting.fit import place_of
+from maulstick.painting.painting import Paint, Painting, Provenance, Stroke
+from maulstick.painting.raster import Canvas
+from maulstick.planning.layout import Layout
+from maulstick.storage.arrays import Floats
+
+PAINTED: Final = "paint"
+"""Name of the layer, or the group, whose lines are painted as they are."""
+
+Colour = tuple[float, float, float]
+
+_PRESSURE = 0.5  # of a line that is painted: an SVG says none
+
+
+class GuideFile:
+    """Guides of an SVG. Raises InputError where it cannot be read, or has no line.
+
+    colours: of the lines that are painted, sRGB in [0, 1], each once.
+    """
+
+    def __init__(self, path: Path) -> None:
+        from maulstick.drawing.read import read_lines  # loads parsers
+
+        shapes, self._page = read_lines(path)
+        self._lines = [line for _, _, line in shapes]
+        self._painted = [(colour, line) for group, colour, line in shapes if (group or "").strip().lower() == PAINTED]
+        if not shapes:
+            raise InputError(f"{path} has no line to follow; draw some, with a stroke and no fill")
+        self.colours: tuple[Colour, ...] = tuple(dict.fromkeys(colour for colour, _ in self._painted))
+
+    def lines_on(self, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float) -> list[Floats]:
+        """Return the lines to follow, (k, 2) metres on a canvas, for a picture of this shape (h, w) laid out so."""
+        return [self._placed(line, canvas, shape, fit, margin) for line in self._lines]
+
+    def painted(
+        self, layout: Layout, shape: tuple[int, ...], fit: str, margin: float, brush: Brush, paints: Sequence[Colour]
+    ) -> Painting | None:
+        """Return the lines that are painted, as locked strokes of this brush within the picture's area; None for none.
+
+        Each is in the nearest of the paints.
+        """
+        from maulstick.drawing.lines import cut
+
+        x, y, width, height = layout.area
+        area, found = shapely.box(x, y, x + width, y + height), []
+        nearest = nearest_paint(np.array(self.colours).reshape(-1, 3), np.array(paints))
+        numbers = dict(zip(self.colours, nearest.tolist(), strict=True))
+        for colour, line in self._painted:
+            placed = self._placed(line, layout.canvas, shape, fit, margin)
+            found += [(numbers[colour], piece) for pieces in cut([placed], area) for piece in pieces]
+        if not found:
+            return None
+        used = sorted({number for number, _ in found})
+        strokes = [
+            Stroke(
+                id=row,
+                paint=used.index(number),
+                trajectory=tuple((x, y, _PRESSURE) for x, y in line.tolist()),
+                locked=True,
+                origin="guide",
+            )
+            for row, (number, line) in enumerate(sorted(found, key=lambda each: each[0]))
+        ]
+        return Painting(
+            sheet=layout.sheet,
+            provenance=Provenance(version=version("maulstick")),
+            brushes={brush.name: brush},
+            paints=tuple(Paint(colour=paints[number], brush=brush.name) for number in used),
+            strokes=tuple(strokes),
+        )
+
+    def _placed(self, line: Floats, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float) -> Floats:
+        """Return a line of the page, which is stretched over the picture, on the canvas, metres."""
+        left, top, right, bottom = place_of(shape[:2], canvas, fit, margin)
+        corner, size = np.array([left, top]), np.array([right - left, bottom - top])
+        placed: Floats = (corner + line / np.array(self._page) * size) / canvas.pixels_per_metre
+        return placed
