@@ -8,7 +8,7 @@ from torch import Tensor
 from maulstick.colour.palette import lightness
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush, load_brush
-from maulstick.planning import planner
+from maulstick.planning import style_price
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
@@ -397,8 +397,8 @@ def test_strokes_to_start_with_keep_the_lengths_that_they_have_together(portrait
 def test_a_style_that_binds_nobody_never_weighs_more(
     problem: PlanningProblem, planned: PlanResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(planner, "_STYLE_WEIGHT_GROWTH", 0.0)
-    monkeypatch.setattr(planner, "_COST_SAMPLES", 1)
+    monkeypatch.setattr(style_price, "_GROWTH", 0.0)
+    monkeypatch.setattr(style_price, "_SAMPLES", 1)
     assert same(plan(problem, QUICK), planned)
 
 

@@ -5,7 +5,6 @@ paints, all strokes of a paint stand together, and shapes go on adapting to what
 """
 
 from collections.abc import Callable
-from math import exp
 
 import numpy as np
 import torch
@@ -15,7 +14,9 @@ from maulstick.colour.palette import lightness, mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
+from maulstick.planning.canvas_loss import CanvasLoss
 from maulstick.planning.descent import Descent
+from maulstick.planning.improvements import needed, repaint
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
@@ -24,20 +25,15 @@ from maulstick.planning.room import surface_of
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
-from maulstick.planning.stroke_effects import TargetView, coverage, recolouring_costs, removal_costs
-from maulstick.planning.surrogate import Surrogate
+from maulstick.planning.stroke_effects import coverage, recolouring_costs, removal_costs
+from maulstick.planning.style_price import StylePrice
 from maulstick.rendering.threads import one_torch_thread
-from maulstick.storage.arrays import Bools
 from maulstick.style.lengths import keep_lengths
 from maulstick.style.regional import RegionalStyle
 from maulstick.style.traits import path_length
 
-_STYLE_WEIGHT = 1e-5  # least weight of the style's cost, and the first: next to nothing beside a loss of tones
-_STYLE_WEIGHT_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
-_COST_SAMPLES = 256  # strokes, at least, whose mean cost counts as usual for the style: enough for a steady mean
 _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, since each move changes the rest
 _TURNING_OF_GROUPS = 0.2  # of the usual rate: strokes lie side by side already, and would turn out of their hatching
-_NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
 
@@ -86,25 +82,21 @@ class _Planning:
         self._canvas, self._style = problem.canvas, problem.style
         self._rng = np.random.default_rng(options.seed)
         self._torch_rng = torch.Generator().manual_seed(options.seed)
-        self._pool = 1
-        if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
-            self._pool = max(1, round(4 * problem.brushes[0].widest * self._canvas.pixels_per_metre))
-        self._style_weight = _STYLE_WEIGHT
+        self._loss = CanvasLoss(problem, options)
+        self._style_price = StylePrice(self._style, options.strokes, options.seed)
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
         self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         self._arranging = None
         if start is not None and len(start) < options.strokes:
-            start = self._initialiser.completed(start, self._pool)
+            start = self._initialiser.completed(start, self._loss.pool)
         if start is None:
             start, self._spacing = self._initialiser.first()
             if arrangement is not None:
                 self._arranging = Arranging(arrangement, problem, start, self._spacing, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
-        usual = self._style.usual_cost(max(_COST_SAMPLES, options.strokes), torch.Generator().manual_seed(options.seed))
-        self._allowed_cost = self._style.max_mean_cost * usual  # nats
         trained = {
             "codes": True,
             "centres": True,
@@ -119,7 +111,6 @@ class _Planning:
             self._stroke_canvas.paints = torch.tensor(options.palette)
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
         self._descent = Descent(strokes, self._spacing, turning)
-        self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far
         self._sorted = self._relocated = self._repainted = 0  # how many of each in the schedule are over
@@ -162,47 +153,37 @@ class _Planning:
     def state(self) -> State:
         """Return copies of all that the next step depends on."""
         counts = (self._steps, self._sorted, self._relocated, self._repainted)
-        numbers = (self._progress, self._stride, self._style_weight, *counts)
-        surrogate = {} if self._surrogate is None else self._surrogate.state()
+        numbers = (self._progress, self._stride, self._style_price.weight, *counts)
         state = {
             "progress": np.array(numbers),
             **self._stroke_canvas.state(),
             **self._descent.state(),
-            **surrogate,
+            **self._loss.state(),
             **rng_state(self._rng, self._torch_rng),
         }
         return {name: array.copy() for name, array in state.items()}
 
     def restore(self, state: State) -> None:
         """Go on from a state that `state` returned."""
-        self._progress, self._stride, self._style_weight, *counts = state["progress"].tolist()
+        self._progress, self._stride, self._style_price.weight, *counts = state["progress"].tolist()
         self._steps, self._sorted, self._relocated, self._repainted = (int(count) for count in counts)
         self._stroke_canvas.restore(state)
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
-        if self._surrogate is not None and "slope" in state:  # there may have been no network losses before
-            self._surrogate.restore(state)
+        self._loss.restore(state)
         restore_rng(state, self._rng, self._torch_rng)
 
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
-        """Take a step with all strokes; return the loss before it, its parts, and the canvas.
-
-        The style's weight grows while strokes are less likely than the style allows, and falls afterwards, so that
-        strokes keep to a style alike with a broad brush or a thin pen.
-        """
+        """Take a step with all strokes; return the loss before it, its parts, and the canvas."""
         strokes = self._stroke_canvas.strokes
         canvas = self._stroke_canvas.render()
-        if self._surrogate is not None and self._steps % self._options.ask_every == 0:
-            self._surrogate.ask(canvas, self._torch_rng)
-        loss, parts = self._loss(canvas, now)
+        self._loss.ask(canvas, self._steps, self._torch_rng)
+        loss, parts = self._loss.of(canvas, now)
         if self._arranging is not None:
             loss = loss + self._arranging.price(strokes, self._torch_rng).to(loss.device)
-        costs = self._style.cost(strokes.codes, strokes.pressure_knots)
-        price = (costs * (1 + costs / self._allowed_cost)).mean()  # few strokes far off cost more
-        self._descent.step(loss + self._style_weight * price.to(loss.device), now)
-        excess = min(costs.mean().item() / self._allowed_cost - 1, 1.0)
-        self._style_weight = max(self._style_weight * exp(_STYLE_WEIGHT_GROWTH * self._stride * excess), _STYLE_WEIGHT)
+        self._descent.step(loss + self._style_price.of(strokes).to(loss.device), now)
+        self._style_price.adapt(self._stride)
         if isinstance(self._style, RegionalStyle):
             self._style.keep_lengths(strokes.codes)
         elif self._lengths is not None:
@@ -212,29 +193,12 @@ class _Planning:
         self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
 
-    def _loss(self, canvas: Tensor, now: float) -> tuple[Tensor, dict[str, float]]:
-        """Return the loss without the style, and its weighted terms by name; network losses' as last evaluated."""
-        parts = {each.term.name: each.weight * each.term.loss(canvas, now) for each in self._problem.objectives}
-        values = {name: part.item() for name, part in parts.items()}
-        loss = sum(parts.values(), torch.zeros((), device=canvas.device))
-        if self._surrogate is not None:
-            loss, values = loss + self._surrogate.loss(canvas), values | self._surrogate.parts
-        return loss, values
-
-    def _view(self) -> TargetView:
-        """Return how the canvas is compared with the target, or without one, with what the surrogate proposes."""
-        target = self._problem.target
-        if target is None:
-            assert self._surrogate is not None
-            target = self._surrogate.proposal
-        return TargetView(target, self._problem.weights, self._pool)
-
     def _relocate_useless(self) -> None:
         """Move the strokes that would be missed least to where the canvas is furthest from the target.
 
         Of several brushes each takes the one that serves best there.
         """
-        costs, view = self._removal_costs(), self._view()
+        costs, view = self._removal_costs(), self._loss.view
         useless = torch.argsort(costs, stable=True)[: max(1, int(_RELOCATED_SHARE * len(costs)))]
         with torch.no_grad():
             density = self._initialiser.missing(view, self._stroke_canvas.render())
@@ -252,7 +216,7 @@ class _Planning:
         """Return an estimate of the cost of removing each stroke, (N,), by row."""
         marks, colours = self._stroke_canvas.drawn()
         return self._stroke_canvas.by_row(
-            removal_costs(self._view(), self._problem.paper, marks, colours, self._torch_rng)
+            removal_costs(self._loss.view, self._problem.paper, marks, colours, self._torch_rng)
         )
 
     def _quantise_colours(self) -> None:
@@ -265,36 +229,24 @@ class _Planning:
             paints = torch.tensor(palette[np.argsort(-lightness(palette), kind="stable")], dtype=torch.float32)
         else:
             marks, colours = self._stroke_canvas.drawn()
-            shown = as_array(self._stroke_canvas.by_row(coverage(self._view(), self._problem.paper, marks, colours)))
+            shown = as_array(self._stroke_canvas.by_row(coverage(self._loss.view, self._problem.paper, marks, colours)))
             free, own = as_array(self._stroke_canvas.strokes.colours), self._stroke_canvas.mixes
             amounts = np.sqrt(shown.clip(min=1))
             mixed = mix_paints(free[own], amounts[own], options.paints, options.seed, options.pinned)
             paints = torch.tensor(mixed, dtype=torch.float32)
         self._stroke_canvas.quantise(self._paints_to_use(paints), self._schedule.grouped)
 
-    @torch.no_grad()
     def _repaint(self) -> None:
-        """Give strokes other paints of the palette, to as many strokes as makes the loss smaller."""
-        stroke_canvas, grouped = self._stroke_canvas, self._schedule.grouped
+        """Give strokes other paints of the palette where that makes the loss smaller."""
+        stroke_canvas = self._stroke_canvas
         if stroke_canvas.paints is None or len(stroke_canvas.paints) < 2 or self._options.paints is not None:
             return
-        with torch.enable_grad():
-            marks, colours = stroke_canvas.drawn()
-            costs = recolouring_costs(
-                self._view(), self._problem.paper, marks, colours, stroke_canvas.paints, self._torch_rng
-            )
-        gain = -stroke_canvas.by_row(costs)
-        if (allowed := stroke_canvas.allowed_paints()) is not None:
-            gain = gain.masked_fill(~torch.from_numpy(allowed), -torch.inf)
-        gains, better = gain.max(dim=1)
-        candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
-        before, was = self._loss(stroke_canvas.render(), self._progress)[0], stroke_canvas.paint_of
-        while len(candidates):
-            stroke_canvas.repaint(was.index_copy(0, candidates, better[candidates]), grouped)
-            if self._loss(stroke_canvas.render(), self._progress)[0] < before:
-                return
-            candidates = candidates[: len(candidates) // 2]
-        stroke_canvas.repaint(was, grouped)
+        marks, colours = stroke_canvas.drawn()
+        costs = recolouring_costs(
+            self._loss.view, self._problem.paper, marks, colours, stroke_canvas.paints, self._torch_rng
+        )
+        loss = self._loss.at(self._progress)
+        repaint(stroke_canvas, loss, stroke_canvas.by_row(costs), grouped=self._schedule.grouped)
 
     def _paints_to_use(self, paints: Tensor) -> Tensor:
         """Return the paints (k, C), which go on adapting if they are still to be mixed."""
@@ -308,34 +260,17 @@ class _Planning:
         self._quantise_colours()
         assert self._stroke_canvas.paints is not None
         order, count = self._stroke_canvas.order_of_all, len(self._stroke_canvas.strokes)
-        needed = np.ones(count, dtype=bool) if self._options.exact else self._needed()
+        kept = np.ones(count, dtype=bool)
+        if not self._options.exact:
+            kept = needed(self._stroke_canvas, self._loss.at(1.0), self._removal_costs().numpy())
         own = order < count
-        kept = torch.from_numpy(order[own][needed[order[own]]])
-        painted = np.cumsum([is_own and needed[row] for row, is_own in zip(order, own, strict=True)])
+        rows = torch.from_numpy(order[own][kept[order[own]]])
+        painted = np.cumsum([is_own and kept[row] for row, is_own in zip(order, own, strict=True)])
         before = np.zeros(len(order) - count, dtype=np.int64)
         before[order[~own] - count] = painted[~own]
         return PlanResult(
-            self._stroke_canvas.strokes[kept],
+            self._stroke_canvas.strokes[rows],
             self._stroke_canvas.paints.detach(),
-            self._stroke_canvas.paint_of[kept],
+            self._stroke_canvas.paint_of[rows],
             torch.from_numpy(before),
         )
-
-    @torch.no_grad()
-    def _needed(self) -> Bools:
-        """Return which strokes, (N,), to keep: the loss does not grow without the others."""
-        with torch.enable_grad():
-            costs = self._removal_costs().numpy()
-        before, _ = self._loss(self._stroke_canvas.render(), 1.0)
-        needed = np.zeros(len(costs), dtype=bool)
-        if self._loss(self._stroke_canvas.render(needed), 1.0)[0].item() <= min(before.item(), _NOTHING):
-            return needed  # the sheet shows the picture as it is
-        candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
-        while len(candidates):
-            needed[:] = True
-            needed[candidates] = False
-            if self._loss(self._stroke_canvas.render(needed), 1.0)[0] <= before:
-                return needed
-            candidates = candidates[: len(candidates) // 2]
-        needed[:] = True
-        return needed

@@ -1,0 +1,56 @@
+"""Improvements of a plan that descent cannot find: other paints for its strokes, and strokes that it does not need."""
+
+from collections.abc import Callable
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from maulstick.planning.stroke_canvas import StrokeCanvas
+from maulstick.storage.arrays import Bools, Floats
+
+Loss = Callable[[Tensor], Tensor]
+"""Loss of a canvas (C, H, W)."""
+
+_NOTHING = 1e-6  # loss of a sheet that already shows its picture: a difference of a quarter of an 8-bit step
+
+
+@torch.no_grad()
+def repaint(stroke_canvas: StrokeCanvas, loss: Loss, costs: Tensor, *, grouped: bool) -> None:
+    """Give strokes other paints, to as many of those that gain most as makes the loss smaller.
+
+    costs: (N, k), estimates of what each paint costs each stroke.
+    """
+    gain = -costs
+    if (allowed := stroke_canvas.allowed_paints()) is not None:
+        gain = gain.masked_fill(~torch.from_numpy(allowed), -torch.inf)
+    gains, better = gain.max(dim=1)
+    candidates = torch.argsort(gains, descending=True, stable=True)[: int((gains > 0).sum())]
+    before, was = loss(stroke_canvas.render()), stroke_canvas.paint_of
+    while len(candidates):
+        stroke_canvas.repaint(was.index_copy(0, candidates, better[candidates]), grouped)
+        if loss(stroke_canvas.render()) < before:
+            return
+        candidates = candidates[: len(candidates) // 2]
+    stroke_canvas.repaint(was, grouped)
+
+
+@torch.no_grad()
+def needed(stroke_canvas: StrokeCanvas, loss: Loss, costs: Floats) -> Bools:
+    """Return which strokes, (N,), to keep: the loss does not grow without the others.
+
+    costs: (N,), estimates of what it costs to leave each stroke out.
+    """
+    before = loss(stroke_canvas.render())
+    kept = np.zeros(len(costs), dtype=bool)
+    if loss(stroke_canvas.render(kept)).item() <= min(before.item(), _NOTHING):
+        return kept  # the sheet shows the picture as it is
+    candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
+    while len(candidates):
+        kept[:] = True
+        kept[candidates] = False
+        if loss(stroke_canvas.render(kept)) <= before:
+            return kept
+        candidates = candidates[: len(candidates) // 2]
+    kept[:] = True
+    return kept

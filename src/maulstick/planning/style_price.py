@@ -1,0 +1,36 @@
+"""Price of strokes that are less likely than a style allows, for a plan's loss."""
+
+from math import exp
+
+import torch
+from torch import Tensor
+
+from maulstick.planning.parameters import StrokeParameters
+from maulstick.style import Style
+
+_LEAST = 1e-5  # weight of the style's cost, at least and at first: next to nothing beside a loss of tones
+_GROWTH = 30.0  # exponent of that weight per plan while strokes cost twice what the style allows
+_SAMPLES = 256  # strokes, at least, whose mean cost counts as usual for the style: enough for a steady mean
+
+
+class StylePrice:
+    """Price by the style, with a weight that grows while strokes are less likely than it allows, and then falls.
+
+    So strokes keep to a style alike with a broad brush or a thin pen.
+    """
+
+    def __init__(self, style: Style, strokes: int, seed: int) -> None:
+        usual = style.usual_cost(max(_SAMPLES, strokes), torch.Generator().manual_seed(seed))
+        self._style, self._allowed = style, style.max_mean_cost * usual  # nats
+        self.weight = _LEAST
+        self._excess = 0.0
+
+    def of(self, strokes: StrokeParameters) -> Tensor:
+        """Return the weighted price of strokes; few that are far off cost more than many that are little."""
+        costs = self._style.cost(strokes.codes, strokes.pressure_knots)
+        self._excess = min(costs.mean().item() / self._allowed - 1, 1.0)
+        return self.weight * (costs * (1 + costs / self._allowed)).mean()
+
+    def adapt(self, stride: float) -> None:
+        """Adapt the weight to the strokes of the last price. stride: share of planning that a step is."""
+        self.weight = max(self.weight * exp(_GROWTH * stride * self._excess), _LEAST)
