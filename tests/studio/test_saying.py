@@ -20,19 +20,26 @@ from maulstick.jobs.plan.region_files import RegionFiles
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.brush import load_brush
 from maulstick.painting.fit import place_of
+from maulstick.painting.painting import read_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.storage.arrays import Bools
 from maulstick.studio.state.directing import Directing
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.plans import Phase, Plan
+from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.version_words import version_in_words
+from maulstick.studio.state.versions import Around, changes_in, without_own_places
 from maulstick.studio.workers.areas import brushed, enclosed, geometry_of, guide
 from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.planner import TARGET
 from maulstick.studio.workers.said import MOST_REGIONS, Said, SaidGuide, SaidRegion, map_colours
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAID_FILE, SAY, read_said, said_files
 from maulstick.studio.workers.stroke_changes import StrokeChanges, changes_of
 from maulstick.style import load_style
+from tests.studio.test_plans import until
 from tests.support.robot.small_paintings import SIX, line, painting_of
-from tests.support.studio.plans_to_paint import put_plan
+from tests.support.studio.plans_to_paint import put_plan, put_plan_to_direct
 
 _SQUARE = [0.01, 0.01, 0.03, 0.01, 0.03, 0.03, 0.01, 0.03]
 _WIDE, _HIGH = SIX.sheet.width, SIX.sheet.height
@@ -255,14 +262,25 @@ def test_names_in_any_script_and_what_holds_are_written_as_toml(tmp_path: Path) 
     file = put_plan(tmp_path, "six", SIX)
     names = ['say "no" \\ [x]', "顔", "👩‍🎨", "[face]\u00e9.x", "a = 1 #"]
     regions = tuple(
-        region(i, box(0.002 * i, 0, 0.002 * i + 0.002, 0.03), name=name, style="loops", hand_size=0.5, importance=2)
+        region(
+            i,
+            box(0.002 * i, 0, 0.002 * i + 0.002, 0.03),
+            name=name,
+            style="loops",
+            hand_size=0.5,
+            importance=2,
+            direction=45,
+            soft=5e-3,
+        )
         for i, name in enumerate(names)
     )
     bare = region(9, box(0.03, 0, 0.04, 0.04), bare=True, style="loops", importance=5)
     files = said_files(file, Said(regions=(*regions, bare)).model_dump_json(), PlanRequest(None, _TEXT))
     said = tomllib.loads(files[SAY].decode())
     assert list(said) == [*names, bare.name]
-    assert said["顔"] == {"colour": map_colours()[1], "style": "loops", "hand_size": 0.5, "importance": 2.0}
+    holds = {"style": "loops", "hand_size": 0.5, "importance": 2.0, "direction": 45.0, "soft": "5mm"}
+    assert said["顔"] == {"colour": map_colours()[1], **holds}
+    assert isinstance(said["顔"]["direction"], float)
     assert said[bare.name] == {"colour": bare.colour, "bare": True}
     (tmp_path / SAID_FILE).write_bytes(files[SAID_FILE])
     assert read_said(tmp_path).regions == (*regions, bare)
@@ -328,3 +346,58 @@ def test_what_differs_in_a_version_is_said_in_words(tmp_path: Path) -> None:
     assert version_in_words(StrokeChanges(locked=1), Said(), Said(), {}, is_kept=False) == (
         "1 stroke locked; planned again."
     )
+
+
+def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_painting_as_it_is(
+    tmp_path: Path,
+) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+
+    async def act() -> list[Plan]:
+        with Folder.opened(tmp_path) as folder:
+            studio = Studio(folder)
+            try:
+                first = studio.directing("coast")
+                await first.saying.enclose(_SQUARE, bare=True)
+                await first.saying.guide([0.005, 0.05, 0.055, 0.05])
+                await first.edit({"kind": "remove", "strokes": [planned.strokes[0].id]})
+                again = await studio.version_of("coast")
+                await until(lambda: not again.is_busy)
+                assert again.why == ""
+                second = studio.directing(again.name)
+                assert second.saying.now == first.saying.now
+                await second.saying.take_out(second.saying.now.regions[0].id)
+                kept = await studio.version_of(again.name, is_kept=True)
+                await until(lambda: not kept.is_busy)
+            finally:
+                await studio.close()
+        return [again, kept]
+
+    again, kept = asyncio.run(act())
+    options = again.request.options
+    assert (options.regions, options.say, options.guides) == tuple(again.folder / name for name in (MAP, SAY, GUIDES))
+    assert changes_in(again.folder) == "1 stroke taken out; bare paper “Bare paper”; 1 guide; planned again."
+    painting = read_painting(again.folder / "painting.json")
+    xy = np.array([point[:2] for stroke in painting.strokes for point in stroke.trajectory])
+    assert not ((xy > 0.01) & (xy < 0.03)).all(axis=1).any(), "no ink there"
+    assert (kept.phase, kept.why) == (Phase.PLANNED, "")
+    assert read_painting(kept.folder / "painting.json") == painting
+    assert (kept.folder / "preview.png").is_file()
+    assert (kept.folder / TARGET).read_bytes() == (again.folder / TARGET).read_bytes()
+    assert kept.request.options.regions is None, "the one region is taken out"
+    assert changes_in(kept.folder) == "Region “Bare paper” taken out; kept as it is."
+
+
+def test_regions_of_the_command_line_stay_until_some_are_painted(tmp_path: Path) -> None:
+    options = PlanOptions(regions=tmp_path / "map.png", say=tmp_path / "map.toml")
+    request = PlanRequest(None, options)
+    assert without_own_places(request, tmp_path) == request
+    own = PlanRequest(None, PlanOptions(regions=tmp_path / MAP, say=tmp_path / SAY, guides=tmp_path / GUIDES))
+    left = without_own_places(own, tmp_path).options
+    assert (left.regions, left.say, left.guides) == (None, None, None)
+    (tmp_path / "now.json").touch()
+    (tmp_path / "version").mkdir()
+    files = {SAID_FILE: b"{}", MAP: b"", SAY: b""}
+    moved = Around(tmp_path / "now.json", b"", files).move_to(tmp_path / "version", request).options
+    assert (moved.regions, moved.say) == (tmp_path / "version" / MAP, tmp_path / "version" / SAY)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,8 +57,7 @@ class Around:
 def without_own_places(request: PlanRequest, folder: Path) -> PlanRequest:
     """Return the request of the plan in a folder without the regions and guides that are that folder's own."""
     options = request.options
-    known = {each.name for each in fields(options)}
-    own = [name for name, file in _PLACES.items() if name in known and getattr(options, name) == folder / file]
+    own = [name for name, file in _PLACES.items() if getattr(options, name) == folder / file]
     none: dict[str, Any] = dict.fromkeys(own)
     return replace(request, options=replace(options, **none))
 

@@ -100,6 +100,7 @@ def _section(region: SaidRegion) -> str:
     said: dict[str, object] = {"colour": region.colour, "bare": True}
     if not region.bare:
         said = region.model_dump(include={"colour", "style", "hand_size", "brush", "importance", "direction"})
+        said["soft"] = f"{1e3 * region.soft:g}mm" if region.soft else None
     there = {name: value for name, value in said.items() if value is not None}
     lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in there.items()]
     return "\n".join([f"[{json.dumps(region.name, ensure_ascii=False)}]", *lines, ""])
