@@ -46,7 +46,7 @@ def put_plan_of_a_picture(root: Path, name: str) -> Path:
 
 
 def put_plan_to_direct(root: Path, name: str) -> Path:
-    """Put a plan with its picture, with a request by which it is planned again in a second, into the studio's folder."""
+    """Put a plan with its picture, which is planned again in a second, into the studio's folder."""
     file = put_plan_of_a_picture(root, name)
     photo = root / "pictures" / name / "picture.png"
     shutil.copy(photo, photo.with_name("small.jpg"))
