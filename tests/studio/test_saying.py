@@ -93,10 +93,13 @@ def test_what_cannot_be_said_is_refused_in_a_sentence_and_not_kept(tmp_path: Pat
             await said.take_out(one)
         with pytest.raises(InputError, match="taken out"):
             await said.change(one, name="face")
+        await said.change(other, direction="guides")
+        with pytest.raises(InputError, match="none on the picture"):
+            said.check_guides({})
         with pytest.raises(InputError, match="width of the brush"):
             await said.emphasise(_SQUARE, 0, 3)
 
-    assert saying(tmp_path, act).version == 3
+    assert saying(tmp_path, act).version == 4
 
 
 def test_there_are_as_many_regions_as_a_map_has_colours(tmp_path: Path) -> None:

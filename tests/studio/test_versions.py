@@ -66,6 +66,13 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
             studio = Studio(folder)
             try:
                 first = studio.directing("coast")
+                as_planned = await studio.version_of("coast", is_kept=True)
+                await first.saying.enclose([0, 0, 0.06, 0, 0.06, 0.06, 0, 0.06], bare=True)
+                bare = await studio.version_of("coast")
+                await until(lambda: not (as_planned.is_busy or bare.is_busy))
+                assert "leaves all of the sheet bare" in bare.why
+                assert read_painting(as_planned.folder / "painting.json") == planned
+                await first.undo()
                 await first.saying.enclose(_SQUARE, bare=True)
                 await first.saying.guide([0.005, 0.05, 0.055, 0.05])
                 await first.edit({"kind": "remove", "strokes": [planned.strokes[0].id]})

@@ -1,6 +1,6 @@
 """What a person says of places on the sheet of a plan: acts among those on its strokes, undone and redone with them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -13,6 +13,7 @@ from maulstick.studio.state.titles import clean_title, numbered
 from maulstick.studio.workers.areas import brushed, enclosed, guide
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.said import (
+    ALONG_GUIDES,
     SAID_ACT,
     Area,
     PutGuide,
@@ -24,7 +25,7 @@ from maulstick.studio.workers.said import (
     Spot,
     TakeOut,
 )
-from maulstick.studio.workers.said_files import read_said, said_files
+from maulstick.studio.workers.said_files import GUIDES, read_said, said_files
 
 SAID: Final = "said"
 """Kind of these acts in the file of acts."""
@@ -96,6 +97,15 @@ class Saying:
     async def files(self, request: PlanRequest) -> dict[str, bytes]:
         """Return `said_files` of what is said now, for planning that request."""
         return await self._desk.do(said_files, self._painting, self.now.model_dump_json(), request)
+
+    def check_guides(self, files: Mapping[str, bytes]) -> None:
+        """Raise InputError where strokes of a region are to follow guides, and none is among the files of `files`."""
+        lost = [region.name for region in self.now.regions if region.direction == ALONG_GUIDES and not region.bare]
+        if lost and GUIDES not in files:
+            raise InputError(
+                f"strokes of “{lost[0]}” are to follow guides, and there is none on the picture; draw one, or choose "
+                "another direction"
+            )
 
     async def _add(self, act_on: Callable[[Said], SaidAct]) -> int:
         async with self._acts.turn:

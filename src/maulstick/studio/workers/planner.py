@@ -149,12 +149,15 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
-        made: list[Painting] = [read_painting(kept)] if (kept := folder / KEPT).is_file() else []
-        for watch.attempt, seed in enumerate(() if made else seeds_of(request), start=1):
-            made.append(_tried(line, request, folder, seed, watch, control))
-            if watch.is_stopped:
-                break
-        painting = best_of(made)
+        if (kept := folder / KEPT).is_file():
+            painting = read_painting(kept)
+        else:
+            made: list[Painting] = []
+            for watch.attempt, seed in enumerate(seeds_of(request), start=1):
+                made.append(_tried(line, request, folder, seed, watch, control))
+                if watch.is_stopped:
+                    break
+            painting = best_of(made)
         write_results(painting, folder, None)
         _write_order(painting, folder)
         if not watch.is_stopped:
