@@ -84,7 +84,7 @@ class Studio:
         """Make a version of the plan of that name: planned again around what a person has locked, changed and said.
 
         is_kept: whether it is the painting as it is now instead, with nothing planned. Returns the new plan.
-        Raises InputError where there is no finished plan, or no guide to follow, and OutputError where there is no room.
+        Raises InputError where there is no finished plan or no guide to follow, OutputError where there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
         said, request = directing.saying, without_own_places(with_own(plan.request, plan.folder), plan.folder)
