@@ -160,7 +160,7 @@ def _plain(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> Pl
 def _warm(problem: PlanningProblem, options: PlannerSettings, seen: Seen) -> PlanResult:
     torch_rng = Generator().manual_seed(options.seed)
     tone, network_loss = problem.objectives[0], problem.network_losses[0]
-    start, _ = Initialiser(problem, options, np.random.default_rng(options.seed), torch_rng).first()
+    start, _ = Initialiser(problem, options, False, np.random.default_rng(options.seed), torch_rng).first()
 
     def loss(canvas: Tensor) -> Tensor:
         return tone.weight * tone.term.loss(canvas, 1.0) + network_loss.weight * _said(problem, canvas, torch_rng)

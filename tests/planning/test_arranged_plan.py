@@ -8,15 +8,19 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
+from maulstick.planning.arranging import Arranging
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.regions import Region, Regions
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
+from maulstick.style import Style
 from maulstick.style.arrangement.neighbourhoods import Laid
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
+from maulstick.style.regional import RegionalStyle
 from tests.planning.conftest import options, problem_for
 from tests.support.drawn import as_strokes, hatching
 from tests.support.nominal import nominal
@@ -129,6 +133,51 @@ def test_strokes_keep_inside_the_sheet_and_the_lengths_of_the_hand(problem: Plan
 def test_a_brush_that_presses_draws_an_arranged_plan(problem: PlanningProblem, round_brush: Brush) -> None:
     found = plan(replace(problem, brushes=(round_brush,)), replace(INK, steps=10)).strokes
     assert found.pressure_knots.max() > 0
+
+
+def split(problem: PlanningProblem, *, other: Style) -> PlanningProblem:
+    """The problem with two regions side by side, the right one in another hand."""
+    height, width = problem.weights.shape
+    labels = np.zeros((height, width), dtype=np.int64)
+    labels[:, width // 2 :] = 1
+    said = (Region("rest", HAND, (True,)), Region("right", other, (True,)))
+    regions = Regions(labels, said, problem.canvas)
+    return replace(problem, regions=regions, style=regions.style)
+
+
+def in_region(found: StrokeParameters, style: RegionalStyle, number: int) -> StrokeParameters:
+    own = found[style.regions_of(found.codes) == number]
+    return replace(own, codes=style.own_codes(own.codes, number))
+
+
+def test_each_region_is_arranged_as_its_own_hand_arranges(problem: PlanningProblem) -> None:
+    both = split(problem, other=HAND)
+    assert isinstance(both.style, RegionalStyle)
+    found, alone = (plan(both, replace(INK, strokes=60, arrange=arrange)).strokes for arrange in (1.0, 0.0))
+    for number in range(2):
+        assert far(in_region(found, both.style, number)) < 0.7 * far(in_region(alone, both.style, number))
+
+
+def test_a_region_whose_hand_has_no_arrangement_is_placed_stroke_by_stroke(problem: PlanningProblem) -> None:
+    both = split(problem, other=unplaced())
+    assert isinstance(both.style, RegionalStyle)
+    found = plan(both, replace(INK, strokes=60, exact=True)).strokes
+    assert len(found) == 60
+    arranged, alone = (in_region(found, both.style, number) for number in range(2))
+    assert min(len(arranged), len(alone)) > 5
+    middle = problem.canvas.width / 2
+    slack = 1.5 / problem.canvas.pixels_per_metre
+    assert arranged.centres[:, 0].max() < middle + slack
+    assert alone.centres[:, 0].min() > middle - slack
+
+
+def test_the_price_of_regions_moves_strokes(problem: PlanningProblem) -> None:
+    both = split(problem, other=HAND)
+    start = plan(both, replace(INK, strokes=40, steps=1, exact=True)).strokes
+    moving = replace(start, centres=start.centres.clone().requires_grad_())
+    price = Arranging(both, start, 0.01, 1.0).price(moving, torch.Generator().manual_seed(0))
+    (slopes,) = torch.autograd.grad(price, moving.centres)
+    assert (slopes.abs().sum(dim=1) > 0).float().mean() > 0.9
 
 
 @pytest.mark.parametrize("arrange", [-0.1, 1.5, float("nan")])

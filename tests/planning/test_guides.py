@@ -109,3 +109,12 @@ def test_other_directions_stay_where_nothing_is_said() -> None:
     both = guides.over(own)
     assert both[30, 60] == pytest.approx(guides.field[30, 60], abs=0.02)
     assert both[59, 60] == pytest.approx(0.5j, abs=0.02)
+
+
+def test_strokes_in_groups_are_turned_back_by_the_angle_of_a_region_alone() -> None:
+    labels = np.zeros((60, 120), dtype=np.int64)
+    labels[:, 60:] = 1
+    regions = Regions(labels, (Region("rest", FREE, (True,)), Region("coat", FREE, (True,), angle=0.0)), CANVAS)
+    kept = strokes(np.array([[0.05, 0.05], [0.15, 0.05]]), np.array([1.0, 1.0]))
+    Guides.of(CANVAS, [STRAIGHT], regions).keep(kept, in_groups=True)
+    assert kept.angles.tolist() == pytest.approx([1.0, np.pi / 18])

@@ -105,7 +105,7 @@ def test_strokes_of_a_text_begin_in_the_room() -> None:
     problem = PlanningProblem(
         None, paper, weights, layout.canvas, (pen,), load_style("free", layout.canvas), (), room=layout.room
     )
-    strokes, _ = Initialiser(problem, INK, None, np.random.default_rng(0), torch.Generator().manual_seed(0)).first()
+    strokes, _ = Initialiser(problem, INK, False, np.random.default_rng(0), torch.Generator().manual_seed(0)).first()
     pixel = 1 / layout.canvas.pixels_per_metre
     away = strokes.centres.numpy()
     assert away.min() >= MARGIN - pixel

@@ -1,5 +1,7 @@
 """Holding a plan's strokes arranged as a hand arranges its strokes, with any pen and any picture."""
 
+from dataclasses import replace
+
 import torch
 from torch import Generator, Tensor
 
@@ -8,6 +10,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import at_pixels
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
+from maulstick.style import Style
 from maulstick.style.arrangement import Arrangement
 from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid
 from maulstick.style.traits import quantiles
@@ -16,21 +19,56 @@ _WEIGHT = 3e-3  # beside a loss of tones; a third of it leaves groups apart
 
 
 class Arranging:
-    """The price of strokes that lie otherwise beside each other, and on the picture, than the hand's.
+    """The price of strokes that lie otherwise beside each other, and on the picture, than their hands'.
 
     strokes: that a plan begins with, as dense as they will be.  spacing: metres between them.
-    share: in [0, 1], of the price.
+    share: in [0, 1], of the price.  A region's strokes count as many as they are; of those whose hand's arrangement is
+    not known nothing is asked.
     """
+
+    def __init__(self, problem: PlanningProblem, strokes: StrokeParameters, spacing: float, share: float) -> None:
+        self._regions, self._weight = problem.regions, _WEIGHT * share
+        hands = [problem.style] if self._regions is None else [region.hand for region in self._regions.said]
+        begins = self._by_hand(strokes)
+        self._hands = {
+            number: _ArrangedHand(hand, hand.arrangement, problem, begins[number], spacing)
+            for number, hand in enumerate(hands)
+            if hand.arrangement is not None and number in begins
+        }
+
+    def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
+        """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""
+        price = torch.zeros(())
+        for number, own in self._by_hand(strokes).items():
+            if number in self._hands and len(own) > NEAREST:
+                price = price + len(own) / len(strokes) * self._hands[number].price(own, torch_rng)
+        return self._weight * price
+
+    def _by_hand(self, strokes: StrokeParameters) -> dict[int, StrokeParameters]:
+        """Return the strokes of each hand that has any, with its own codes."""
+        if self._regions is None:
+            return {0: strokes}
+        style = self._regions.style
+        regions, found = style.regions_of(strokes.codes), {}
+        for number in regions.unique().tolist():
+            rows = regions == number
+            own = StrokeParameters(**{name: tensor[rows] for name, tensor in strokes.each().items()})  # with gradients
+            found[number] = replace(own, codes=style.own_codes(own.codes, number))
+        return found
+
+
+class _ArrangedHand:
+    """What a hand's arrangement asks of its strokes."""
 
     def __init__(
         self,
+        hand: Style,
         arrangement: Arrangement,
         problem: PlanningProblem,
         strokes: StrokeParameters,
         spacing: float,
-        share: float,
     ) -> None:
-        self._style, self._weight = problem.style, _WEIGHT * share
+        self._hand = hand
         self._neighbourhoods = arrangement.neighbourhoods.crowded(self._laid(strokes).density())
         self._alignments = torch.from_numpy(arrangement.alignments)
         self._scale = problem.canvas.pixels_per_metre
@@ -40,11 +78,9 @@ class Arranging:
             self._lines = problem.guides.over(self._lines)
 
     def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
-        """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""
-        if len(strokes) <= NEAREST:
-            return torch.zeros(())
+        """Return the price of the hand's strokes."""
         laid = self._laid(strokes)
-        return self._weight * (self._neighbourhoods.price(laid, torch_rng) + self._misaligned(laid))
+        return self._neighbourhoods.price(laid, torch_rng) + self._misaligned(laid)
 
     def _misaligned(self, laid: Laid) -> Tensor:
         """Return how far strokes are from lying along the picture's lines as the hand's lie along their groups.
@@ -58,4 +94,4 @@ class Arranging:
         return (lines.abs()[order] * (along - wanted).square()).mean()
 
     def _laid(self, strokes: StrokeParameters) -> Laid:
-        return Laid.of(self._style.decode(strokes.codes).detach(), strokes.centres, strokes.angles)
+        return Laid.of(self._hand.decode(strokes.codes).detach(), strokes.centres, strokes.angles)

@@ -12,7 +12,7 @@ from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, at_pixels
 from maulstick.planning.regions import Regions
-from maulstick.storage.arrays import Complexes, Floats
+from maulstick.storage.arrays import Bools, Complexes, Floats
 
 _REACH = 0.12  # of the canvas' shorter side: so far from a guide strokes still follow it, though less strictly
 _BLUR_IN_REACHES = 0.25  # between two guides directions go over into each other
@@ -26,9 +26,11 @@ class Guides:
     """Directions that are said, on a canvas.
 
     field: (H, W), exp(2i angle) of the direction at each pixel, times how strictly strokes lie along it, from 0 to 1.
+    angled: (H, W), where it is the angle of a region.
     """
 
     field: Complexes
+    angled: Bools
     canvas: Canvas
 
     @classmethod
@@ -38,7 +40,7 @@ class Guides:
         Lines are followed near by, and all over a region that follows guides, by the nearest of them.
         """
         field = np.zeros((canvas.height_px, canvas.width_px), dtype=complex)
-        everywhere = field
+        everywhere, angled = field, np.zeros(field.shape, dtype=bool)
         if lines:
             reach = _REACH * min(field.shape)
             everywhere, away = _nearest(lines, canvas, _BLUR_IN_REACHES * reach)
@@ -50,7 +52,8 @@ class Guides:
                 field[there] = everywhere[there] / np.maximum(np.abs(everywhere[there]), 1e-12)
             elif region.angle is not None:
                 field[there] = np.exp(2j * region.angle)
-        return cls(field, canvas)
+                angled |= there
+        return cls(field, angled, canvas)
 
     def over(self, lines: Complexes) -> Complexes:
         """Return other directions (H, W) of the same kind, less and less so the stricter these are, and these."""
@@ -59,23 +62,27 @@ class Guides:
 
     def turned(self, places: Places) -> Places:
         """Return places of strokes turned along the directions there, as far as these are strict."""
-        said = self._at(places.centres)
+        said = self._at(self.field, places.centres)
         both = said + (1 - np.abs(said)) * np.exp(2j * places.angles)
         turns = (np.angle(both) / 2 - places.angles + np.pi / 2) % np.pi - np.pi / 2
         return replace(places, angles=places.angles + turns)
 
     @torch.no_grad()
-    def keep(self, strokes: StrokeParameters) -> None:
-        """Turn strokes back that have turned away from the directions where they lie."""
-        said = self._at(self.canvas.pixels_per_metre * strokes.centres.numpy())
+    def keep(self, strokes: StrokeParameters, *, in_groups: bool = False) -> None:
+        """Turn strokes back that have turned away from the directions where they lie.
+
+        in_groups: whether they lie in groups, whose strokes cross; those are turned back by angles of regions alone.
+        """
+        field = np.where(self.angled, self.field, 0) if in_groups else self.field
+        said = self._at(field, self.canvas.pixels_per_metre * strokes.centres.numpy())
         angles = torch.from_numpy(np.angle(said) / 2).to(strokes.angles)
         free = torch.from_numpy(_WANDER / np.maximum(np.abs(said), 1e-12)).to(strokes.angles)
         away = (strokes.angles - angles + torch.pi / 2).remainder(torch.pi) - torch.pi / 2
         strokes.angles.add_(torch.minimum(torch.maximum(away, -free), free) - away)
 
-    def _at(self, centres: Floats) -> Complexes:
-        height, width = self.field.shape
-        found: Complexes = self.field[at_pixels(centres, width, height)]
+    def _at(self, field: Complexes, centres: Floats) -> Complexes:
+        height, width = field.shape
+        found: Complexes = field[at_pixels(centres, width, height)]
         return found
 
 

@@ -27,6 +27,7 @@ from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
+from maulstick.style import Style
 from maulstick.style.arrangement import Arrangement
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
@@ -38,18 +39,18 @@ _VISIBLE = 2 / 255  # least difference of sRGB between paper and picture that wa
 class Initialiser:
     """New strokes for a planning problem. All random numbers come from the two generators.
 
-    arrangement: whose groups are placed; None to place each stroke alone.
+    arranged: whether groups of the hands are placed, where a hand's are known; else each stroke is placed alone.
     """
 
     def __init__(
         self,
         problem: PlanningProblem,
         options: PlannerSettings,
-        arrangement: Arrangement | None,
+        arranged: bool,
         rng: np.random.Generator,
         torch_rng: Generator,
     ) -> None:
-        self._problem, self._options, self._arrangement = problem, options, arrangement
+        self._problem, self._options, self._arranged = problem, options, arranged
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._ink = np.array(options.palette[0])
@@ -123,8 +124,8 @@ class Initialiser:
         self, target: Tensor, density: Floats, count: int, room: float = np.inf
     ) -> tuple[StrokeParameters, float]:
         """Return strokes as `strokes` does, wherever the density is. Each brush is spread over all where it may be."""
-        if self._arrangement is not None:
-            return self._in_groups(self._arrangement, target, density, count)
+        if self._arranged:
+            return self._in_groups(target, density, count), self._usual_spacing
         layers, spacing = [], []
         for number, (share, there) in enumerate(self._shares(count, density)):
             if share:
@@ -189,18 +190,36 @@ class Initialiser:
             order.append(rows)
         return joined(parts)[torch.from_numpy(np.concatenate(order).argsort())]
 
-    def _in_groups(
-        self, arrangement: Arrangement, target: Tensor, density: Floats, count: int
-    ) -> tuple[StrokeParameters, float]:
-        """Return `count` strokes as `strokes` does, in groups of the hand."""
-        spacing, scale = self._usual_spacing, self._problem.canvas.pixels_per_metre
-        image, room = as_array(target), spacing * scale
+    def _in_groups(self, target: Tensor, density: Floats, count: int) -> StrokeParameters:
+        """Return `count` strokes as `strokes` does, in groups of the hand, or of the hand of each region."""
+        regions, style = self._problem.regions, self._problem.style
+        if regions is None:
+            assert style.arrangement is not None
+            return self._groups_of(style, style.arrangement, target, density, count)
+        ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel() + 1e-9, len(regions.said)))
+        counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
+        parts = []
+        for number, (region, own) in enumerate(zip(regions.said, counts, strict=True)):
+            there, arrangement = density * (regions.labels == number), region.hand.arrangement
+            if own and arrangement is None:
+                parts.append(self._with_brush(0, self._places(target, there, own, np.inf)))
+            elif own and arrangement is not None:
+                strokes = self._groups_of(region.hand, arrangement, target, there, own)
+                parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
+        return joined(parts)
+
+    def _groups_of(
+        self, hand: Style, arrangement: Arrangement, target: Tensor, density: Floats, count: int
+    ) -> StrokeParameters:
+        """Return `count` strokes in groups of a hand, with its own codes."""
+        scale, image = self._problem.canvas.pixels_per_metre, as_array(target)
+        room = self._usual_spacing * scale
         lines = directions(image, room, arrangement.leaning)
         if self._problem.guides is not None:
             lines = self._problem.guides.over(lines)
         places, rows = place_groups(image, lines, density, count, arrangement, room, scale, self._rng)
-        codes, knots = self._problem.style.sample_around(torch.from_numpy(rows), self._torch_rng)
-        return strokes_at(places, codes, knots, self._problem.brushes[0], scale), spacing
+        codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
+        return strokes_at(places, codes, knots, self._problem.brushes[0], scale)
 
     def _anywhere(self) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing as `first` does."""

@@ -85,16 +85,18 @@ class _Planning:
         self._loss = CanvasLoss(problem, options)
         self._style_price = StylePrice(self._style, options.strokes, options.seed)
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
-        arrangement = self._style.arrangement if options.one_ink and options.arrange and start is None else None
-        self._initialiser = Initialiser(problem, options, arrangement, self._rng, self._torch_rng)
+        hands = self._style.hands if isinstance(self._style, RegionalStyle) else (self._style,)
+        known = any(hand.arrangement is not None for hand in hands)
+        arranged = options.one_ink and options.arrange > 0 and start is None and known
+        self._initialiser = Initialiser(problem, options, arranged, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         self._arranging = None
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
         if start is None:
             start, self._spacing = self._initialiser.first()
-            if arrangement is not None:
-                self._arranging = Arranging(arrangement, problem, start, self._spacing, options.arrange)
+            if arranged:
+                self._arranging = Arranging(problem, start, self._spacing, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
         trained = {
@@ -188,8 +190,8 @@ class _Planning:
             self._style.keep_lengths(strokes.codes)
         elif self._lengths is not None:
             keep_lengths(strokes.codes, self._style, self._lengths)
-        if self._problem.guides is not None and self._arranging is None:
-            self._problem.guides.keep(strokes)  # arranged strokes lie in groups, which are turned whole
+        if self._problem.guides is not None:
+            self._problem.guides.keep(strokes, in_groups=self._arranging is not None)
         self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
 

@@ -85,12 +85,12 @@ class RegionalStyle(Style):
         return self.codes_in(0, codes), knots
 
     def sample_around(self, rows: Tensor, generator: Generator) -> NoReturn:
-        """Raise NotImplementedError: strokes of several hands are not arranged in groups."""
+        """Raise NotImplementedError: each hand is asked by itself."""
         raise NotImplementedError
 
     @property
     def arrangement(self) -> "Arrangement | None":
-        """None: strokes of several hands are not arranged in groups."""
+        """None: each hand has an arrangement of its own."""
         return None
 
     def lengths(self, count: int) -> Tensor | None:
