@@ -131,6 +131,17 @@ def test_another_brush_may_join_those_of_the_painting(folder: Path, changed: Pai
     assert set(finer.brushes) == {"marker", "fineliner"}
 
 
+def test_strokes_get_a_brush_that_their_region_uses(folder: Path, changed: Painting, tmp_path: Path) -> None:
+    (tmp_path / "map.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 2"><rect width="1" height="2" fill="#ff0000"/></svg>'
+    )
+    (tmp_path / "map.toml").write_text('[left]\ncolour = "#ff0000"\nbrush = "fineliner"\n')
+    finer = again(folder / "plan" / "changed.json", regions=tmp_path / "map.svg", say=tmp_path / "map.toml")
+    assert locked(finer) == locked(changed)
+    used = {(stroke.region, finer.paints[stroke.paint].brush) for stroke in finer.strokes if not stroke.locked}
+    assert used == {("left", "fineliner"), ("rest", "marker")}
+
+
 def test_the_camera_leaves_locked_strokes_alone_too(changed: Painting) -> None:
     sheet = np.ones((48, 48, 3), dtype=np.float32)
     plain = [stroke for stroke in changed.strokes if stroke.origin == "planned"]

@@ -1,8 +1,6 @@
 """Canvas on which a plan is directed, in a browser: from opening it to a version that is planned around an act."""
 
-import json
 import re
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,13 +8,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
+from maulstick.robot.journal import Journal, journal_of
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_zoom_page import pinch
 from tests.support.planned import STROKES
-from tests.support.studio.plans_to_paint import put_plan_of_a_picture
+from tests.support.studio.plans_to_paint import put_plan_to_direct
 
 _SIDE = 60.0  # mm, of the sheet
 
@@ -41,17 +38,10 @@ def colours_seen(page: Page) -> int:
 @pytest.fixture
 def coast(tmp_path: Path) -> Path:
     """Put a plan where the studio finds it when it starts, which can be planned again; return its painting.json."""
-    file = put_plan_of_a_picture(tmp_path / "studio", "coast")
-    picture = tmp_path / "studio" / "pictures" / "coast" / "picture.png"
-    shutil.copy(picture, picture.with_name("small.jpg"))
-    options = PlanOptions(
-        size="60x60mm", strokes=STROKES, paints=2, brush="marker", style="loops", steps=3, ask_every=1, px=48
-    )
-    (file.parent / "request.json").write_text(json.dumps(PlanRequest(picture, options).as_json()))
-    return file
+    return put_plan_to_direct(tmp_path / "studio", "coast")
 
 
-def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_around(
+def test_strokes_and_places_are_directed_undone_after_a_reload_planned_around_and_painted(
     coast: Path, studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
     planned = read_painting(coast)
@@ -70,13 +60,26 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     expect(said).to_have_text(re.compile(f"^{STROKES} strokes: #[0-9a-f]{{6}}, marker and #[0-9a-f]{{6}}, marker$"))
     view.press("n")
     expect(said).to_have_text(re.compile("^Nothing is chosen"))
-    box = view.bounding_box()
-    assert box is not None
-    scale = min(box["width"], box["height"]) / _SIDE
-    corner = box["x"] + (box["width"] - scale * _SIDE) / 2, box["y"] + (box["height"] - scale * _SIDE) / 2
 
     def at(x: float, y: float) -> tuple[float, float]:
-        return corner[0] + scale * x, corner[1] + scale * y
+        box = view.bounding_box()  # which moves as the page scrolls
+        assert box is not None
+        scale = min(box["width"], box["height"]) / _SIDE
+        return box["x"] + box["width"] / 2 + scale * (x - _SIDE / 2), box["y"] + box["height"] / 2 + scale * (
+            y - _SIDE / 2
+        )
+
+    def drag(*places: tuple[float, float]) -> None:
+        tab.mouse.move(*at(*places[0]))
+        tab.mouse.down()
+        for place in places[1:]:
+            tab.mouse.move(*at(*place), steps=3)
+        tab.mouse.up()
+
+    def take_up(key: str, tool: str) -> None:
+        view.focus()
+        view.press(key)
+        expect(view).to_have_class(re.compile(tool))
 
     scaled = view.locator(".scale")
     fits = scaled.inner_text()
@@ -105,11 +108,7 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     sharp(view, 2)
 
     tab.get_by_role("button", name="None", exact=True).click()
-    tab.mouse.move(*at(1, 1))
-    tab.mouse.down()
-    for place in ((59, 1), (59, 30), (1, 30), (1, 1)):
-        tab.mouse.move(*at(*place), steps=3)
-    tab.mouse.up()
+    drag((1, 1), (59, 1), (59, 30), (1, 30), (1, 1))
     expect(said).to_have_text(re.compile("^[0-9]+ strokes?: "))
     lassoed = int(said.inner_text().split()[0])
     inside = [
@@ -129,12 +128,40 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     tab.get_by_role("button", name="Redo").click()
     sharp(view, 6)
     tab.get_by_role("button", name="Draw", exact=True).click()
-    tab.mouse.move(*at(5, 5))
-    tab.mouse.down()
-    tab.mouse.move(*at(20, 8), steps=5)
-    tab.mouse.up()
+    expect(view).to_have_class(re.compile("draw"))
+    drag((5, 5), (20, 8))
     sharp(view, 7)
     expect(view).to_have_attribute("data-strokes", str(STROKES + 1))
+
+    take_up("r", "region")
+    drag((5, 5), (35, 5), (35, 38), (5, 38), (5, 5))
+    expect(view).to_have_attribute("data-regions", "1")
+    tab.get_by_label("Name").fill("Gesicht")
+    tab.get_by_label("Name").press("Enter")
+    places = tab.get_by_role("list", name="Regions and guides")
+    expect(places.get_by_role("button", name="Gesicht", exact=True)).to_have_attribute("aria-pressed", "true")
+    tab.get_by_label("Brushes").click()
+    tab.get_by_role("option", name=re.compile("^fineliner")).click()
+    sharp(view, 10)
+    tab.keyboard.press("Tab")
+    take_up("p", "bare")
+    drag((2, 42), (28, 42), (28, 58), (2, 58), (2, 42))
+    expect(view).to_have_attribute("data-regions", "2")
+    take_up("i", "importance")
+    drag((45, 8), (50, 12))
+    expect(view).to_have_attribute("data-regions", "3")
+    take_up("g", "guide")
+    drag((34, 55), (56, 50))
+    expect(view).to_have_attribute("data-guides", "1")
+    view.press("Delete")
+    expect(view).to_have_attribute("data-guides", "0")
+    tab.reload()
+    sharp(view, 14)
+    tab.get_by_role("button", name="Undo").click()
+    expect(view).to_have_attribute("data-guides", "1")
+    take_up("r", "region")
+    tab.mouse.click(*at(20, 20))
+    expect(tab.get_by_label("Name")).to_have_value("Gesicht")
     assert read_painting(coast) == planned
 
     with tab.expect_download() as download:
@@ -151,3 +178,19 @@ def test_strokes_are_chosen_locked_moved_undone_after_a_reload_and_planned_aroun
     kept = {stroke.id: stroke for stroke in again.strokes if stroke.locked}
     assert np.array(kept[first.id].trajectory) == pytest.approx(moved, abs=2e-6)
     assert sorted(stroke.origin for stroke in kept.values()) == ["person", "planned"]
+    assert {paint.brush for paint in again.paints} == {"marker", "fineliner"}
+    assert {"Gesicht"} < {stroke.region for stroke in again.strokes} <= {"Gesicht", "Important", "rest", None}
+    told = "1 stroke drawn, 1 moved; a region “Gesicht”, with fineliner; bare paper “Bare paper”; a region “Important”"
+    expect(card.locator(".changes")).to_contain_text(told)
+    card.get_by_role("button", name="Direct it").click()
+    view = tab.get_by_role("group", name="The strokes of coast, version 2")
+    sharp(view, 0)
+    expect(view).to_have_attribute("data-regions", "3")
+    expect(view).to_have_attribute("data-guides", "1")
+
+    tab.goto(f"{studio.url}/paint?plan=coast-version-2")
+    tab.get_by_label("Machine", exact=True).click()
+    tab.get_by_role("option", name="Simulated easel, as fast as it can").click()
+    tab.get_by_role("button", name="Start painting").click()
+    expect(tab.locator(".outcome")).to_have_text("coast, version 2 is painted.")
+    assert Journal.read(journal_of(version / "painting.json")).painted == {stroke.id for stroke in again.strokes}

@@ -85,6 +85,18 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
     opened.locator(".strokes-view").press("Control+a")
     expect(opened.get_by_text(re.compile(r"^[0-9]+ strokes: "))).to_be_visible()
     look("directing")
+    opened.locator(".strokes-view").press("r")
+    expect(opened.locator(".strokes-view")).to_have_class(re.compile("region"))
+    box = opened.locator(".strokes-view").bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    opened.mouse.move(*middle)
+    opened.mouse.down()
+    for across, down in ((80, 0), (80, 80), (0, 80)):
+        opened.mouse.move(middle[0] + across, middle[1] + down, steps=3)
+    opened.mouse.up()
+    expect(opened.get_by_label("Direction of strokes")).to_be_visible()
+    look("regions")
     assert found == {}
     links.get_by_text("Plan", exact=True).click()
     expect(opened.get_by_role("img", name="The picture on its sheet")).to_be_visible()  # which moves what is below

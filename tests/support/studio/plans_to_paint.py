@@ -1,6 +1,7 @@
 """Finished plans in a studio's folder, without the time that planning takes."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from maulstick.painting.picture import encode_png
 from maulstick.storage.files import file_sum
 from maulstick.storage.records import write_record
 from maulstick.studio.state.mixing import Mixed
+from tests.support.planned import STROKES as ENOUGH
 from tests.support.planned import picture, planned
 from tests.support.robot.small_paintings import line, painting_of
 
@@ -41,6 +43,18 @@ def put_plan_of_a_picture(root: Path, name: str) -> Path:
     known = {"image": "picture.png", "image_sha256": file_sum(folder / "picture.png")}
     made = planned().provenance.model_copy(update=known)
     return put_plan(root, name, planned().model_copy(update={"provenance": made}))
+
+
+def put_plan_to_direct(root: Path, name: str) -> Path:
+    """Put a plan with its picture, which is planned again in a second, into the studio's folder."""
+    file = put_plan_of_a_picture(root, name)
+    photo = root / "pictures" / name / "picture.png"
+    shutil.copy(photo, photo.with_name("small.jpg"))
+    options = PlanOptions(
+        size="60x60mm", strokes=ENOUGH, paints=2, brush="marker", style="loops", steps=3, ask_every=1, px=48
+    )
+    (file.parent / "request.json").write_text(json.dumps(PlanRequest(photo, options).as_json()))
+    return file
 
 
 def _request(photo: Path | None) -> PlanRequest:

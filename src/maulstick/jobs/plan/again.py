@@ -132,7 +132,8 @@ def picture_near(painting: Painting, file: Path) -> Path | None:
 def parameters_of(strokes: Sequence[Stroke], painting: Painting, problem: PlanningProblem) -> StrokeParameters:
     """Return strokes of a painting as parameters of the problem's style, each as the hand of its place draws it.
 
-    One that is not of that hand is taken as nearly as the hand can draw it.
+    One that is not of that hand is taken as nearly as the hand can draw it, and one whose brush is not used at its
+    place gets the one there that is nearest in width.
     """
     paths, style, regions = _paths(strokes), problem.style, problem.regions
     standard, poses = standardise(paths[..., :2])
@@ -152,7 +153,7 @@ def parameters_of(strokes: Sequence[Stroke], painting: Painting, problem: Planni
         angles=torch.from_numpy(poses[:, 2]).float(),
         pressure_knots=torch.from_numpy(fit_knots(paths[..., 2])).float(),
         colours=_colours(strokes, painting),
-        brush_of=_brushes(strokes, painting, problem.brushes),
+        brush_of=_used_there(_brushes(strokes, painting, problem.brushes), there, problem),
     )
 
 
@@ -204,3 +205,13 @@ def _colours(strokes: Sequence[Stroke], painting: Painting) -> torch.Tensor:
 def _brushes(strokes: Sequence[Stroke], painting: Painting, brushes: Sequence[Brush]) -> torch.Tensor:
     used = [painting.brushes[painting.paints[stroke.paint].brush] for stroke in strokes]
     return torch.tensor([brushes.index(brush) for brush in used], dtype=torch.long)
+
+
+def _used_there(brush_of: torch.Tensor, there: torch.Tensor, problem: PlanningProblem) -> torch.Tensor:
+    """Return brushes (N,), those that regions (N,) do not use as those that they do, the nearest in width."""
+    if problem.regions is None:
+        return brush_of
+    widths = torch.tensor([brush.widest for brush in problem.brushes])
+    used = torch.tensor([region.brushes for region in problem.regions.said])[there]
+    away = (widths - widths[brush_of][:, None]).abs().masked_fill(~used, torch.inf)
+    return torch.where(used[torch.arange(len(brush_of)), brush_of], brush_of, away.argmin(dim=1))

@@ -1,9 +1,6 @@
 """Acts of a person who directs a plan, kept beside it: each can be undone and redone, also in a later studio."""
 
-import asyncio
 import hashlib
-import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, final
@@ -13,9 +10,11 @@ from pydantic import ValidationError
 
 from maulstick.errors import InputError, validation_fault
 from maulstick.painting.stroke_edits import STROKE_EDIT
-from maulstick.storage.files import atomic_write
-from maulstick.storage.folders import MAKE_ROOM, as_output_error
+from maulstick.studio.state.acts import Acts
+from maulstick.studio.state.saying import SAID, Saying
 from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.said import SAID_ACT
+from maulstick.studio.workers.stroke_changes import StrokeChanges, changes_of
 from maulstick.studio.workers.stroke_marks import (
     ShownSheet,
     changed_marks,
@@ -25,7 +24,7 @@ from maulstick.studio.workers.stroke_marks import (
     write_edited,
 )
 
-_UNDO, _REDO = "undo", "redo"
+_EDIT = "edit"  # kind of the acts on strokes
 _MOST_DRAWN = 20_000  # points of a stroke that is drawn: minutes of a pen
 
 
@@ -33,37 +32,42 @@ _MOST_DRAWN = 20_000  # points of a stroke that is drawn: minutes of a pen
 class Directing:
     """Edits of one plan's painting, which itself stays as it was planned.
 
-    They are a file of lines that only grows: each an edit, or that the last one was undone or redone.
-    changed: event at each act.  planned: time of the painting, nanoseconds.
+    saying: what is said of places on its sheet, in the same file of acts.
+    planned: time of the painting, nanoseconds.
+    Raises InputError where the regions that the plan was made with cannot be read.
     """
 
     def __init__(self, painting: Path, desk: Desk) -> None:
-        self.changed = Event[[]]()
         self._painting, self._desk = painting, desk
         self.planned = painting.stat().st_mtime_ns
-        self._file = painting.with_name(f"edits-{_sum_of(painting)}.jsonl")
-        self._lines = _read(self._file)
-        self._acting = asyncio.Lock()  # an edit is checked after all before it
+        kinds = {_EDIT: STROKE_EDIT.validate_python, SAID: SAID_ACT.validate_python}
+        self._acts = Acts(painting.with_name(f"edits-{_sum_of(painting)}.jsonl"), kinds)
+        self.saying = Saying(painting, desk, self._acts)
+
+    @property
+    def changed(self) -> Event[[]]:
+        """Event at each act."""
+        return self._acts.changed
 
     @property
     def version(self) -> int:
         """Number of acts so far, undoing counted."""
-        return len(self._lines)
+        return self._acts.version
 
     @property
     def edits(self) -> tuple[str, ...]:
-        """Edits that are not undone, as JSON."""
-        return _folded(self._lines)[0]
+        """Edits of strokes that are not undone, as JSON."""
+        return self._acts.done(_EDIT)
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is an edit to undo."""
-        return bool(self.edits)
+        """Whether there is an act to undo."""
+        return self._acts.can_undo
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is an edit to redo."""
-        return bool(_folded(self._lines)[1])
+        """Whether there is an act to redo."""
+        return self._acts.can_redo
 
     async def sheet(self) -> ShownSheet:
         """Return the sheet and the paints of the plan."""
@@ -71,8 +75,8 @@ class Directing:
 
     async def marks(self, version: int, since: int | None) -> bytes:
         """Return the strokes after so many acts that are others than after `since` acts; all where that is None."""
-        before = None if since is None else _folded(self._lines[:since])[0]
-        return await self._desk.do(changed_marks, self._painting, _folded(self._lines[:version])[0], before)
+        before = None if since is None else self._acts.done(_EDIT, since)
+        return await self._desk.do(changed_marks, self._painting, self._acts.done(_EDIT, version), before)
 
     async def edit(self, sent: dict[str, Any]) -> None:
         """Do an edit, a record of `StrokeEdit` as a page sends it. Raises InputError where it cannot be."""
@@ -90,75 +94,27 @@ class Directing:
         await self._do(await self._desk.do(drawn_edit, self._painting, paint, triples))
 
     async def undo(self) -> None:
-        """Undo the last edit that is not undone, if there is one."""
-        async with self._acting:
-            if self.can_undo:
-                self._append({"act": _UNDO})
+        """Undo the last act that is not undone, if there is one."""
+        await self._acts.undo()
 
     async def redo(self) -> None:
         """Do again what was undone last, unless something else was done since."""
-        async with self._acting:
-            if self.can_redo:
-                self._append({"act": _REDO})
+        await self._acts.redo()
 
     async def write(self, to: Path) -> bytes:
         """Write the painting as it is now into a file, and return a JPEG of it. Raises as `write_edited`."""
         return await self._desk.do(write_edited, self._painting, self.edits, to)
 
-    async def _do(self, edit: str) -> None:
-        async with self._acting:
-            await self._desk.do(check_edits, self._painting, (*self.edits, edit))
-            self._append({"edit": json.loads(edit)})
+    async def changes(self) -> StrokeChanges:
+        """Count the strokes that are others than those that were planned."""
+        return await self._desk.do(changes_of, self._painting, self.edits)
 
-    def _append(self, line: dict[str, Any]) -> None:
-        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab") as file:
-            file.write(f"{json.dumps(line)}\n".encode())
-            file.flush()
-            os.fsync(file.fileno())
-        self._lines.append(line)
-        self.changed.emit()
+    async def _do(self, edit: str) -> None:
+        async with self._acts.turn:
+            await self._desk.do(check_edits, self._painting, (*self.edits, edit))
+            self._acts.add(_EDIT, edit)
 
 
 def _sum_of(painting: Path) -> str:
     """Return a short sum of a painting's file: a plan that went on has other strokes than those that were edited."""
     return hashlib.sha256(painting.read_bytes()).hexdigest()[:12]
-
-
-def _read(file: Path) -> list[dict[str, Any]]:
-    """Return the acts in a file; what a power cut left of the last one is dropped from it."""
-    if not file.is_file():
-        return []
-    kept, lines = [], file.read_bytes().splitlines(keepends=True)
-    for line in lines:
-        try:
-            kept.append(_checked(json.loads(line)))
-        except (ValueError, TypeError):
-            break
-    if len(kept) < len(lines) or not lines[-1].endswith(b"\n"):
-        atomic_write(file, b"".join(f"{json.dumps(line)}\n".encode() for line in kept))
-    return kept
-
-
-def _checked(line: Any) -> dict[str, Any]:
-    """Return an act as it was read. Raises ValueError where it is none."""
-    if not isinstance(line, dict) or (line.get("act") not in (_UNDO, _REDO) and "edit" not in line):
-        raise ValueError(f"{line!r} is no act")
-    if "edit" in line:
-        STROKE_EDIT.validate_python(line["edit"], strict=False)
-    return line
-
-
-def _folded(lines: Sequence[dict[str, Any]]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the edits that are done after acts, as JSON, and those that could be redone, the next one last."""
-    done: list[str] = []
-    undone: list[str] = []
-    for line in lines:
-        match line.get("act"):
-            case "undo" if done:
-                undone.append(done.pop())
-            case "redo" if undone:
-                done.append(undone.pop())
-            case None:
-                done.append(json.dumps(line["edit"]))
-                undone.clear()
-    return tuple(done), tuple(undone)

@@ -24,8 +24,10 @@ from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.state.thrown import STYLES_FOLDER
 from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
-from maulstick.studio.state.versions import Around, version_title
+from maulstick.studio.state.version_words import version_in_words
+from maulstick.studio.state.versions import Around, version_title, without_own_places
 from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.planner import TARGET
 
 
 @final
@@ -78,15 +80,24 @@ class Studio:
             self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
         return self._directed[name]
 
-    async def plan_around(self, name: str) -> Plan:
-        """Plan again around what a person has locked and changed in the plan of that name; return the new plan.
+    async def version_of(self, name: str, *, is_kept: bool = False) -> Plan:
+        """Make a version of the plan of that name: planned again around what a person has locked, changed and said.
 
-        Raises InputError where there is no finished plan, and OutputError where there is no room.
+        is_kept: whether it is the painting as it is now instead, with nothing planned. Returns the new plan.
+        Raises InputError where there is no finished plan or no guide to follow, OutputError where there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
+        said, request = directing.saying, without_own_places(with_own(plan.request, plan.folder), plan.folder)
+        files = await said.files(request)
+        if not is_kept:
+            said.check_guides(files)
+        if is_kept and (target := plan.folder / TARGET).is_file():  # which planning would make
+            files[TARGET] = target.read_bytes()
+        strokes, hands = await directing.changes(), self.styles.titles()
+        changes = version_in_words(strokes, said.at_first, said.now, hands, is_kept=is_kept)
         frame = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
-        return self.plans.add(with_own(plan.request, plan.folder), title, Around(now, frame))
+        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept))
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

@@ -1,27 +1,72 @@
-"""Versions of a plan: planned again around what a person has changed, each a plan of its own."""
+"""Versions of a plan: planned again around what a person has changed, or kept as it is, each a plan of its own."""
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
+from pydantic import BaseModel, ConfigDict
+
+from maulstick.errors import InputError
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.storage.files import atomic_write
+from maulstick.storage.records import read_record, write_record
+from maulstick.studio.workers.planner import KEPT
+from maulstick.studio.workers.said_files import GUIDES, MAP, SAY
 
 _AGAIN = "again.json"  # file in a plan's folder: the painting that it is planned around, where there is one
+_RECORD = "version.json"  # in a version's folder
+_PLACES = {"regions": MAP, "say": SAY, "guides": GUIDES}  # files in a plan's folder, by the options that name them
 _VERSION = re.compile(r", version ([0-9]{1,6})$")
+
+
+class _Version(BaseModel):
+    """Content of version.json. changes: sentence on what differs from the plan that the version came from."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    changes: str
 
 
 @dataclass(frozen=True)
 class Around:
-    """Painting that a version is planned around. frame: a JPEG of it, to look at until there are others."""
+    """Painting that a version is planned around, or that it keeps as it is.
+
+    frame: a JPEG of it, to look at until there are others.  files: others of the version's folder, by name.
+    changes: sentence on what differs from the plan that it came from.  is_kept: whether nothing is planned.
+    """
 
     painting: Path
     frame: bytes
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    changes: str = ""
+    is_kept: bool = False
 
     def move_to(self, folder: Path, request: PlanRequest) -> PlanRequest:
-        """Move the painting into a plan's folder; return its request, once, for the rest around the locked strokes."""
-        again = self.painting.replace(folder / _AGAIN)
-        return replace(request, options=replace(request.options, again=again), tries=1)
+        """Move the painting and the files into a plan's folder; return its request, once, for the rest around them."""
+        again = self.painting.replace(folder / (KEPT if self.is_kept else _AGAIN))
+        for name, content in self.files.items():
+            atomic_write(folder / name, content)
+        write_record(_Version(changes=self.changes), folder / _RECORD)
+        own: dict[str, Any] = {name: folder / file for name, file in _PLACES.items() if file in self.files}
+        return replace(request, options=replace(request.options, again=again, **own), tries=1)
+
+
+def without_own_places(request: PlanRequest, folder: Path) -> PlanRequest:
+    """Return the request of the plan in a folder without the regions and guides that are that folder's own."""
+    options = request.options
+    own = [name for name, file in _PLACES.items() if getattr(options, name) == folder / file]
+    none: dict[str, Any] = dict.fromkeys(own)
+    return replace(request, options=replace(options, **none))
+
+
+def changes_in(folder: Path) -> str:
+    """Return the sentence on what differs in the version in a plan's folder; "" where it is none."""
+    with suppress(InputError):
+        return read_record(_Version, folder / _RECORD, "version").changes
+    return ""
 
 
 def version_title(title: str, others: Iterable[str]) -> str:

@@ -30,6 +30,9 @@ _PATIENCE = 30.0  # seconds that the process of a killed studio gets to store it
 TARGET = "target.jpg"
 """File in a plan's folder: the picture as it lies on the sheet, where there is one."""
 
+KEPT = "kept.json"
+"""File in the folder of a version that is not planned: its painting, as a person left it."""
+
 
 @dataclass(frozen=True)
 class Stop:
@@ -133,7 +136,10 @@ class _Watch:
 
 
 def plan(line: Line, request: PlanRequest, folder: Path) -> None:
-    """Plan, or go on with the plan in its folder; store there what going on later needs, once the studio is gone."""
+    """Plan, or go on with the plan in its folder; store there what going on later needs, once the studio is gone.
+
+    Of a painting that is kept as it is, write the files that a plan has.
+    """
     from maulstick.jobs.plan.results import write_results  # these load torch, which the server goes without
     from maulstick.jobs.plan.tries import best_of, seeds_of
 
@@ -143,12 +149,15 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
     taken = "an earlier studio still works on this plan; try again in a minute"
     with held(folder / ".plan.lock", taken, f"cannot write into {folder}", "make room there", _PATIENCE):
-        made: list[Painting] = []
-        for watch.attempt, seed in enumerate(seeds_of(request), start=1):
-            made.append(_tried(line, request, folder, seed, watch, control))
-            if watch.is_stopped:
-                break
-        painting = best_of(made)
+        if (kept := folder / KEPT).is_file():
+            painting = read_painting(kept)
+        else:
+            made: list[Painting] = []
+            for watch.attempt, seed in enumerate(seeds_of(request), start=1):
+                made.append(_tried(line, request, folder, seed, watch, control))
+                if watch.is_stopped:
+                    break
+            painting = best_of(made)
         write_results(painting, folder, None)
         _write_order(painting, folder)
         if not watch.is_stopped:

@@ -47,7 +47,7 @@ class ShownSheet:
 
 def shown_sheet(file: Path) -> ShownSheet:
     """Return the sheet and the paints of the painting in a file. Raises InputError as `read_painting`."""
-    painting = _edited(file, file.stat().st_mtime_ns, ())
+    painting = after_edits(file, ())
     sheet = painting.sheet
     paints = tuple(
         ShownPaint(paint.hex, paint.label, paint.brush, _half_widths(painting.brushes[paint.brush]))
@@ -71,7 +71,7 @@ def changed_marks(file: Path, edits: tuple[str, ...], before: tuple[str, ...] | 
 
 def check_edits(file: Path, edits: tuple[str, ...]) -> None:
     """Raise InputError where a plan cannot have these edits, in JSON."""
-    _edited(file, file.stat().st_mtime_ns, edits)
+    after_edits(file, edits)
 
 
 def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> bytes:
@@ -79,7 +79,7 @@ def write_edited(file: Path, edits: tuple[str, ...], to: Path) -> bytes:
 
     Raises InputError, and OutputError for no room.
     """
-    painting = _edited(file, file.stat().st_mtime_ns, edits)
+    painting = after_edits(file, edits)
     write_painting(painting, to)
     return first_frame(painting)
 
@@ -89,7 +89,7 @@ def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]])
 
     points: x, y in metres and pressure in [0, 1]. Raises InputError for a paint that is not there.
     """
-    painting = _edited(file, file.stat().st_mtime_ns, ())
+    painting = after_edits(file, ())
     if not 0 <= paint < len(painting.paints):
         raise InputError.of_range("the paint", paint, f"an index into the {len(painting.paints)} paints, from 0")
     brush = painting.brushes[painting.paints[paint].brush]
@@ -101,6 +101,11 @@ def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]])
     )
     path[:, 2] = path[:, 2].clip(0, 1)
     return STROKE_EDIT.dump_json(AddStroke(paint=paint, trajectory=tuple(map(tuple, path.tolist())))).decode()
+
+
+def after_edits(file: Path, edits: tuple[str, ...]) -> Painting:
+    """Return the painting in a file after edits, in JSON. Raises InputError as `read_painting` and `edited`."""
+    return _edited(file, file.stat().st_mtime_ns, edits)
 
 
 @lru_cache(maxsize=4)

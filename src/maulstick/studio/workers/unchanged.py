@@ -36,6 +36,10 @@ def _named(request: PlanRequest) -> dict[str, str]:
         "the photograph of the sheet": options.background,
         "the list of your tubes": options.paints_from,
         "the file of the network": options.clip_weights,
+        "the painting that it is planned around": options.again,
+        "the map of its regions": options.regions,
+        "what is said of its regions": options.say,
+        "the file of its guides": options.guides,
     }
     names = {str(path): name for name, path in files.items()}
     return {names.get(path, path): value for path, value in request.sums.items()}

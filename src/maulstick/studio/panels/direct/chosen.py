@@ -24,7 +24,8 @@ class ChosenStrokes:
         self._sheet, self._edit = sheet, edit
         self._ids: list[int] = []
         self._locked = 0
-        with ui.element().classes("sheet"):
+        self.root = ui.element().classes("sheet")
+        with self.root:
             self._said = ui.label().classes("said").props('role="status"')
             with ui.element().classes("acts"):
                 ui.button("All").props("flat").on("click", js_handler=canvas.calling("chooseAll"))

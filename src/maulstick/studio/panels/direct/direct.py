@@ -6,8 +6,9 @@ from typing import Any
 from nicegui import background_tasks, events, html, ui
 
 from maulstick.errors import InputError, MaulstickError
-from maulstick.studio.panels.direct.canvas import CHOOSE, DRAW, TOOLS, StrokeCanvas, numbers_of
+from maulstick.studio.panels.direct.canvas import CHOOSE, DRAW, SAYING, TOOLS, StrokeCanvas, numbers_of
 from maulstick.studio.panels.direct.chosen import ChosenStrokes
+from maulstick.studio.panels.direct.places import Places
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.plans import Plan
@@ -24,6 +25,8 @@ _NOW = "edited.json"  # file in a plan's folder: the painting with all acts, whe
 _MOST_NUMBERS = 60_000  # of a stroke that is drawn, three a point
 _KEYS = {
     "V, H, B": "choose, look around, draw",
+    "R, P": "a region, bare paper",
+    "I, G": "importance, a guide",
     "Space": "hold it to look around",
     "+ - 0 1": "nearer, farther, all, true size",
     "M": "the loupe",
@@ -75,6 +78,7 @@ class _Directed:
 
     def __init__(self, studio: Studio, plan: Plan, directing: Directing, sheet: ShownSheet, title: str) -> None:
         self._studio, self._plan, self._directing = studio, plan, directing
+        self._tool = CHOOSE
         picture = f"/picture/plans/{plan.name}/{TARGET}" if (plan.folder / TARGET).is_file() else ""
         side = ui.element().classes("side")
         with ui.element().classes("wide"):
@@ -82,8 +86,9 @@ class _Directed:
             self._canvas = StrokeCanvas(plan.name, sheet, directing.version, picture, label)
         with side:
             self._tools(picture)
-            self._chosen = ChosenStrokes(sheet, self._canvas, self._edit, self._take_up)
             self._history()
+            self._chosen = ChosenStrokes(sheet, self._canvas, self._edit, self._show_tool)
+            self._places = Places(studio, plan, directing, self._canvas, sheet)
             self._versions()
             self._keys()
         self._canvas.on("chosen", self._chosen.take)
@@ -96,9 +101,8 @@ class _Directed:
     def _tools(self, picture: str) -> None:
         canvas = self._canvas
         with ui.element().classes("sheet"):
-            self._tool = ui.toggle(TOOLS, value=CHOOSE, on_change=self._take_up).props(
-                'spread no-caps aria-label="Tool"'
-            )
+            self._tools_of = [self._toggle(TOOLS, "Tool"), self._toggle(SAYING, "Say something of a place")]
+            self._tools_of[0].value = CHOOSE
             with ui.element().classes("zooms"):
                 canvas.buttons()
             if picture:
@@ -108,6 +112,13 @@ class _Directed:
                     fader.on("input", js_handler=canvas.calling("fade", "Number(event.target.value) / 100"))
             marks = ui.checkbox("Mark what is locked", value=True)
             marks.on("update:model-value", js_handler=canvas.calling("showLocks", "event"))
+            regions = ui.checkbox("Show regions and guides", value=True)
+            regions.on("update:model-value", js_handler=canvas.calling("showRegions", "event"))
+
+    def _toggle(self, tools: dict[str, str], label: str) -> ui.toggle:
+        toggle = ui.toggle(tools, on_change=lambda event: self._take_up(event.value)).props("spread no-caps")
+        toggle.props["aria-label"] = label
+        return toggle
 
     def _history(self) -> None:
         with ui.element().classes("acts"):
@@ -117,6 +128,8 @@ class _Directed:
     def _versions(self) -> None:
         again = ui.button("Plan again around this", icon="auto_awesome_mosaic", on_click=self._plan_again)
         again.tooltip("A new version: what is locked stays as it is, the rest is planned on from where it is")
+        keep = ui.button("Keep as a version", icon="content_copy", on_click=self._keep).props("outline")
+        keep.tooltip("A new version with the strokes as they are now, to be painted without planning")
         ui.button("Save this as it is …", icon="download", on_click=self._save).props("outline")
 
     async def _save(self) -> None:
@@ -126,10 +139,16 @@ class _Directed:
             ExportDialog(self._studio.desk, now, file_name(self._plan.title, ""))
 
     async def _plan_again(self, event: events.ClickEventArguments) -> None:
+        await self._make_version(event, is_kept=False)
+
+    async def _keep(self, event: events.ClickEventArguments) -> None:
+        await self._make_version(event, is_kept=True)
+
+    async def _make_version(self, event: events.ClickEventArguments, *, is_kept: bool) -> None:
         button = event.sender
         button.props("loading")
         try:
-            await self._studio.plan_around(self._plan.name)
+            await self._studio.version_of(self._plan.name, is_kept=is_kept)
         finally:
             button.props(remove="loading")
         ui.navigate.to("/plan")
@@ -144,11 +163,22 @@ class _Directed:
         self._canvas.show(self._directing.version)
         self._undo.set_enabled(self._directing.can_undo)
         self._redo.set_enabled(self._directing.can_redo)
+        self._places.show()
 
-    def _take_up(self) -> None:
-        tool = str(self._tool.value)
-        self._chosen.show_paint(draws=tool == DRAW)
-        self._canvas.take_up(tool, self._chosen.paint)
+    def _take_up(self, tool: str | None) -> None:
+        """Take up a tool of either toggle; what the other one shows is laid down."""
+        if tool is None or tool == self._tool:
+            return
+        self._tool = tool
+        for toggle, tools in zip(self._tools_of, (TOOLS, SAYING), strict=True):
+            toggle.value = tool if tool in tools else None
+        self._chosen.root.visible = tool in TOOLS
+        self._places.take_up(tool)
+        self._show_tool()
+
+    def _show_tool(self) -> None:
+        self._chosen.show_paint(draws=self._tool == DRAW)
+        self._canvas.take_up(self._tool, self._chosen.paint)
 
     async def _edit(self, edit: dict[str, Any]) -> None:
         try:
@@ -181,5 +211,7 @@ class _Directed:
                 await self._directing.redo()
             case "remove" | "lock":
                 await self._chosen.do(event.args)
-            case tool if tool in TOOLS:
-                self._tool.value = tool
+            case "take_out":
+                await self._places.take_out()
+            case tool if tool in TOOLS or tool in SAYING:
+                self._take_up(tool)

@@ -17,6 +17,7 @@ from maulstick.studio.panels.plan.weights import PlanWeights
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import checked_title, file_name
+from maulstick.studio.state.versions import changes_in
 from maulstick.studio.widgets.brushes import brushes_in_words
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
@@ -55,6 +56,8 @@ class PlanCard:
             if plan.request.options.text:
                 ui.label(_words(plan.request)).classes("hint words")
             ui.label(_summary(plan.request, studio.styles.title(plan.request.options.style))).classes("hint")
+            if changes := changes_in(plan.folder):
+                ui.label(changes).classes("hint changes")
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()

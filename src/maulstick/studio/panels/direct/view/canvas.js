@@ -10,13 +10,24 @@ export default {
   `,
   // wide, high: of the sheet, millimetres.  colours, halfWidths: of each paint, at pressures from 0 to 1.
   // version: of the strokes at the address `source`.  resourcePath: where the modules are.
+  // said: regions and guides (see places.js).  saidChosen: id of one of them.  broad: width of the brush of importance.
   props: {
     source: String, version: Number, picture: String, label: String, wide: Number, high: Number, paper: String,
     colours: Array, halfWidths: Array, tool: String, paint: Number, resourcePath: String,
+    said: Object, saidChosen: Number, broad: Number,
   },
   watch: {
     version() {
       this.stage?.load();
+    },
+    said() {
+      this.stage?.showPlaces();
+    },
+    saidChosen() {
+      this.stage?.showPlaces();
+    },
+    tool() {
+      this.stage?.repaint();
     },
   },
   async mounted() {

@@ -1,5 +1,7 @@
 // What keys do on the canvas.
 
+import { DRAWS_LINES } from "./places.js";
+
 const FAR = 0.1; // share of the view that an arrow key moves
 const NUDGE = 1; // millimetres by an arrow key; with Shift a tenth
 const TURN = Math.PI / 36; // by a key; with Shift a fifth
@@ -47,6 +49,7 @@ export class Keys {
     const turned = (by) => some(() => this.nudge(0, 0, by));
     const [next, before] = [1, -1].map((by) => () => stage.choose({ by }, shiftKey));
     const ask = (what) => () => this.ask(what);
+    const away = DRAWS_LINES.includes(stage.props.tool) ? ask("take_out") : some(ask("remove"));
     return {
       "+": () => stage.nearer(), "=": () => stage.nearer(), "-": () => stage.farther(), 0: () => stage.fit(),
       1: () => stage.showTrueSize(), m: () => stage.magnify(), " ": () => this.hold(true), n: () => stage.chooseNone(),
@@ -54,8 +57,9 @@ export class Keys {
       "[": turned(-turn), "]": turned(turn), "{": turned(-turn), "}": turned(turn),
       ArrowLeft: this.by(-1, 0, step), ArrowRight: this.by(1, 0, step),
       ArrowUp: this.by(0, -1, step), ArrowDown: this.by(0, 1, step),
-      Delete: some(ask("remove")), Backspace: some(ask("remove")), l: some(ask("lock")),
+      Delete: away, Backspace: away, l: some(ask("lock")),
       v: ask("choose"), h: ask("pan"), b: ask("draw"),
+      r: ask("region"), p: ask("bare"), i: ask("importance"), g: ask("guide"),
     }[key];
   }
 

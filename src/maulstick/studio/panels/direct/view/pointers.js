@@ -1,6 +1,7 @@
 // What mouse, fingers and pen do on the canvas.
 
 import { felt } from "./pen_stroke.js";
+import { DRAWS_LINES } from "./places.js";
 import { laidOn, spread } from "./views.js";
 
 const PER_PIXEL = 0.0015; // of a wheel, as a logarithm
@@ -33,13 +34,15 @@ export class Pointers {
     const at = this.place(event);
     this.places.set(event.pointerId, at);
     this.knowsPen ||= event.pointerType === "pen";
-    const isPalm = event.pointerType === "touch" && this.knowsPen && tool === "draw";
+    const isPalm = event.pointerType === "touch" && this.knowsPen && tool !== "choose";
     if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || isPalm) {
       stage.giveUp(); // what one finger had begun
       this.pan(true);
     } else if (tool === "draw") {
       stage.act = { kind: "draw", paint, points: [] };
       this.record(event);
+    } else if (DRAWS_LINES.includes(tool)) {
+      stage.act = { kind: "say", tool, began: at, line: [stage.onSheet(at)] };
     } else {
       this.keys.sendShift();
       stage.act = { began: at, adds: event.shiftKey, kind: this.kindAt(at), line: [stage.onSheet(at)] };
@@ -87,7 +90,7 @@ export class Pointers {
     } else if (act?.kind === "draw") {
       const all = event.getCoalescedEvents?.() ?? [];
       for (const each of all.length ? all : [event]) this.record(each);
-    } else if (act?.kind === "lasso") {
+    } else if (act?.kind === "lasso" || act?.kind === "say") {
       act.line.push(stage.onSheet(at));
     } else if (act?.kind === "turn") {
       const [x, y] = stage.chosen.middle.map((side, i) => side * view.scale + [view.x, view.y][i]);
@@ -110,6 +113,10 @@ export class Pointers {
     stage.repaint();
     if (act.kind === "draw") {
       this.finish(act);
+      return;
+    }
+    if (act.kind === "say") {
+      this.say(act);
       return;
     }
     const at = this.place(event);
@@ -139,6 +146,17 @@ export class Pointers {
     if (!act.points.length) return;
     this.stage.sent = act;
     this.stage.emit("drawn", { paint: act.paint, points: act.points });
+  }
+
+  // A line says something of a place; a click chooses the region there, but the brush of importance leaves a dab.
+  say(act) {
+    const { stage } = this;
+    if (!act.far && act.tool !== "importance") {
+      stage.emit("region", stage.places.at(act.line[0]));
+      return;
+    }
+    stage.sent = act;
+    stage.emit("said", { tool: act.tool, points: act.line.flat() });
   }
 
   roll(event) {

@@ -1,15 +1,15 @@
-// Stage of the canvas: what is seen of the sheet, and how it is painted while it moves and once it rests.
+// Stage of the canvas: what is seen of the sheet while it moves and once it rests, and what is done there.
 
+import { paintFrame } from "./frame.js";
 import { Loupe } from "./loupe.js";
-import { drawingStroke } from "./pen_stroke.js";
-import { laidOn, viewOf } from "./views.js";
+import { Places } from "./places.js";
+import { viewOf } from "./views.js";
 
 const STEP = 1.25; // times larger by a key or a button
 const NEAREST = 64; // times the true size, or the size that fits
 const TRUE = 96 / 25.4; // CSS pixels per millimetre where a millimetre is one of the screen
 const STILL = 50; // milliseconds after which a view that was moved is drawn sharply, whatever was being drawn
 const HANDLE = -56; // CSS pixels from the middle of what is chosen to the handle that turns it
-const ACCENT = "#2f6690";
 
 // refs: elements by name: view, sheet, glass, scale.  props: of the component in canvas.js.  emit: tells the server.
 export class Stage {
@@ -22,7 +22,9 @@ export class Stage {
     this.chosen = { ids: [], middle: null };
     this.shift = { dx: 0, dy: 0, turn: 0 }; // of what is chosen, until the server has moved it; millimetres, radians
     this.act = null; // what a pointer does: { kind, … }
-    this.sent = null; // stroke that was drawn, until the server has it
+    this.sent = null; // what was drawn, until the server has it
+    this.places = new Places();
+    this.showPlaces();
     this.beforeChoice = () => {};
     this.fits = true;
     this.faded = 0;
@@ -130,11 +132,27 @@ export class Stage {
   // The pointer is at a place of the view, CSS pixels.
   point(at) {
     this.pointed = at;
+    if (this.props.tool === "importance") this.repaint(); // its brush follows
     if (this.loupe.isOn) this.tell({ act: "see", layer: "loupe", view: this.loupe.viewAt(this.onSheet(at), this.view) });
   }
 
   showLocks(shows) {
     this.tell({ act: "locks", shows });
+  }
+
+  // Regions and guides are others, or another one is chosen.
+  showPlaces() {
+    const { said, saidChosen } = this.props;
+    this.places.take(said);
+    this.places.chosen = saidChosen;
+    this.root.dataset.regions = said.regions.length;
+    this.root.dataset.guides = said.guides.length;
+    this.repaint();
+  }
+
+  showRegions(shows) {
+    this.places.shows = shows;
+    this.repaint();
   }
 
   choose(what, adds = false) {
@@ -219,78 +237,9 @@ export class Stage {
   repaint() {
     this.frame ??= requestAnimationFrame(() => {
       this.frame = undefined;
-      this.paintFrame();
+      const isSharp = paintFrame(this) && this.known !== undefined && !this.stale && !this.drawing;
+      this.root.toggleAttribute("data-sharp", isSharp);
     });
-  }
-
-  paintFrame() {
-    const { ink, layers } = this;
-    const now = this.seen();
-    ink.resetTransform();
-    [ink.globalAlpha, ink.fillStyle] = [1, this.props.paper];
-    ink.clearRect(0, 0, now.wide, now.high);
-    const sheet = [now.x, now.y, this.wide * now.scale, this.high * now.scale];
-    ink.fillRect(...sheet);
-    ink.globalAlpha = this.faded;
-    if (this.faded && this.image.naturalWidth) ink.drawImage(this.image, ...sheet);
-    ink.globalAlpha = 1 - this.faded;
-    const sharp = layers.view && laidOn(layers.view.view, now);
-    if (layers.whole && !(sharp && sharp.isExact)) {
-      const { width, height } = layers.whole.bitmap;
-      ink.save();
-      ink.beginPath();
-      ink.rect(0, 0, now.wide, now.high);
-      if (sharp) ink.rect(...sharp.box);
-      ink.clip("evenodd"); // where no sharper picture is
-      const factor = now.scale / layers.whole.view.scale;
-      ink.drawImage(layers.whole.bitmap, now.x, now.y, width * factor, height * factor);
-      ink.restore();
-    }
-    if (sharp) ink.drawImage(layers.view.bitmap, ...sharp.box);
-    const isSharp = this.known !== undefined && sharp?.isExact && !this.stale && !this.drawing;
-    this.root.toggleAttribute("data-sharp", Boolean(isSharp));
-    ink.globalAlpha = 1;
-    if (this.chosen.ids.length && layers.chosen) this.paintChosen(now);
-    this.paintAct();
-  }
-
-  paintChosen(now) {
-    const { ink, shift, chosen } = this;
-    const { box } = laidOn(this.layers.chosen.view, now);
-    const [x, y] = chosen.middle.map((side, i) => side * now.scale + [now.x, now.y][i]);
-    ink.save();
-    ink.translate(x + shift.dx * now.scale, y + shift.dy * now.scale);
-    ink.rotate(shift.turn);
-    ink.translate(-x, -y);
-    ink.drawImage(this.layers.chosen.bitmap, ...box);
-    ink.restore();
-    const [u, v] = this.handle();
-    ink.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
-    ink.beginPath();
-    ink.arc(u, v, 9, 0, 2 * Math.PI);
-    [ink.fillStyle, ink.strokeStyle, ink.lineWidth] = ["#fff", ACCENT, 3];
-    ink.fill();
-    ink.stroke();
-  }
-
-  paintAct() {
-    const { ink, act } = this;
-    ink.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
-    if (act?.kind === "lasso") {
-      ink.beginPath();
-      for (const [x, y] of act.line) ink.lineTo(x * this.view.scale + this.view.x, y * this.view.scale + this.view.y);
-      ink.setLineDash([6, 4]);
-      for (const [colour, wide] of [["#fff", 4], [ACCENT, 2]]) {
-        [ink.strokeStyle, ink.lineWidth] = [colour, wide];
-        ink.stroke();
-      }
-      ink.setLineDash([]);
-    }
-    for (const stroke of [act?.kind === "draw" ? act : null, this.sent]) {
-      if (!stroke) continue;
-      const { colours, halfWidths } = this.props;
-      drawingStroke(ink, stroke.points, this.view, colours[stroke.paint], halfWidths[stroke.paint]);
-    }
   }
 
   // Place of the handle that turns what is chosen, CSS pixels.

@@ -1,0 +1,133 @@
+"""Regions and guides on the canvas of a plan: a list, what is said of the chosen one, and options of the tools."""
+
+from nicegui import events, html, ui
+
+from maulstick.errors import MaulstickError
+from maulstick.studio.panels.direct.canvas import IMPORTANCE, SAYING, StrokeCanvas, numbers_of
+from maulstick.studio.panels.direct.region_fields import RegionFields
+from maulstick.studio.state.directing import Directing
+from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.versions import without_own_places
+from maulstick.studio.workers.stroke_marks import ShownSheet
+
+_MOST_NUMBERS = 40_000  # of a line, two a point
+_TIMES = 3.0  # how much more counts at first what is painted with the brush of importance
+_BROAD, _SHARE = 20.0, 0.15  # its width at first, at most, in millimetres and in shares of the sheet's shorter side
+_MOST_TIMES, _BROADEST = 1000, 500
+_HINTS = {
+    "region": "Drag a line around an area. What you say of it below holds there, over what lies under it.",
+    "bare": "Drag a line around an area where no ink may lie.",
+    IMPORTANCE: "Paint over what matters more. It takes the place of a region that lies under it.",
+    "guide": "Drag a line along the way that strokes near it should take.",
+}
+"""What each tool does."""
+
+
+class Places:
+    """Part of the panel about regions and guides. plan, sheet: that they are said of."""
+
+    def __init__(
+        self, studio: Studio, plan: Plan, directing: Directing, canvas: StrokeCanvas, sheet: ShownSheet
+    ) -> None:
+        self._saying, self._canvas = directing.saying, canvas
+        self._usual_broad = round(min(_BROAD, _SHARE * min(sheet.width, sheet.height)), 1)
+        self._chosen: int | None = None
+        self.root = ui.element().classes("sheet places")
+        with self.root:
+            self._hint = ui.label().classes("hint")
+            with ui.element().classes("numbers") as self._brush:
+                self._times = ui.number("Counts", value=_TIMES, min=0, max=_MOST_TIMES, suffix="times")
+                self._broad = ui.number("Brush", value=self._usual_broad, min=0.1, max=_BROADEST, suffix="mm")
+                self._broad.on_value_change(self.show)
+            if (foreign := without_own_places(plan.request, plan.folder).options.regions) is not None:
+                told = f"This plan has the regions of {foreign.name}; those painted here take their place."
+                html.p(told).classes("hint")
+            self._list = html.ul().classes("said-places").props('aria-label="Regions and guides"')
+            self._fields = RegionFields(studio, plan, self._say)
+        canvas.on("said", self._draw)
+        canvas.on("region", self._clicked)
+        self.take_up("")
+
+    @property
+    def _width(self) -> float:
+        """Width of the brush of importance, millimetres."""
+        return float(self._broad.value or self._usual_broad)
+
+    def take_up(self, tool: str) -> None:
+        """Show what is needed for a tool of `SAYING`, or nothing for another one."""
+        self.root.visible = tool in SAYING
+        self._hint.text = _HINTS.get(tool, "")
+        self._brush.visible = tool == IMPORTANCE
+
+    def show(self) -> None:
+        """Show what is said now, here and on the canvas."""
+        said = self._saying.now
+        if self._chosen not in [each.id for each in (*said.regions, *said.guides)]:
+            self._chosen = None
+        self._canvas.show_places(said, self._chosen, self._width)
+        self._list.clear()
+        with self._list:
+            for region in reversed(said.regions):  # as they lie, the topmost first
+                self._row(region.id, region.name, region.colour, is_bare=region.bare)
+            for number, guide in enumerate(said.guides, start=1):
+                self._row(guide.id, f"Guide {number}", "", is_bare=False)
+        self._fields.show(next((each for each in said.regions if each.id == self._chosen), None))
+
+    async def take_out(self) -> None:
+        """Take out what is chosen."""
+        if self._chosen is not None:
+            await self._saying.take_out(self._chosen)
+
+    def _row(self, id: int, name: str, colour: str, *, is_bare: bool) -> None:
+        with html.li(), ui.element().classes("line row"):
+            button = ui.button(on_click=lambda: self._choose(id)).props("flat align=left").classes("grow")
+            button.props["aria-pressed"] = "true" if id == self._chosen else "false"
+            with button:
+                swatch = ui.element().classes("swatch").props("aria-hidden=true")
+                if is_bare:
+                    swatch.classes("bare").style(f"border-color: {colour}")
+                elif colour:
+                    swatch.style(f"background: {colour}")
+                else:
+                    swatch.classes("guide")
+                ui.label(name).classes("name")
+            away = ui.button(icon="delete", on_click=lambda: self._saying.take_out(id)).props("flat round dense")
+            away.tooltip("Take it out").props["aria-label"] = f"Take out {name}"
+
+    def _choose(self, id: int | None) -> None:
+        self._chosen = None if id == self._chosen else id
+        self.show()
+
+    def _clicked(self, event: events.GenericEventArguments) -> None:
+        self._chosen = event.args if isinstance(event.args, int) else None
+        self.show()
+
+    async def _say(self, **fields: object) -> None:
+        """Say something else of the chosen region; what cannot be said is shown as it was."""
+        if self._chosen is None:
+            return
+        try:
+            await self._saying.change(self._chosen, **fields)
+        except MaulstickError:
+            self.show()
+            raise
+
+    async def _draw(self, event: events.GenericEventArguments) -> None:
+        sent = event.args if isinstance(event.args, dict) else {}
+        points = [1e-3 * each for each in numbers_of(sent.get("points"), _MOST_NUMBERS)]
+        try:
+            self._chosen = await self._drawn(str(sent.get("tool")), points)
+        except MaulstickError:
+            self._canvas.run_method("run", "giveUp")
+            raise
+        self.show()
+
+    async def _drawn(self, tool: str, points: list[float]) -> int:
+        """Say what a line of a tool says; return the id of the region or the guide."""
+        if tool == "guide":
+            return await self._saying.guide(points)
+        if tool == IMPORTANCE:
+            times = _TIMES if self._times.value is None else self._times.value
+            return await self._saying.emphasise(points, 1e-3 * self._width, times)
+        return await self._saying.enclose(points, bare=tool == "bare")

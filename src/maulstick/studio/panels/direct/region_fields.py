@@ -1,0 +1,94 @@
+"""Fields for what is said of one region of a plan."""
+
+from collections.abc import Awaitable
+from typing import Any, Protocol
+
+from nicegui import ui
+from nicegui.elements.mixins.value_element import ValueElement
+
+from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.titles import MOST_LETTERS
+from maulstick.studio.widgets.brushes import brushes_for
+from maulstick.studio.workers.said import ALONG_GUIDES, SaidRegion
+
+_AS_THE_PLAN = "As in the plan"
+_ONE_WAY = "one"
+_WAYS = {"": "As the hand draws", _ONE_WAY: "One direction", ALONG_GUIDES: "Along the guides"}
+
+
+class _Say(Protocol):
+    def __call__(self, **fields: Any) -> Awaitable[None]: ...
+
+
+class RegionFields:
+    """Fields of the chosen region; they are hidden while there is none. say: says other fields of `SaidRegion`."""
+
+    def __init__(self, studio: Studio, plan: Plan, say: _Say) -> None:
+        self._studio, self._say, options = studio, say, plan.request.options
+        self._brushes_of = {} if options.ink is not None else brushes_for((options.robot or "").partition(":")[0])
+        self._shown: SaidRegion | None = None
+        with ui.element().classes("fields-of-region") as self._root:
+            self._name = ui.input("Name").props(f"maxlength={MOST_LETTERS}")
+            self._bare = ui.checkbox("Bare paper: no ink here")
+            with ui.element().classes("numbers") as self._inked:
+                self._style = ui.select({}, label="Hand").classes("whole")
+                self._size = ui.number("Size of the hand", min=0.02, max=50, step=0.1, suffix="times")
+                self._importance = ui.number("Counts", min=0, max=1000, suffix="times")
+                self._brush = ui.select({}, label="Brushes", multiple=True).classes("whole").props("use-chips")
+                self._way = ui.select(_WAYS, label="Direction of strokes").classes("whole")
+                self._degrees = ui.number("Clockwise from the right", min=-360, max=360, suffix="°").classes("whole")
+                self._soft = ui.number("Soft edge", min=0, max=1000, suffix="mm").classes("whole")
+        self._brush.visible = bool(self._brushes_of)
+        for field in (self._name, self._size, self._importance, self._degrees, self._soft):
+            field.on("blur", self._keep)
+            field.on("keydown.enter", self._keep)
+        for choice in (self._bare, self._style, self._brush, self._way):
+            choice.on_value_change(self._keep)
+
+    def show(self, region: SaidRegion | None) -> None:
+        """Show what is said of a region, or hide the fields."""
+        self._root.visible = region is not None
+        self._shown = None  # or each field that is set would say it again
+        if region is None:
+            return
+        hands = {"": _AS_THE_PLAN, **self._studio.styles.titles()}
+        if region.style is not None:
+            hands.setdefault(region.style, region.style)
+        self._style.set_options(hands, value=region.style or "")
+        brushes = [] if region.brush is None else region.brush.split(",")
+        self._brush.set_options({**dict.fromkeys(brushes), **self._brushes_of}, value=brushes)
+        way = "" if region.direction is None else ALONG_GUIDES if region.direction == ALONG_GUIDES else _ONE_WAY
+        values: dict[ValueElement[Any], Any] = {
+            self._name: region.name,
+            self._bare: region.bare,
+            self._size: region.hand_size or 1.0,
+            self._importance: region.importance,
+            self._way: way,
+            self._degrees: region.direction if way == _ONE_WAY else 0.0,
+            self._soft: 1e3 * region.soft,
+        }
+        for field, value in values.items():
+            field.value = value
+        self._inked.visible = not region.bare
+        self._degrees.visible = way == _ONE_WAY
+        self._shown = region
+
+    async def _keep(self) -> None:
+        if self._shown is not None:
+            await self._say(**self._values(self._shown))
+
+    def _values(self, region: SaidRegion) -> dict[str, Any]:
+        """Return what the fields say, and where one is empty, what was said."""
+        direction: object = {"": None, _ONE_WAY: self._degrees.value or 0.0}.get(self._way.value, ALONG_GUIDES)
+        size = self._size.value or 1.0
+        return {
+            "name": self._name.value or region.name,
+            "bare": bool(self._bare.value),
+            "style": self._style.value or None,
+            "hand_size": None if size == 1 else size,
+            "brush": ",".join(self._brush.value) or None,
+            "importance": region.importance if self._importance.value is None else self._importance.value,
+            "direction": direction,
+            "soft": 1e-3 * (self._soft.value or 0.0),
+        }

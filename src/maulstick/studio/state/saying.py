@@ -1,0 +1,142 @@
+"""What a person says of places on the sheet of a plan: acts among those on its strokes, undone and redone with them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, final
+
+from pydantic import ValidationError
+
+from maulstick.errors import InputError, validation_fault
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.studio.state.acts import Acts
+from maulstick.studio.state.titles import clean_title, numbered
+from maulstick.studio.workers.areas import brushed, enclosed, guide
+from maulstick.studio.workers.desk import Desk
+from maulstick.studio.workers.said import (
+    ALONG_GUIDES,
+    SAID_ACT,
+    Area,
+    PutGuide,
+    PutRegion,
+    Said,
+    SaidAct,
+    SaidGuide,
+    SaidRegion,
+    Spot,
+    TakeOut,
+)
+from maulstick.studio.workers.said_files import GUIDES, read_said, said_files
+
+SAID: Final = "said"
+"""Kind of these acts in the file of acts."""
+
+_REGION, _BARE, _IMPORTANT = "Region", "Bare paper", "Important"  # names until others are typed
+_MOST_POINTS = 20_000  # of a line that is drawn: minutes of a pen
+_BROADEST = 1.0  # metres of the brush of importance
+
+
+@final
+class Saying:
+    """Regions and guides of one plan. Raises InputError where those that it was made with cannot be read."""
+
+    def __init__(self, painting: Path, desk: Desk, acts: Acts) -> None:
+        self._painting, self._desk, self._acts = painting, desk, acts
+        self.at_first = read_said(painting.parent)
+
+    @property
+    def now(self) -> Said:
+        """What is said, with what was said when the plan was made, and is not taken out since."""
+        said = self.at_first
+        for act in self._acts.done(SAID):
+            said = said.after(SAID_ACT.validate_json(act))
+        return said
+
+    async def enclose(self, points: Sequence[float], *, bare: bool) -> int:
+        """Say a region that a line encloses; return its id. points: x, y in metres of each; raises as `enclosed`."""
+        area = await self._desk.do(enclosed, self._painting, _spots(points))
+        return await self._add(lambda said: _region(said, _BARE if bare else _REGION, area, bare=bare))
+
+    async def emphasise(self, points: Sequence[float], width: float, importance: float) -> int:
+        """Say that what a round brush of a width covers along a line counts so many times; return the region's id.
+
+        What is brushed with one importance is one region. points: x, y in metres of each; raises as `brushed`.
+        """
+        if not 0 < width <= _BROADEST:
+            raise InputError.of_range("the width of the brush", f"{1e3 * width:g} mm", f"up to {1e3 * _BROADEST:g} mm")
+        before = next((region for region in self.now.regions if region.is_only(importance)), None)
+        area = await self._desk.do(brushed, self._painting, _spots(points), width, before.area if before else ())
+        if before is None:
+            return await self._add(
+                lambda said: _region(said, _IMPORTANT, area, importance=importance, brushed=True),
+            )
+        await self.change(before.id, area=area)
+        return before.id
+
+    async def guide(self, points: Sequence[float]) -> int:
+        """Say a guide along a line; return its id. points: x, y in metres of each; raises as `guide`."""
+        line = await self._desk.do(guide, self._painting, _spots(points))
+        return await self._add(lambda said: PutGuide(guide=SaidGuide(id=said.free_id, line=line)))
+
+    async def change(self, id: int, **fields: Any) -> None:
+        """Say something else of the region with this id. fields: those of `SaidRegion`; a name is cleaned.
+
+        Raises InputError for values that cannot be, and where it is taken out.
+        """
+        if "name" in fields:
+            fields["name"] = clean_title(str(fields["name"]))
+        region = next((each for each in self.now.regions if each.id == id), None)
+        if region is None:
+            raise InputError("that region is taken out; look at the list once more")
+        if region.model_dump() | fields != region.model_dump():
+            await self._add(lambda _: PutRegion(region=_checked({**dict(region), **fields})))
+
+    async def take_out(self, id: int) -> None:
+        """Take out the region or the guide with this id. Raises InputError where it is taken out already."""
+        await self._add(lambda _: TakeOut(id=id))
+
+    async def files(self, request: PlanRequest) -> dict[str, bytes]:
+        """Return `said_files` of what is said now, for planning that request."""
+        return await self._desk.do(said_files, self._painting, self.now.model_dump_json(), request)
+
+    def check_guides(self, files: Mapping[str, bytes]) -> None:
+        """Raise InputError where strokes of a region are to follow guides, and none is among the files of `files`."""
+        lost = [region.name for region in self.now.regions if region.direction == ALONG_GUIDES and not region.bare]
+        if lost and GUIDES not in files:
+            raise InputError(
+                f"strokes of “{lost[0]}” are to follow guides, and there is none on the picture; draw one, or choose "
+                "another direction"
+            )
+
+    async def _add(self, act_on: Callable[[Said], SaidAct]) -> int:
+        async with self._acts.turn:
+            said = self.now
+            act = act_on(said)
+            said.after(act)
+            self._acts.add(SAID, SAID_ACT.dump_json(act).decode())
+        match act:
+            case PutRegion(region=region):
+                return region.id
+            case PutGuide(guide=added):
+                return added.id
+            case TakeOut(id=id):
+                return id
+
+
+def _region(said: Said, name: str, area: Area, **fields: Any) -> PutRegion:
+    free = numbered(name, [region.name for region in said.regions])
+    region = {"id": said.free_id, "name": free, "colour": said.free_colour, "area": area, **fields}
+    return PutRegion(region=_checked(region))
+
+
+def _checked(fields: dict[str, Any]) -> SaidRegion:
+    try:
+        return SaidRegion.model_validate(fields)
+    except ValidationError as error:
+        raise InputError(f"that cannot be said of a region: {validation_fault(error)}") from error
+
+
+def _spots(points: Sequence[float]) -> list[Spot]:
+    """Return points as pairs. Raises InputError where there are none, or too many."""
+    if len(points) < 2 or len(points) > 2 * _MOST_POINTS or len(points) % 2:
+        raise InputError(f"a line has {len(points) // 2} points; draw one with 1 to {_MOST_POINTS}")
+    return list(zip(points[::2], points[1::2], strict=True))

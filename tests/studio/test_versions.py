@@ -1,0 +1,117 @@
+"""Versions of a plan: what they are planned with, what they keep, and what is said of them."""
+
+import asyncio
+import json
+from pathlib import Path
+
+import numpy as np
+
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest
+from maulstick.painting.painting import read_painting
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.plans import Phase, Plan
+from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.version_words import version_in_words
+from maulstick.studio.state.versions import Around, changes_in, without_own_places
+from maulstick.studio.workers.planner import TARGET
+from maulstick.studio.workers.said import Said, SaidGuide
+from maulstick.studio.workers.said_files import GUIDES, MAP, SAID_FILE, SAY
+from maulstick.studio.workers.stroke_changes import StrokeChanges, changes_of
+from tests.studio.test_plans import until
+from tests.support.robot.small_paintings import SIX
+from tests.support.studio.plans_to_paint import put_plan, put_plan_to_direct
+from tests.support.studio.said_regions import box, region
+
+_SQUARE = [0.01, 0.01, 0.03, 0.01, 0.03, 0.03, 0.01, 0.03]
+
+
+def test_what_differs_in_a_version_is_said_in_words(tmp_path: Path) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+    edits = (
+        {"kind": "lock", "strokes": [10, 14]},
+        {"kind": "remove", "strokes": [11]},
+        {"kind": "move", "strokes": [12], "by": [0.001, 0]},
+        {"kind": "repaint", "strokes": [13], "paint": 1 - SIX.strokes[3].paint},
+        {"kind": "add", "paint": 0, "trajectory": [[0.01, 0.01, 0.5], [0.02, 0.01, 0.5]]},
+    )
+    strokes = changes_of(file, tuple(map(json.dumps, edits)))
+    assert strokes == StrokeChanges(drawn=1, removed=1, moved=1, repainted=1, locked=2)
+    sky, face = region(1, box(0, 0, 1, 1), name="sky"), region(2, box(0, 0, 1, 1), name="face", style="loops")
+    before = Said(regions=(sky,))
+    now = Said(
+        regions=(face, region(3, box(0, 0, 1, 1), name="paper", bare=True), region(4, box(0, 0, 1, 1), importance=3)),
+        guides=(SaidGuide(id=9, line=((0, 0), (1, 1))),),
+    )
+    assert version_in_words(
+        StrokeChanges(drawn=12, removed=3, moved=1), before, now, {"loops": "Loops"}, is_kept=False
+    ) == (
+        "3 strokes taken out, 12 drawn, 1 moved; a region “face” in Loops; bare paper “paper”; a region “region 4”, "
+        "counts 3 times; region “sky” taken out; 1 guide; planned again."
+    )
+    assert version_in_words(StrokeChanges(), now, now, {}, is_kept=True) == "Kept as it is."
+    assert version_in_words(StrokeChanges(locked=1), Said(), Said(), {}, is_kept=False) == (
+        "1 stroke locked; planned again."
+    )
+
+
+def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_painting_as_it_is(
+    tmp_path: Path,
+) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+
+    async def act() -> list[Plan]:
+        with Folder.opened(tmp_path) as folder:
+            studio = Studio(folder)
+            try:
+                first = studio.directing("coast")
+                as_planned = await studio.version_of("coast", is_kept=True)
+                await first.saying.enclose([0, 0, 0.06, 0, 0.06, 0.06, 0, 0.06], bare=True)
+                bare = await studio.version_of("coast")
+                await until(lambda: not (as_planned.is_busy or bare.is_busy))
+                assert "leaves all of the sheet bare" in bare.why
+                assert read_painting(as_planned.folder / "painting.json") == planned
+                await first.undo()
+                await first.saying.enclose(_SQUARE, bare=True)
+                await first.saying.guide([0.005, 0.05, 0.055, 0.05])
+                await first.edit({"kind": "remove", "strokes": [planned.strokes[0].id]})
+                again = await studio.version_of("coast")
+                await until(lambda: not again.is_busy)
+                assert again.why == ""
+                second = studio.directing(again.name)
+                assert second.saying.now == first.saying.now
+                await second.saying.take_out(second.saying.now.regions[0].id)
+                kept = await studio.version_of(again.name, is_kept=True)
+                await until(lambda: not kept.is_busy)
+            finally:
+                await studio.close()
+        return [again, kept]
+
+    again, kept = asyncio.run(act())
+    options = again.request.options
+    assert (options.regions, options.say, options.guides) == tuple(again.folder / name for name in (MAP, SAY, GUIDES))
+    assert changes_in(again.folder) == "1 stroke taken out; bare paper “Bare paper”; 1 guide; planned again."
+    painting = read_painting(again.folder / "painting.json")
+    xy = np.array([point[:2] for stroke in painting.strokes for point in stroke.trajectory])
+    assert not ((xy > 0.01) & (xy < 0.03)).all(axis=1).any(), "no ink there"
+    assert (kept.phase, kept.why) == (Phase.PLANNED, "")
+    assert read_painting(kept.folder / "painting.json") == painting
+    assert (kept.folder / "preview.png").is_file()
+    assert (kept.folder / TARGET).read_bytes() == (again.folder / TARGET).read_bytes()
+    assert kept.request.options.regions is None, "the one region is taken out"
+    assert changes_in(kept.folder) == "Region “Bare paper” taken out; kept as it is."
+
+
+def test_regions_of_the_command_line_stay_until_some_are_painted(tmp_path: Path) -> None:
+    options = PlanOptions(regions=tmp_path / "map.png", say=tmp_path / "map.toml")
+    request = PlanRequest(None, options)
+    assert without_own_places(request, tmp_path) == request
+    own = PlanRequest(None, PlanOptions(regions=tmp_path / MAP, say=tmp_path / SAY, guides=tmp_path / GUIDES))
+    left = without_own_places(own, tmp_path).options
+    assert (left.regions, left.say, left.guides) == (None, None, None)
+    (tmp_path / "now.json").touch()
+    (tmp_path / "version").mkdir()
+    files = {SAID_FILE: b"{}", MAP: b"", SAY: b""}
+    moved = Around(tmp_path / "now.json", b"", files).move_to(tmp_path / "version", request).options
+    assert (moved.regions, moved.say) == (tmp_path / "version" / MAP, tmp_path / "version" / SAY)
