@@ -1,19 +1,15 @@
 """The tutorial on directing a portrait: its lines, in order; plans with fewer strokes and steps."""
 
 import json
-import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from maulstick.painting.painting import Painting, read_painting
+from tests.support.pages import DOCS, lines, typed
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
-TEXT = (DOCS / "directing.md").read_text(encoding="utf-8")
-LINES = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.splitlines()]
+LINES = lines(DOCS / "directing.md")
 FEWER = ("--steps", "6", "--px", "96")
 
 
@@ -24,18 +20,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for file in (DOCS / "directing").iterdir():
         shutil.copy(file, folder)
     for line in LINES:
-        words = line.split()[1:]
-        if words[0] == "plan":
+        words = line.split()
+        if words[1] == "plan":
             words += FEWER
         if "--strokes" in words:
             words[words.index("--strokes") + 1] = "120"
         if "--add" in words:
             last = len(read_painting(folder / "first" / "painting.json").paints)
             words[words.index("--add") + 1] = f"{last}:signature.json"
-        ran = subprocess.run(
-            [Path(sys.executable).parent / "maulstick", *words], cwd=folder, capture_output=True, text=True
-        )
-        assert ran.returncode == 0, f"{line}: {ran.stderr}"
+        ran = typed(" ".join(words), folder)
+        assert ran.code == 0, f"{line}: {ran.stderr}"
     return folder
 
 

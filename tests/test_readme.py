@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+from tests.support.pages import ROOT, blocks, lines
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BIN = Path(sys.executable).parent
 QUICK = {
@@ -16,10 +17,6 @@ QUICK = {
     "--strokes 800": "--strokes 40 --steps 8 --px 48",
     "--hand-size 0.5": "--steps 4 --px 48",
 }
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
 def quickly(text: str) -> str:
@@ -39,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_python_of_the_readme_runs(folder: Path) -> None:
-    (code,) = blocks("python")
+    (code,) = blocks(ROOT / "README.md", "python")
     assert quickly(code) != code
     ran = subprocess.run([sys.executable, "-c", quickly(code)], cwd=folder, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
@@ -48,8 +45,9 @@ def test_the_python_of_the_readme_runs(folder: Path) -> None:
 
 
 def test_the_commands_of_the_readme_run_in_order(folder: Path) -> None:
-    lines = [line for block in blocks("sh") for line in block.splitlines()]
-    commands = [line for line in lines if line.startswith("maulstick ") and line != "maulstick studio"]
+    commands = [
+        line for line in lines(ROOT / "README.md") if line.startswith("maulstick ") and line != "maulstick studio"
+    ]
     assert len(commands) == 5
     for command in commands:
         ran = subprocess.run(
@@ -64,7 +62,7 @@ def test_the_commands_of_the_readme_run_in_order(folder: Path) -> None:
 
 
 def test_the_studio_of_the_readme_starts_and_says_where_it_is(folder: Path) -> None:
-    assert "maulstick studio" in blocks("sh")[1].splitlines()
+    assert "maulstick studio" in lines(ROOT / "README.md")
     with subprocess.Popen(
         [BIN / "maulstick", "studio", "--port", "0", "--no-browser"],
         cwd=folder,

@@ -4,16 +4,21 @@ import io
 import os
 import shutil
 import signal
+import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import maulstick as ms
+from maulstick.jobs.paint import camera_loop
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import Ran
-from tests.support.pages import DOCS, blocks, keys, lines, python, typed
+from tests.robot.test_xarm import FakeXArmAPI
+from tests.support.pages import DOCS, blocks, blocks_of, keys, lines, python, typed
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.under_way import once
@@ -21,7 +26,7 @@ from tests.support.robot.under_way import once
 TUTORIALS = DOCS / "tutorials"
 PLOTTER, TABLET, ARM = (TUTORIALS / f"{name}.md" for name in ("plotter", "tablet", "mocap-arm"))
 FEWER = ("--steps", "6", "--px", "64")
-STROKES = "30"
+STROKES, PRACTICE = "20", "6"
 RIGHT, UP = "\x1b[C", "\x1b[A"
 AXIDRAW, GRBL = "bp+pwq", "1" + RIGHT + "o" + "bwq"
 ENTER = 20 * "\n"
@@ -31,7 +36,7 @@ def few(line: str) -> str:
     """A line that plans, with so few strokes that it takes no time."""
     words = line.split()
     if "--strokes" in words:
-        words[words.index("--strokes") + 1] = STROKES
+        words[words.index("--strokes") + 1] = PRACTICE if "calibrate" in words else STROKES
     return " ".join(words + [*FEWER] * (words[1] == "plan"))
 
 
@@ -144,3 +149,52 @@ def test_the_drawing_becomes_a_hand_and_plans_are_drawn_in_it(drawn: Path) -> No
 
 def test_the_tablets_file_has_pressure_and_times(drawn: Path) -> None:
     assert "pressure recorded" in ms.read_ink(drawn / "formulas.ink.npz").summary()
+
+
+# motion capture, a camera and an arm
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Ran]]:
+    """A folder in which the page about an arm was followed from its beginning to its end, and what each line said."""
+    pytest.importorskip("xarm.core.config.x_code")
+    folder = tmp_path_factory.mktemp("arm")
+    for name in ("tubes.csv", "tray.json", "easel.json"):
+        shutil.copy(TUTORIALS / name, folder)
+    library = ModuleType("xarm.wrapper")
+    library.XArmAPI = FakeXArmAPI  # type: ignore[attr-defined]
+    said: dict[str, Ran] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "xarm.wrapper", library)
+        patch.setattr(camera_loop, "replanned", partial(camera_loop.replanned, steps=6))
+        for language, block in blocks_of(ARM, "sh", "python"):
+            if language == "python":
+                python(["-c", block], folder)
+                continue
+            for line in block.splitlines():
+                said[line] = typed(few(line).replace("--replan 50", "--replan 5"), folder)
+                assert said[line].code == 0, f"{line}: {said[line].stderr}"
+    return folder, said
+
+
+def test_a_take_becomes_a_hand_and_a_brush_is_fitted_to_photographs(simulated: tuple[Path, dict[str, Ran]]) -> None:
+    folder, said = simulated
+    assert len(ms.read_ink(folder / "hand.ink.npz")) == 30
+    painting = ms.read_painting(folder / "cat" / "painting.json")
+    assert {stroke.style.name for stroke in painting.strokes if stroke.style} == {"hand"}
+    assert [brush.name for brush in painting.brushes.values()] == ["felt"]
+    (camera,) = (ran.stdout for line, ran in said.items() if " camera " in line)
+    assert camera.startswith("4 tags: ")
+
+
+def test_it_is_painted_with_looks_on_the_way(simulated: tuple[Path, dict[str, Ran]]) -> None:
+    folder, _ = simulated
+    names = {path.name for path in (folder / "cat").iterdir()}
+    assert {"painting.r1.json", "painting.r1.png", "painting.r2.json", "painting-painted.png"} <= names
+
+
+def test_the_arm_was_asked_and_nothing_moved(simulated: tuple[Path, dict[str, Ran]]) -> None:
+    (ran,) = (ran for line, ran in simulated[1].items() if "xarm:" in line)
+    assert "strokes" in ran.stderr + ran.stdout
+    assert FakeXArmAPI.latest.asked
+    assert not FakeXArmAPI.latest.sent

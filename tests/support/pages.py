@@ -18,9 +18,15 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 
 
+def blocks_of(page: Path, *languages: str) -> list[tuple[str, str]]:
+    """Fenced blocks of some languages, in order: the language, and the block."""
+    found = re.findall(r"```(\w+)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return [(language, block) for language, block in found if language in languages]
+
+
 def blocks(page: Path, language: str) -> list[str]:
-    """Fenced blocks of a language, in order."""
-    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    """Fenced blocks of one language, in order."""
+    return [block for _, block in blocks_of(page, language)]
 
 
 def lines(page: Path) -> list[str]:
