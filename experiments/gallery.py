@@ -60,9 +60,10 @@ def run(line: str) -> None:
 def make(shown: Shown, again: bool) -> None:
     """Run the commands of a picture unless it is kept, and write its JPEG beside the page."""
     made = KEPT / shown.made
-    if again:
-        shutil.rmtree(made.parent) if made.name == "preview.png" else made.unlink(missing_ok=True)
-    if not made.exists():
+    if again or not made.exists():
+        if made.name == "preview.png":  # of a plan, perhaps one that was cut off
+            shutil.rmtree(made.parent, ignore_errors=True)
+        made.unlink(missing_ok=True)
         for line in shown.commands:
             run(line)
     with Image.open(made) as image:

@@ -2,7 +2,7 @@
 
     .venv/bin/python experiments/tutorials.py
 
-Lines are typed in out/tutorials; what is there is kept, so that an interrupted run goes on where it stopped.
+Lines are typed in out/tutorials; what is there is kept, so that an interrupted run goes on with the next.
 """
 
 import os
@@ -25,7 +25,7 @@ NEEDED = {  # what begins the lines that a picture needs, in order, and what eac
         ("maulstick show wine", "wine.png"),
         ("maulstick style fit wine", "data/maulstick/styles/mine.json"),
         (
-            "maulstick plan photo.jpg --style mine --hand-size 0.4 --pen micron-03 --strokes 1500 --size A5-landscape --out",
+            "maulstick plan photo.jpg --style mine --hand-size 0.4 --pen micron-03 --strokes 1500",
             "small/preview.png",
         ),
     ],
@@ -60,6 +60,8 @@ def run(page: str) -> Path:
     for begins, makes in NEEDED[page]:
         line = next(line for line in lines if line.startswith(begins))
         if not (folder / makes).exists():
+            if makes.endswith("preview.png"):  # of a plan that was cut off
+                shutil.rmtree((folder / makes).parent, ignore_errors=True)
             print(line, flush=True)
             command, *words = shlex.split(line.replace("experiments/", f"{ROOT}/experiments/"))
             environment = {**os.environ, "XDG_DATA_HOME": str(folder / "data")}
