@@ -29,7 +29,7 @@ def run(path: Path) -> Any:
 def small(outputs: list[Any]) -> list[Any]:
     """Outputs of a cell, without what takes much room and shows nothing."""
     said = "".join(output["text"] for output in outputs if output.output_type == "stream")
-    last = [line.rpartition("\r")[2] for line in said.splitlines()]
+    last = [line.rpartition("\r")[2] for line in said.split("\n")]
     kept = [nbformat.v4.new_output("stream", name="stdout", text="\n".join(last))] if said else []
     for output in outputs:
         if output.output_type == "execute_result":
