@@ -5,6 +5,7 @@
 # make site           the documentation as a website in build/site, which needs no network
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
+# make gallery        the pictures of docs/gallery.md, by the commands that stand there: an hour
 # make clean          remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
@@ -38,7 +39,7 @@ ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kern
 	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
 	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
 
-.PHONY: demo test wheel site test-baseline bench paper clean
+.PHONY: demo test wheel site test-baseline bench paper gallery clean
 
 demo: $(VENV)/installed
 	$(BIN)/maulstick plan --demo --style loops --brush marker --strokes 1000 --size 160x160mm --out demo --overwrite
@@ -71,6 +72,9 @@ bench: $(VENV)/installed-dev
 
 paper: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/paper.py
+
+gallery: $(VENV)/installed-dev
+	$(BIN)/python experiments/gallery.py
 
 clean:
 	rm -rf $(VENV) build dist demo demo-ink .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis

@@ -7,11 +7,9 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.painting import Painting, read_painting
-from tests.support.documents import ROOT, lines, typed
+from tests.support.pages import DOCS, lines, typed
 
-DOCS = ROOT / "docs"
-TEXT = (DOCS / "directing.md").read_text(encoding="utf-8")
-LINES = lines(TEXT)
+LINES = lines(DOCS / "directing.md")
 FEWER = ("--steps", "6", "--px", "96")
 
 
@@ -22,15 +20,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for file in (DOCS / "directing").iterdir():
         shutil.copy(file, folder)
     for line in LINES:
-        words = line.split()[1:]
-        if words[0] == "plan":
+        words = line.split()
+        if words[1] == "plan":
             words += FEWER
         if "--strokes" in words:
             words[words.index("--strokes") + 1] = "120"
         if "--add" in words:
             last = len(read_painting(folder / "first" / "painting.json").paints)
             words[words.index("--add") + 1] = f"{last}:signature.json"
-        typed(words, folder)
+        ran = typed(" ".join(words), folder)
+        assert ran.code == 0, f"{line}: {ran.stderr}"
     return folder
 
 

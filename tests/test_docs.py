@@ -14,7 +14,7 @@ from maulstick.cli.app import app
 from maulstick.cli.lazy import SUMMARIES, loaded
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 NAMING_CODE = [path for path in DOCUMENTS if path.name != "CHANGELOG.md"]  # it names what was, too
 COMMANDS = typer.main.get_command(app)
 

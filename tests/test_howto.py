@@ -12,12 +12,13 @@ import skimage
 
 from tests.cli.conftest import run
 from tests.cli.test_brush_fit import draw_trials
-from tests.support.documents import ROOT, blocks, lines
+from tests.support.pages import ROOT, blocks, lines
 from tests.support.recording.motive_export import motive_csv
 from tests.support.recording.simulated_take import loops_and_lines, simulate
 from tests.support.robot.fake_grbl import FakeGrbl
 
-TEXT = (ROOT / "docs" / "howto.md").read_text(encoding="utf-8")
+PAGE = ROOT / "docs" / "howto.md"
+TEXT = PAGE.read_text(encoding="utf-8")
 FEW = ("--strokes", "24", "--steps", "3", "--px", "40")
 FEW_IN_PYTHON = "strokes=24, steps=3, px=40"
 PORT = "/dev/ttyUSB0"
@@ -40,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (folder / "poster.svg").write_text(SVG.format(POSTER))
     (folder / "tubes.csv").write_text("name,colour\nblack,#101010\nochre,#c08040\nwhite,#f7f7f2\n")
     (folder / "take.csv").write_bytes(motive_csv(simulate(loops_and_lines(5), 1).take))
-    (grid,) = blocks(TEXT, "toml")
+    (grid,) = blocks(PAGE, "toml")
     few = grid.replace('"loops", ', "")
     (folder / "grid.toml").write_text(f"{few}strokes = 12\nsteps = 3\npx = 40\n")
     with pytest.MonkeyPatch.context() as patch:
@@ -55,7 +56,7 @@ def said(folder: Path) -> dict[str, str]:
     """What each line said; every one has ended well."""
     said = {}
     with FakeGrbl(pace=400) as plotter, pytest.MonkeyPatch.context() as patch:
-        for line in lines(TEXT):
+        for line in lines(PAGE):
             patch.setattr("sys.stdin", io.StringIO("\n" * 20))  # pens are put in when they are asked for
             words = line.replace(PORT, plotter.port).split()
             if words[0] == "python":
@@ -77,7 +78,7 @@ def test_there_are_twenty_answers_and_more_each_with_something_to_type() -> None
 
 
 def test_every_line_of_the_page_does_what_it_says(said: dict[str, str], folder: Path) -> None:
-    assert all(line.startswith(("maulstick ", "python examples/")) for line in lines(TEXT))
+    assert all(line.startswith(("maulstick ", "python examples/")) for line in lines(PAGE))
     for made in re.findall(r"--(?:out|plot) ([\w.-]+)", TEXT):
         assert (folder / made).exists(), made
     assert (folder / "cat" / "painting-painted.png").is_file()
@@ -87,7 +88,7 @@ def test_every_line_of_the_page_does_what_it_says(said: dict[str, str], folder: 
 
 
 def test_every_snippet_of_python_runs(said: dict[str, str], folder: Path) -> None:
-    for code in blocks(TEXT, "python"):
+    for code in blocks(PAGE, "python"):
         quick = re.sub(r"strokes=\d+", FEW_IN_PYTHON, code)
         exec(compile(quick, "docs/howto.md", "exec"), {})
     assert all(

@@ -14,7 +14,7 @@ from playwright.sync_api import sync_playwright
 
 import maulstick as ms
 from maulstick.cli.lazy import SUMMARIES
-from tests.support.documents import ROOT
+from tests.support.pages import ROOT
 
 FETCHED = {"script": ("src",), "img": ("src", "srcset"), "iframe": ("src",), "source": ("src", "srcset")}
 STYLES = ("stylesheet", "preload", "preconnect", "dns-prefetch", "icon", "modulepreload")

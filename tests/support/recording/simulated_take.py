@@ -69,7 +69,7 @@ def wacom_strokes(source: str) -> list[Floats]:
     chosen = [stroke for stroke, of in zip(strokes, arrays["source"], strict=True) if of == source]
     every = np.concatenate(chosen)
     scale = 0.15 / np.ptp(every, axis=0).max()
-    return _worth_drawing([_paced((stroke - every.min(axis=0)) * scale + 0.02) for stroke in chosen])
+    return _worth_drawing([paced((stroke - every.min(axis=0)) * scale + 0.02) for stroke in chosen])
 
 
 def loops_and_lines(number: int = 12) -> list[Floats]:
@@ -81,11 +81,11 @@ def loops_and_lines(number: int = 12) -> list[Floats]:
         radius = rng.uniform(1.5e-3, 6e-3)
         path = np.stack([radius * np.cos(turn) + along, radius * np.sin(turn)], axis=1)
         heading = Rotation.from_euler("z", rng.uniform(0, 6.28)).as_matrix()[:2, :2]
-        strokes.append(_paced(path @ heading.T + rng.uniform((0.05, 0.05), (0.19, 0.14))))
+        strokes.append(paced(path @ heading.T + rng.uniform((0.05, 0.05), (0.19, 0.14))))
     return strokes
 
 
-def _paced(path: Floats) -> Floats:
+def paced(path: Floats) -> Floats:
     """The path at the pace of a hand: bell-shaped speed, slower in curves."""
     fine = resample(path, max(8, int(np.hypot(*np.diff(path, axis=0).T).sum() / 1e-4)))
     fine = np.stack([gaussian_filter1d(column, 3, mode="nearest") for column in fine.T], axis=1)
