@@ -24,23 +24,21 @@ _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 class RunningStudio:
     """Running ``maulstick studio`` on a folder and a free port.
 
-    link: leads in, with its token.  url: the same without token and last slash.  command: of this or another checkout.
+    link: leads in, with its token.  url: the same without token and last slash.
     """
 
-    def __init__(
-        self, root: Path, *words: str, environment: Mapping[str, str] | None = None, command: Path = COMMAND
-    ) -> None:
+    def __init__(self, root: Path, *words: str, environment: Mapping[str, str] | None = None) -> None:
         self.folder = root / "studio"
         self.was_killed = False
         self.link = self.url = self.token = ""
-        self._command, self._words, self._log, self._port = command, words, root / "log", "0"
+        self._words, self._log, self._port = words, root / "log", "0"
         self._environment = os.environ | {"XDG_DATA_HOME": str(root / "data"), "OMP_NUM_THREADS": "1"}
         self._environment |= environment or {}
         self.start()
 
     def start(self) -> None:
         """Start the studio; after `kill` again, at the same address and on the same folder."""
-        words = [str(self._command), "studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
+        words = [str(COMMAND), "studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
         with self._log.open("ab") as log:
             before = log.tell()
             self._process = subprocess.Popen(words, stdout=log, stderr=log, env=self._environment)
@@ -58,11 +56,6 @@ class RunningStudio:
             assert time.monotonic() < until, "no link came"
             time.sleep(0.05)
         return link[0], link[1], link[2], link[3]
-
-    @property
-    def process(self) -> int:
-        """Id of its process."""
-        return self._process.pid
 
     @property
     def port(self) -> int:
