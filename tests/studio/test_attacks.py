@@ -183,14 +183,14 @@ def test_what_is_in_the_folder_itself_is_shown(intruder: Intruder, running: Runn
 
 @pytest.mark.parametrize("length", ["abc", "1_000", "+5", "-5", "", "0x10", "5, 6", str(LARGEST + 1), "9" * 30])
 def test_a_false_length_is_refused_at_once(intruder: Intruder, length: str) -> None:
-    path = "/_nicegui/client/a/upload/1"
+    path = "/page/a/upload/1"
     assert intruder.ask(path, f"Content-Length: {length}", method="POST", body=b"12345").status in (400, 413)
 
 
 def test_a_body_that_ends_before_its_length_is_given_up_without_a_word(intruder: Intruder) -> None:
     head = f"POST /stop HTTP/1.1\r\nHost: {intruder.here}\r\nContent-Length: 1000000\r\n\r\n".encode()
     with intruder.tab("/plan") as tab:
-        form = head.replace(b"/stop", f"/_nicegui/client/{tab.client}/upload/{_chooser(tab.html)}".encode())
+        form = head.replace(b"/stop", f"/page/{tab.client}/upload/{_chooser(tab.html)}".encode())
         form = form.replace(b"\r\n\r\n", b"\r\nContent-Type: multipart/form-data; boundary=x\r\n\r\n")
         for what in (head, form):
             with socket.create_connection(("127.0.0.1", intruder.port)) as line:
@@ -201,7 +201,7 @@ def test_a_body_in_parts_without_end_is_cut_off(intruder: Intruder) -> None:
     part = b"10000\r\n" + bytes(2**16) + b"\r\n"
     with intruder.tab("/plan") as tab:
         answer = intruder.ask(
-            f"/_nicegui/client/{tab.client}/upload/{_chooser(tab.html)}",
+            f"/page/{tab.client}/upload/{_chooser(tab.html)}",
             "Content-Type: multipart/form-data; boundary=x",
             "Transfer-Encoding: chunked",
             method="POST",
@@ -212,7 +212,7 @@ def test_a_body_in_parts_without_end_is_cut_off(intruder: Intruder) -> None:
 
 def test_an_upload_of_ten_thousand_parts_is_refused(intruder: Intruder) -> None:
     with intruder.tab("/plan") as tab:
-        path = f"/_nicegui/client/{tab.client}/upload/{_chooser(tab.html)}"
+        path = f"/page/{tab.client}/upload/{_chooser(tab.html)}"
         assert intruder.upload(path, b"x", parts=10_000).status == 400
 
 
@@ -224,7 +224,7 @@ def test_an_upload_that_is_no_picture_is_told_and_leaves_nothing(
 ) -> None:
     before = sorted(running.folder.parent.rglob("*"))
     with intruder.tab("/plan") as tab:
-        path = f"/_nicegui/client/{tab.client}/upload/{_chooser(tab.html)}"
+        path = f"/page/{tab.client}/upload/{_chooser(tab.html)}"
         assert intruder.upload(path, b"<svg onload=alert(1)>", name).status == 200
         assert tab.heard("is not a picture that can be read; save it as one of")
     assert sorted(running.folder.parent.rglob("*")) == before
@@ -235,8 +235,8 @@ def test_an_upload_that_holds_no_settings_is_told_and_leaves_nothing(
 ) -> None:
     before = sorted(running.folder.parent.rglob("*"))
     with intruder.tab("/plan") as tab:
-        first = re.findall(r"/_nicegui/client/[^/]+/upload/(\d+)", tab.html)[0]
-        path = f"/_nicegui/client/{tab.client}/upload/{first}"
+        first = re.findall(r"/page/[^/]+/upload/(\d+)", tab.html)[0]
+        path = f"/page/{tab.client}/upload/{first}"
         assert intruder.upload(path, b"[" * 100_000, "../../evil.json").status == 200
         assert tab.heard("holds no settings of a plan")
     assert sorted(running.folder.parent.rglob("*")) == before
@@ -348,7 +348,7 @@ def test_without_the_token_nothing_is_had_but_the_survey(stranger: Intruder) -> 
             answer = stranger.ask(path, method=method)
             expected = 404 if path.startswith("/survey%2f") else 403
             assert (answer.status, b"_nicegui" in answer.body) == (expected, False), path
-    assert stranger.upload("/_nicegui/client/a/upload/1", b"x").status == 403
+    assert stranger.upload("/page/a/upload/1", b"x").status == 403
     assert stranger.ask("/survey/a/b").body.count(b"There is no such page") == 1
     assert b"client_id" not in stranger.ask("/survey/../plan").body
     with pytest.raises(InvalidStatus) as refused, stranger.socket():
@@ -379,4 +379,4 @@ def test_strangers_leave_no_trace_in_the_terminal(abroad: RunningStudio) -> None
 
 def _chooser(html: str) -> str:
     """Find the last element that takes uploads: of a form of a plan, the one for pictures."""
-    return re.findall(r"/_nicegui/client/[^/]+/upload/(\d+)", html)[-1]
+    return re.findall(r"/page/[^/]+/upload/(\d+)", html)[-1]

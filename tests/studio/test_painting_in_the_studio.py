@@ -89,7 +89,9 @@ def test_what_was_begun_is_said_no_more_once_the_plan_is_gone(page: Callable[...
         journal.begin(0)
         journal.end(0)
     tab, planning = page("/paint?plan=lines"), page("/plan")
-    expect(tab.locator(".begun")).to_have_text(f"It was begun: 1 of {STROKES} strokes are painted.")
+    expect(tab.locator(".begun")).to_have_text(
+        f"It was begun: 1 of {STROKES} strokes are painted. So far on the simulated easel: nothing of it is on paper."
+    )
     planning.get_by_role("button", name="Throw lines away").click()
     expect(tab.get_by_text("There is nothing to paint yet")).to_be_visible()
     expect(tab.locator(".begun")).to_be_hidden()

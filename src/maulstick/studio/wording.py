@@ -43,7 +43,7 @@ def machine_name(spec: str) -> str:
     kind, _, address = spec.partition(":")
     if spec in MACHINES:
         return MACHINES[spec]
-    return f"{MACHINES.get(kind, kind)} at {address}"
+    return MACHINES.get(kind, kind) + (f" at {address}" if address else "")
 
 
 def planned_for(spec: str) -> str:

@@ -5,6 +5,7 @@ import re
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
@@ -99,15 +100,21 @@ class Tab:
     def listeners(self) -> dict[str, list[tuple[int, str]]]:
         """Ids of elements and of their handlers, by kind of event."""
         found: dict[str, list[tuple[int, str]]] = {}
+        for id, element in self.elements.items():
+            for event in element.get("events", []):
+                found.setdefault(event["type"], []).append((int(id), event["listener_id"]))
+        return found
+
+    @property
+    def elements(self) -> dict[str, Any]:
+        """What the page was sent of each element, by id."""
         told = re.search(r"createApp\(parseElements\(String\.raw`(.*?)`\)", self.html, re.DOTALL)
         assert told is not None
         text = told[1]
         for written, meant in (("&lt;", "<"), ("&gt;", ">"), ("&#96;", "`"), ("&#36;", "$"), ("&amp;", "&")):
             text = text.replace(written, meant)
-        for id, element in json.loads(text).items():
-            for event in element.get("events", []):
-                found.setdefault(event["type"], []).append((int(id), event["listener_id"]))
-        return found
+        elements: dict[str, Any] = json.loads(text)
+        return elements
 
     def tell(self, id: object, listener: object, *arguments: object, client: object = None) -> None:
         """Say that something happened to an element."""

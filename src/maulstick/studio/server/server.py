@@ -20,11 +20,13 @@ from maulstick.studio.panels.frame import page
 from maulstick.studio.panels.tablet import Door
 from maulstick.studio.server.gate import Gate
 from maulstick.studio.server.link import is_loopback, kept_token, link_to, page_that_leads_to
+from maulstick.studio.server.packed import KeptGZip
 from maulstick.studio.server.patience import TimelyProtocol
 from maulstick.studio.server.routes import routes
 from maulstick.studio.server.survey_pages import survey_pages
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.widgets.file_chooser import uploads
 from maulstick.survey.serve import listening
 
 _FIRST_PAGE = 3.0  # seconds for the first page to load, before the desk warms up beside it
@@ -88,6 +90,7 @@ def _app(folder: Folder, door: Door, browse: bool) -> FastAPI:
 
     app = FastAPI(lifespan=open_studio, openapi_url=None)
     app.include_router(routes)
+    app.include_router(uploads)
     app.mount("/survey", survey_pages())
     nicegui.run.process_pool_start_method = "spawn"
     nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name, at each upload
@@ -102,6 +105,7 @@ def _app(folder: Folder, door: Door, browse: bool) -> FastAPI:
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=30,
+        gzip_middleware_factory=KeptGZip,  # type: ignore[arg-type]  # it is called with the app alone
     )
     return app
 

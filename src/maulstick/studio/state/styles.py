@@ -59,6 +59,7 @@ class Styles:
         self.thrown_away: list[DeletedStyle] = []
         self._folder, self._desk = folder, desk
         self.sheets = folder.root / ".cache" / "sheets"
+        self._arranged: dict[tuple[Path, int], bool] = {}  # by file and when it was written
 
     def names(self) -> list[str]:
         """Return the names of all styles; those that come with Maulstick are first."""
@@ -99,7 +100,11 @@ class Styles:
 
         Raises MaulstickError where the style cannot be used.
         """
-        return await self._desk.do(is_arranged, self._path(name))
+        path = self._path(name)
+        key = path, path.stat().st_mtime_ns if path.is_file() else 0
+        if key not in self._arranged:
+            self._arranged[key] = await self._desk.do(is_arranged, path)
+        return self._arranged[key]
 
     async def map_of(self, names: Sequence[str]) -> Map:
         """Map the strokes of the styles' hands. Raises MaulstickError where there are no styles, or more than six."""

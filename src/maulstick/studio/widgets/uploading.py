@@ -10,6 +10,7 @@ from nicegui import events, html, ui
 from maulstick.errors import InputError
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
 from maulstick.studio.state.folder import Folder
+from maulstick.studio.widgets.file_chooser import FileChooser
 from maulstick.studio.widgets.webcam import camera_button
 from maulstick.studio.workers.uploads import LARGEST, known_as
 
@@ -67,13 +68,8 @@ def upload_button(
         if not reading.is_deleted:
             reading.visible, button.enabled = reads, not reads
 
-    chooser = ui.upload(auto_upload=True, max_file_size=LARGEST, on_upload=taken, on_rejected=_refuse)
-    chooser.props(f'accept="{accept}" aria-hidden=true').style("display: none")
-
-    async def uploaded(_: object) -> None:
-        chooser.reset()  # so that the same file can be chosen again
-
-    chooser.on("uploaded", uploaded)
+    chooser = FileChooser(accept, taken, _refuse)
+    chooser.on("uploaded", lambda: chooser.run_method("reset"), [])  # so that the same file can be chosen again
     chooser.on("start", lambda: show(True), [])
     chooser.on("failed", lambda: show(False), [])
     button = ui.button(text, icon="upload_file").props("outline no-caps")

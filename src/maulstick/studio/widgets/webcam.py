@@ -3,6 +3,7 @@
 from typing import Final
 
 from nicegui import Client, html, ui
+from nicegui.element import Element
 
 from maulstick.errors import InputError
 
@@ -30,7 +31,7 @@ _REFUSALS: Final = {
 }
 
 
-def camera_button(chooser: ui.upload) -> ui.button:
+def camera_button(chooser: Element) -> ui.button:
     """Make a button that takes a photograph and brings it by an upload."""
     return ui.button("Take a photograph", icon="photo_camera", on_click=lambda: _Camera(chooser).see()).props(
         "flat no-caps"
@@ -40,7 +41,7 @@ def camera_button(chooser: ui.upload) -> ui.button:
 class _Camera:
     """Dialog with what the camera sees."""
 
-    def __init__(self, chooser: ui.upload) -> None:
+    def __init__(self, chooser: Element) -> None:
         self._chooser, self._client = chooser, ui.context.client
         with ui.dialog().props('aria-label="Take a photograph"') as self._dialog, html.div().classes("sheet"):
             self._video = html.video().props("playsinline muted").classes("picture").style("max-height: 60vh")

@@ -121,7 +121,7 @@ class _Sheet:
                 raise InputError(f"there is nothing on the sheet yet; draw some strokes, and {_GOOD} make a good style")
             await self._rename()
             await drawing.keep()
-            await learn_hand(self._studio, drawing.name, self._client)
+            await learn_hand(self._studio, drawing.name, self._client, len(drawing.strokes))
         except MaulstickError as error:
             self._complain(error_text(error))
         finally:

@@ -7,9 +7,17 @@ from maulstick.studio.panels.styles.shown import AS_TURNED, address_of
 from maulstick.studio.state.studio import Studio
 from maulstick.style.cards import STYLES
 
+_MISSING = (
+    "it repeats them rather than varies, and knows few lengths, bends and pressures. "
+    "Draw some thirty, short and long, straight and bent, and learn it again."
+)
+_FEW = 30  # strokes: with fewer, a style repeats them, and knows little of how they vary
 
-async def learn_hand(studio: Studio, name: str, client: Client) -> None:
+
+async def learn_hand(studio: Studio, name: str, client: Client, strokes: int = _FEW) -> None:
     """Learn a style with the hand's title, which replaces the user's style of that title, and show it to a client.
+
+    strokes: of the hand, where their number is known.
 
     Raises InputError where the hand has too few strokes, or its name belongs to a style that comes with Maulstick.
     """
@@ -20,10 +28,10 @@ async def learn_hand(studio: Studio, name: str, client: Client) -> None:
         raise InputError(f"a style that comes with Maulstick is called {style}; give this hand another name")
     replaces = await styles.renew(style, lambda: hands.learn(name, style))
     with client.layout:  # the page may show another panel by now
-        _show(style, styles.titles()[style], f"/sheet/{(await styles.sheet(style)).name}", replaces=replaces)
+        _show(style, styles.titles()[style], f"/sheet/{(await styles.sheet(style)).name}", strokes, replaces)
 
 
-def _show(name: str, title: str, sheet: str, replaces: bool) -> None:
+def _show(name: str, title: str, sheet: str, strokes: int, replaces: bool) -> None:
     with ui.dialog(value=True) as dialog, ui.card().classes("sheet asks learned"):
         dialog.on("hide", dialog.delete).props["aria-label"] = f"This is how {title} draws"
 
@@ -34,6 +42,8 @@ def _show(name: str, title: str, sheet: str, replaces: bool) -> None:
         html.h2(f"This is how {title} draws")
         html.img(src=sheet, alt=f"Above, strokes that you drew; below, strokes in the style {title}").classes("picture")
         ui.label(AS_TURNED).classes("hint")
+        if strokes < _FEW:
+            ui.label(f"It was learned from {strokes} stroke{'' if strokes == 1 else 's'}: {_MISSING}").classes("hint")
         if replaces:
             ui.label("The style of that name before lies in the trash; under Styles you can have it back.").classes(
                 "hint"

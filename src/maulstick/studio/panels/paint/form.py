@@ -70,6 +70,9 @@ class OptionsForm:
             self._pauses,
         ):
             field.on("update:model-value", touched, args=[])  # unlike on_change, not when it is filled in for them
+        # The event above comes in a message of its own, before which what is usual might be filled in.
+        self._is_filling = False
+        self._machine.on_value_change(lambda: None if self._is_filling else touched())
         self._offer_easels("")
         self.fit()
 
@@ -147,7 +150,9 @@ class OptionsForm:
         shown = spec if kind == "sim" else kind
         if shown not in MACHINES:
             return
+        self._is_filling = True
         self._machine.value = shown
+        self._is_filling = False
         if kind in _AT_A_PORT and address:
             self._port.set_options([*dict.fromkeys([*self._port.options, address])], value=address)
         elif kind not in _AT_A_PORT and kind != "sim":

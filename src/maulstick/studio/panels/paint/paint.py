@@ -18,7 +18,7 @@ from maulstick.studio.panels.paint.reading import ReadingForm
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.uploading import incoming, upload_button
-from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text
+from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text, machine_name
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")
@@ -66,7 +66,7 @@ class _Setting:
         self._studio, self._run = studio, studio.run
         self._status: PaintStatus | None = None
         self._missing = 0  # number of paints that are not mixed yet
-        self._unfilled = True
+        self._unfilled, self._touches_before = True, 0  # touches before the plan was chosen
         self._was_busy = True
         self.on_choice: Callable[[], None] = lambda: None
         self.on_touch: Callable[[], None] = lambda: None
@@ -150,7 +150,7 @@ class _Setting:
         self._show_buttons()
 
     def _choose(self) -> None:
-        self._status, self._unfilled = None, True
+        self._status, self._unfilled, self._touches_before = None, True, self._touches
         self._begun.text = self._mix.text = ""  # they are about what was chosen before
         self._reading.show(self.plan)
         self._form.leave_plan()
@@ -165,7 +165,7 @@ class _Setting:
         if not plan:
             return
         status, fault, missing, paints = None, "", list[PlannedPaint](), 0
-        before = self._touches
+        before = self._touches_before if self._unfilled else self._touches
         try:
             missing = await self._studio.mixing.missing(plan)
             paints = 0 if self._is_drawing else len(await self._studio.mixing.paints(plan))
@@ -253,7 +253,15 @@ def _begun_text(status: PaintStatus | None) -> str:
         return f"All {_counted(status.strokes, 'stroke')} are painted."
     sheets = status.options.sheets
     sheet = f" on sheet {status.sheet} of {sheets}" if sheets > 1 else ""
-    return f"It was begun: {status.painted} of {_counted(status.strokes, 'stroke')} are painted{sheet}."
+    done = f"{status.painted} of {_counted(status.strokes, 'stroke')}"
+    return f"It was begun: {done} are painted{sheet}.{_by(status.options.machine)}"
+
+
+def _by(spec: str) -> str:
+    """Return a sentence on the machine by which a painting was begun, after a space."""
+    if spec.startswith("sim"):
+        return " So far on the simulated easel: nothing of it is on paper."
+    return f" Machine so far: {machine_name(spec)}."
 
 
 def _to_be_mixed(missing: int) -> str:

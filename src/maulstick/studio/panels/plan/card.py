@@ -18,7 +18,7 @@ from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import checked_title, file_name
 from maulstick.studio.state.versions import changes_in
-from maulstick.studio.widgets.brushes import brushes_in_words
+from maulstick.studio.widgets.brushes import brushes_in_words, is_pen
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
 from maulstick.studio.widgets.showing import focus, shown_by
@@ -204,7 +204,7 @@ def _summary(request: PlanRequest, style: str) -> str:
     mixed = options.mixed_paints
     hand = f"{style} at {options.hand_size:g} times its size" if options.hand_size != 1 else style
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
-    colours = "one ink" if options.ink is not None else "1 paint" if mixed == 1 else f"{mixed} paints"
+    colours = "one ink" if options.ink is not None else _only(options.brush) if mixed == 1 else f"{mixed} paints"
     parts = [hand, brushes_in_words(options.brush), strokes, colours, in_words(options.size)]
     if options.drawing != usual.drawing:
         parts.append(DRAWN[options.drawing].lower())
@@ -215,6 +215,11 @@ def _summary(request: PlanRequest, style: str) -> str:
     if options.robot is not None:
         parts.append(f"for {planned_for(options.robot)}")
     return ", ".join(parts)
+
+
+def _only(brush: str) -> str:
+    """Return what the only colour of a plan is: a pen's is in the pen."""
+    return "1 pen" if is_pen(brush) else "1 paint"
 
 
 def outcome(plan: Plan) -> str:
