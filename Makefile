@@ -4,7 +4,7 @@
 # make test-baseline  what computes once more, by the oldest instructions and on one thread: other processors round so
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
-# make gallery        the pictures of docs/gallery.md, by the commands that stand there: an hour
+# make gallery        the pictures of docs/gallery.md, by the commands that stand there: half an hour and more
 # make clean          remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
