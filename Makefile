@@ -5,7 +5,7 @@
 # make site           the documentation as a website in build/site, which needs no network
 # make bench          speed of the kernel, speed and quality of the planner, likeness of the styles, fits of brushes, order
 # make paper          the figures beside the paper's, measured again into measured/, and the tables in docs: hours
-# make gallery        the pictures of docs/gallery.md, by the commands that stand there: an hour
+# make gallery        the pictures of docs/gallery.md, by the commands that stand there: half an hour and more
 # make clean          remove whatever these made
 #
 # Any Python from 3.11 on will do; name one with `make PYTHON=/path/to/python`.
