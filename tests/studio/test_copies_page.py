@@ -21,6 +21,7 @@ def test_copies_and_pauses_are_asked_for_where_the_machine_can_make_them(
     expect(pauses).to_be_visible()
     expect(copies).to_be_hidden()  # the simulated easel has one sheet
     choose(tab, "Machine", "AxiDraw")
+    expect(tab.get_by_text("Push the pen to its home corner before the board is switched on")).to_be_visible()
     copies.fill("2")
     pauses.fill("3, many")
     with FakeEbb(pace=50.0) as board:

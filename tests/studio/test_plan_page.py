@@ -170,8 +170,10 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     expect(enough).to_be_hidden()
     choose("Hand", "elephant")
     expect(arranged).to_be_visible()
+    expect(opened.get_by_text("darks stay pale")).to_be_visible()
     enough.click()
     expect(strokes).to_be_disabled()
+    expect(opened.get_by_text("darks stay pale")).to_be_hidden()
     choose("Colours", "Paints")
     for each in (drawing, enough, arranged):
         expect(each).to_be_hidden()

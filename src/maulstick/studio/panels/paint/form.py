@@ -12,7 +12,7 @@ from maulstick.jobs.paint.options import MOST_COPIES, PaintOptions
 from maulstick.jobs.plan.options import MOST_STROKES
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.uploading import upload_button
-from maulstick.studio.wording import MACHINES
+from maulstick.studio.wording import DETAILS_LABEL, MACHINES
 
 SHORT_MENU = "outlined popup-content-class=short-menu"
 """Properties of a select whose menu opens downwards, and not up under the frame."""
@@ -22,6 +22,17 @@ USUAL_MACHINE = "sim:real"
 
 _AT_A_PORT = ("grbl", "axidraw")
 _CAMERAS = {"": "No camera", "usb:0": "First USB camera", "usb:1": "Second USB camera", "usb:2": "Third USB camera"}
+_LIES = {
+    "grbl": "The sheet's lower left corner lies at the machine's origin, where the tip is at X0 Y0.",
+    "axidraw": "Push the pen to its home corner before the board is switched on. It rests on the sheet's upper left "
+    "corner then.",
+    **dict.fromkeys(
+        ("lite6", "xarm", "franka", "ur"),
+        f"An easel file says where an arm's sheet lies: bring it under “{DETAILS_LABEL}”.",
+    ),
+}
+"""Where a sheet lies without an easel file, by the kind of the machine."""
+
 _EASEL_S_OWN = "easel"
 _LARGEST_EASEL = 2**16  # bytes; an easel file has a few hundred
 _SLOWEST, _FASTEST = 0.1, 10_000  # mm/s: no limit, where the machine has one of its own, as all have
@@ -45,10 +56,11 @@ class OptionsForm:
             self._port = ui.select([], label="Port", with_input=True, new_value_mode="add-unique", clearable=True)
             self._port.props(f"{SHORT_MENU} hint='as in /dev/ttyUSB0'")
             self._address = ui.input("Address in the network").props("outlined hint='as in 192.168.1.20'")
+            self._lies = ui.label().classes("hint")
         with later:
             self._speed = ui.number("No faster than, mm/s", min=_SLOWEST, max=_FASTEST).props("outlined clearable")
             self._speed.props("hint='empty: as fast as hand and machine are'")
-            self._easel = ui.select({}, label="Where the sheet lies").props(SHORT_MENU)
+            self._easel = ui.select({}, label="Where the sheet lies", on_change=self.fit).props(SHORT_MENU)
             upload_button("Bring an easel file", ".json", self._take_easel)
             self._tray = ui.switch("Dip the brush into the tray", value=True)
             self._camera = ui.select({}, label="Camera", on_change=self.fit).props(SHORT_MENU)
@@ -179,6 +191,8 @@ class OptionsForm:
         simulated = kind.startswith("sim")
         self._port.visible = kind in _AT_A_PORT
         self._address.visible = not simulated and kind not in _AT_A_PORT
+        self._lies.text = "" if self._easel.value else _LIES.get(kind, "")
+        self._lies.visible = bool(self._lies.text)
         self._tray.visible = self._tray_file.is_file()
         own = {"": _CAMERAS[""], _EASEL_S_OWN: "The easel's own camera"}
         cameras = own if simulated else _CAMERAS

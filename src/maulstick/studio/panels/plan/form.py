@@ -89,6 +89,7 @@ class PlanForm:
                 self._strokes.bind_value(kept, "strokes")
                 self._drawing = ui.select(DRAWN, label="What it draws").bind_value(kept, "drawing")
                 self._enough = ui.checkbox("As many strokes as the picture needs").bind_value(kept, "enough")
+            self._pale = html.p("With too few strokes of a thin pen, darks stay pale.").classes("hint")
         with ui.element().classes("sheet"):
             html.h2("What matters")
             weights = {name: kept["weights"].get(name, 0.0) for name in PICTURE_TERMS}
@@ -152,6 +153,7 @@ class PlanForm:
         self._brushes.show(one_ink)
         self._drawing.visible = one_ink and of_picture
         self._enough.visible = one_ink and of_picture and self._style.value != _FREE
+        self._pale.visible = self._enough.visible and not self._enough.value
         self._strokes.set_enabled(not self._takes_enough)
         self._arrange.element.visible = one_ink and self._is_arranged
 
