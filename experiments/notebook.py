@@ -36,7 +36,7 @@ def small(outputs: list[Any]) -> list[Any]:
             picture = output.data.get("image/png")
             kept.append(output)
             if picture is not None:
-                output["data"] = {"image/jpeg": _jpeg(picture), "text/plain": output.data["text/plain"][:60]}
+                output["data"] = {"image/jpeg": _jpeg(picture), "text/plain": output.data["text/plain"]}
     return kept
 
 

@@ -249,6 +249,11 @@ def test_a_painting_is_a_record_with_more_to_say(painting: ms.Painting) -> None:
     assert records.Painting(**dict(painting)) == records.Painting(**dict(ms.Painting.of(painting)))
 
 
+def test_a_painting_is_told_in_one_line(painting: ms.Painting) -> None:
+    counts = f"{len(painting.strokes)} strokes, {len(painting.paints)} paints"
+    assert str(painting) == repr(painting) == f"<Painting: {counts}, {painting.sheet.millimetres}>"
+
+
 def test_a_brush_is_fitted_to_trials_kept_on_request_and_says_what_it_cannot_tell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -134,6 +134,12 @@ class Painting(records.Painting):
             raise InputError(validation_fault(error)) from error
         return edited(self, [own])
 
+    def __repr__(self) -> str:
+        """Say how many strokes there are, in how many paints and on which sheet; they themselves fill pages."""
+        return f"<Painting: {len(self.strokes)} strokes, {len(self.paints)} paints, {self.sheet.millimetres}>"
+
+    __str__ = __repr__
+
     def _repr_png_(self) -> bytes:
         from maulstick.rendering.preview import preview_of_height  # loads torch
 
