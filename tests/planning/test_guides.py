@@ -1,18 +1,24 @@
 """Guides: directions that lines and regions say, and the strokes that keep to them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.guides import Guides
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places
 from maulstick.planning.regions import Region, Regions
+from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
+from tests.planning.conftest import problem_for
 
 CANVAS = Canvas(0.2, 0.1, 600)
 FREE = load_style("free", CANVAS)
@@ -118,3 +124,20 @@ def test_strokes_in_groups_are_turned_back_by_the_angle_of_a_region_alone() -> N
     kept = strokes(np.array([[0.05, 0.05], [0.15, 0.05]]), np.array([1.0, 1.0]))
     Guides.of(CANVAS, [STRAIGHT], regions).keep(kept, in_groups=True)
     assert kept.angles.tolist() == pytest.approx([1.0, np.pi / 18])
+
+
+def test_a_stroke_that_left_its_region_lies_as_its_own_region_says_once_it_is_back(
+    portrait: Picture, round_brush: Brush
+) -> None:
+    problem = problem_for(portrait, round_brush)
+    labels = np.zeros(problem.weights.shape, dtype=np.int64)
+    labels[:, labels.shape[1] // 2 :] = 1
+    said = (Region("left", FREE, (True,), angle=0.0), Region("right", FREE, (True,), angle=1.2))
+    regions = Regions(labels, said, problem.canvas)
+    directed = replace(problem, regions=regions, style=regions.style, guides=Guides.of(problem.canvas, [], regions))
+    away = strokes(np.array([[0.2 * problem.canvas.width, 0.5 * problem.canvas.height]]), np.array([0.0]))
+    codes = regions.style.codes_in(1, FREE.sample(1, torch.Generator().manual_seed(0))[0])
+    knots = FREE.sample(1, torch.Generator().manual_seed(0))[1]
+    back = StrokeCanvas(replace(away, codes=codes, pressure_knots=knots), directed).strokes
+    assert regions.at(back.centres).tolist() == [1]
+    assert back.angles.item() == pytest.approx(1.2 - np.pi / 18)

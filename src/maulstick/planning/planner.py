@@ -108,7 +108,7 @@ class _Planning:
             "brush_of": False,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
-        self._stroke_canvas = StrokeCanvas(strokes, problem)
+        self._stroke_canvas = StrokeCanvas(strokes, problem, in_groups=self._arranging is not None)
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
@@ -190,8 +190,6 @@ class _Planning:
             self._style.keep_lengths(strokes.codes)
         elif self._lengths is not None:
             keep_lengths(strokes.codes, self._style, self._lengths)
-        if self._problem.guides is not None:
-            self._problem.guides.keep(strokes, in_groups=self._arranging is not None)
         self._stroke_canvas.keep_inside()
         return loss.item(), parts, canvas.detach()
 

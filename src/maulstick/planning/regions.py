@@ -124,16 +124,17 @@ class Regions:
         return np.where(outside[:, None], moved.astype(centres.dtype), centres)
 
     @torch.no_grad()
-    def keep(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
-        """Move strokes by the least that keeps their middles in their regions, and off bare paper.
-
-        brushes: of each stroke.
-        """
+    def move_in(self, strokes: StrokeParameters) -> None:
+        """Move strokes by the least that keeps their middles in their regions."""
         regions = self.style.regions_of(strokes.codes)
         centres = strokes.centres.numpy()
         for number in range(len(self.said)):
             rows = (regions == number).numpy()
             centres[rows] = self.moved_into((number,), centres[rows])
+
+    @torch.no_grad()
+    def move_off_bare(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
+        """Move strokes by the least that keeps them off bare paper. brushes: of each stroke."""
         if self._has_bare:
             marks = brushes.marks(strokes.trajectories(self.style), 1.0)
             moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())

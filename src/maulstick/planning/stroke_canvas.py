@@ -22,12 +22,14 @@ class StrokeCanvas:
 
     Parameters are on the CPU, and the canvas is on the device of the problem's paper (C, H, W).
     paints: (k, C), or None while every stroke has a colour of its own.  paint_of: (N,), indices of paints.
+    in_groups: whether strokes lie in groups of their hands, as `Guides.keep` asks.
     """
 
-    def __init__(self, strokes: StrokeParameters, problem: PlanningProblem) -> None:
+    def __init__(self, strokes: StrokeParameters, problem: PlanningProblem, *, in_groups: bool = False) -> None:
         self.strokes, self.style, self.paper = strokes, problem.style, problem.paper
         self._neighbours, self._canvas, self._room = problem.neighbours, problem.canvas, problem.room
         self._regions, self._brushes = problem.regions, Traj2Stroke.of(problem.brushes)
+        self._guides, self._in_groups = problem.guides, in_groups
         self._order = np.arange(len(strokes) + len(self._neighbours.colours))  # neighbours are the last M rows
         self.paints: Tensor | None = None
         self.paint_of = torch.zeros(len(strokes), dtype=torch.long)
@@ -83,9 +85,16 @@ class StrokeCanvas:
         return composite(self.paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
 
     def keep_inside(self) -> None:
-        """Move each stroke by the least that keeps its path on the canvas, its mark in the room, it in its region."""
+        """Move each stroke by the least that keeps its path on the canvas, its mark in the room, it in its region.
+
+        It is turned back, too, where guides or regions say a direction.
+        """
         if self._regions is not None:
-            self._regions.keep(self.strokes, self._brushes[self.strokes.brush_of])
+            self._regions.move_in(self.strokes)
+        if self._guides is not None:
+            self._guides.keep(self.strokes, in_groups=self._in_groups)
+        if self._regions is not None:
+            self._regions.move_off_bare(self.strokes, self._brushes[self.strokes.brush_of])
         self.strokes.keep_inside(self.style, self._canvas.width, self._canvas.height)
         if self._room is not None:
             move_into(self._room, self.strokes, self.style, self._brushes[self.strokes.brush_of])
