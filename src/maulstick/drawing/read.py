@@ -65,10 +65,8 @@ def read_fills(path: str | Path) -> tuple[list[tuple[Rgb, BaseGeometry]], tuple[
     """
 
     def fills(walk: Walk) -> tuple[list[tuple[Rgb, BaseGeometry]], tuple[float, float]]:
-        shapes = list(walk.shapes())
-        placed = Placed(shapes, Layout.of(walk.page, DrawingOptions()))
-        found = [(shape.fill, placed.filled(i)) for i, shape in enumerate(shapes) if shape.fill is not None]
-        return found, (float(placed.layout.sheet[0]), float(placed.layout.sheet[1]))
+        placed, size = _on_its_page(walk)
+        return [(shape.fill, placed.filled(i)) for i, shape in enumerate(placed.shapes) if shape.fill is not None], size
 
     return _read(Path(path), fills)
 
@@ -80,17 +78,22 @@ def read_lines(path: str | Path) -> tuple[list[tuple[str | None, Rgb, Floats]], 
     """
 
     def drawn(walk: Walk) -> tuple[list[tuple[str | None, Rgb, Floats]], tuple[float, float]]:
-        shapes = list(walk.shapes())
-        placed = Placed(shapes, Layout.of(walk.page, DrawingOptions()))
+        placed, size = _on_its_page(walk)
         found = [
             (None if shape.group is None else shape.group.label, shape.stroke, line)
-            for shape, lines in zip(shapes, placed.lines, strict=True)
+            for shape, lines in zip(placed.shapes, placed.lines, strict=True)
             if shape.stroke is not None
             for line in lines
         ]
-        return found, (float(placed.layout.sheet[0]), float(placed.layout.sheet[1]))
+        return found, size
 
     return _read(Path(path), drawn)
+
+
+def _on_its_page(walk: Walk) -> tuple[Placed, tuple[float, float]]:
+    """Return the shapes of an SVG as they lie on its own page, and the size of that, metres."""
+    placed = Placed(list(walk.shapes()), Layout.of(walk.page, DrawingOptions()))
+    return placed, (float(placed.layout.sheet[0]), float(placed.layout.sheet[1]))
 
 
 def _read(path: Path, of: Callable[[Walk], Read]) -> Read:

@@ -10,10 +10,9 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting
 from maulstick.planning.guides import Guides
 from maulstick.planning.layout import Layout
+from maulstick.planning.problem import Colour
 from maulstick.planning.regions import Regions
 from maulstick.style import Style
-
-Colour = tuple[float, float, float]
 
 
 class Directing:

@@ -15,12 +15,12 @@ from maulstick.painting.fit import place_of
 from maulstick.painting.painting import Paint, Painting, Provenance, Stroke
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
+from maulstick.planning.problem import Colour
 from maulstick.storage.arrays import Floats
 
 PAINTED: Final = "paint"
 """Name of the layer, or the group, whose lines are painted as they are."""
 
-Colour = tuple[float, float, float]
 
 _PRESSURE = 0.5  # of a line that is painted: an SVG says none
 

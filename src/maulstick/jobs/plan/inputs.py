@@ -16,7 +16,7 @@ from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import LONGEST_PX, canvas_for
 from maulstick.planning.mural.windows import Mural
-from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.problem import Colour, PlannerSettings
 from maulstick.planning.tones import InkSupply
 from maulstick.storage.arrays import Image
 
@@ -59,8 +59,8 @@ def mural_of(options: PlanOptions, picture: Image | None, sheet: Sheet, brush: B
 def settings_of(
     options: PlanOptions,
     tubes: tuple[NamedPaint, ...],
-    of_regions: tuple[tuple[float, float, float], ...] = (),
-    of_guides: tuple[tuple[float, float, float], ...] = (),
+    of_regions: tuple[Colour, ...] = (),
+    of_guides: tuple[Colour, ...] = (),
 ) -> PlannerSettings:
     """Return the planner's settings by the options, with these tubes of paint.
 

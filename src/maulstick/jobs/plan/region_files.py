@@ -63,7 +63,10 @@ class RegionFiles:
             if name == REST:
                 continue
             if said.soft is not None:
-                parse_length(said.soft)
+                try:
+                    parse_length(said.soft)
+                except InputError as error:
+                    raise InputError(f"{say}: the soft edge of {name}: {error.fault}", error.remedy) from error
                 if said.bare:
                     raise InputError(f"{say}: {name} is bare, and bare paper has sharp edges; leave out soft")
             if said.colour is None:
