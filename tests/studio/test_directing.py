@@ -1,8 +1,6 @@
 """Acts of a person on a plan: kept beside it, undone and redone in any order, and told to pages as marks."""
 
-import asyncio
 import json
-from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +12,9 @@ from maulstick.painting.painting import read_painting
 from maulstick.studio.panels.direct.chosen import chosen_in_words
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.versions import version_title
-from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.stroke_marks import ShownPaint, as_bytes, changed_marks, drawn_edit, write_edited
 from tests.support.robot.small_paintings import SIX, line, painting_of
+from tests.support.studio.acting import acting
 from tests.support.studio.plans_to_paint import put_plan
 
 _HEAD = 6
@@ -75,21 +73,6 @@ def test_a_stroke_that_is_drawn_leaves_its_mark_where_the_pointer_was(tmp_path: 
     assert mark[-1, :2] == pytest.approx(drawn[-1][:2], abs=2e-6)
     with pytest.raises(InputError, match="paint"):
         drawn_edit(file, 5, drawn)
-
-
-def acting(root: Path, act: Callable[[Directing], Awaitable[None]]) -> Directing:
-    """Open the acts on a plan as a new studio does, act on them, and return them."""
-
-    async def go() -> Directing:
-        desk = Desk()
-        directing = Directing(root / "plans" / "six" / "painting.json", desk)
-        try:
-            await act(directing)
-        finally:
-            desk.close()
-        return directing
-
-    return asyncio.run(go())
 
 
 def test_acts_are_undone_and_redone_also_in_a_later_studio_and_the_plan_stays_as_planned(tmp_path: Path) -> None:

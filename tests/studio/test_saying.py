@@ -1,8 +1,6 @@
 """What a person says of places on the canvas: kept among the acts on strokes, undone and redone with them."""
 
-import asyncio
 import itertools
-from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,28 +10,13 @@ from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.workers.areas import brushed, enclosed, geometry_of, guide
-from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.said import MOST_REGIONS, Said, map_colours
 from tests.support.robot.small_paintings import SIX
+from tests.support.studio.acting import acting
 from tests.support.studio.plans_to_paint import put_plan
 from tests.support.studio.said_regions import box, region
 
 _SQUARE = [0.01, 0.01, 0.03, 0.01, 0.03, 0.03, 0.01, 0.03]
-
-
-def saying(root: Path, act: Callable[[Directing], Awaitable[None]]) -> Directing:
-    """Open the acts on a plan as a new studio does, act on them, and return them."""
-
-    async def go() -> Directing:
-        desk = Desk()
-        directing = Directing(root / "plans" / "six" / "painting.json", desk)
-        try:
-            await act(directing)
-        finally:
-            desk.close()
-        return directing
-
-    return asyncio.run(go())
 
 
 def test_colours_of_regions_are_told_apart_on_a_map_from_each_other_and_from_white() -> None:
@@ -56,14 +39,14 @@ def test_regions_and_guides_are_undone_with_strokes_and_are_there_in_a_later_stu
         assert directing.version == 5, "what was said already is no act"
         await directing.saying.take_out(face)
 
-    saying(tmp_path, say)
+    acting(tmp_path, say)
 
     async def undo(directing: Directing) -> None:
         assert [each.name for each in directing.saying.now.regions] == ["Bare paper"]
         await directing.undo()
         await directing.undo()
 
-    later = saying(tmp_path, undo)
+    later = acting(tmp_path, undo)
     face, bare = later.saying.now.regions
     assert (face.name, face.style, face.direction, face.soft) == ("Gesicht \u2603", "loops", 45, 0.003)
     assert bare.bare
@@ -99,7 +82,7 @@ def test_what_cannot_be_said_is_refused_in_a_sentence_and_not_kept(tmp_path: Pat
         with pytest.raises(InputError, match="width of the brush"):
             await said.emphasise(_SQUARE, 0, 3)
 
-    assert saying(tmp_path, act).version == 4
+    assert acting(tmp_path, act).version == 4
 
 
 def test_there_are_as_many_regions_as_a_map_has_colours(tmp_path: Path) -> None:
@@ -121,7 +104,7 @@ def test_what_is_brushed_with_one_importance_is_one_region(tmp_path: Path) -> No
         await said.change(said.now.regions[0].id, style="loops")
         await said.emphasise([0.015, 0.015], 0.004, 3)
 
-    regions = saying(tmp_path, act).saying.now.regions
+    regions = acting(tmp_path, act).saying.now.regions
     assert [each.importance for each in regions] == [3, 2, 3]
     assert len(regions[0].area) == 2, "two dabs"
     assert geometry_of(regions[0].area).area == pytest.approx(2 * (4e-5 + np.pi * 4e-6), rel=0.02)
