@@ -1,4 +1,4 @@
-"""Make the pictures of docs/gallery.md by the commands that stand there: about an hour.
+"""Make the pictures of docs/gallery.md by the commands that stand there: half an hour and more.
 
     .venv/bin/python experiments/gallery.py [--only cat] [--again]
 
