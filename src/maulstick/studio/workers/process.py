@@ -105,6 +105,7 @@ class Process:
         finally:
             theirs.close()
         self._words: SimpleQueue[memoryview | None] = SimpleQueue()
+        self._ended = threading.Event()
         threading.Thread(target=self._speak, daemon=True).start()
         threading.Thread(target=self._listen, args=(hear, ended), daemon=True).start()
 
@@ -122,8 +123,7 @@ class Process:
 
     def join(self, seconds: float) -> bool:
         """Wait for the end of the process, at most so many seconds; return whether it has ended."""
-        self._process.join(seconds)
-        return not self._process.is_alive()
+        return self._ended.wait(seconds)
 
     def _speak(self) -> None:
         while (word := self._words.get()) is not None:
@@ -138,7 +138,9 @@ class Process:
                 said = isinstance(word, Failed)
                 self._call(hear, word)
         except (EOFError, OSError):
-            self._process.join()
+            while self._process.exitcode is None:  # starting another process may take the exit status away meanwhile
+                self._process.join()
+        self._ended.set()
         self._words.put(None)
         if self._process.exitcode and not said:
             self._call(hear, Failed("the work was killed, most likely for want of memory; try again with less"))
