@@ -16,7 +16,8 @@ from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, e
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
-_PATIENCE_OF_A_PAGE = 120.0  # seconds
+_PATIENCE_OF_A_PAGE = 240.0  # seconds, for plans, which are made below everything else
+_LONGEST = 900.0  # seconds, of a test in a browser
 _OPTIONS = ["--no-sandbox", "--disable-gpu", "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
@@ -115,6 +116,18 @@ def studio(tmp_path: Path) -> Iterator[RunningStudio]:
     assert "Traceback" not in running.output, running.output
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.timeout(_LONGEST))
+
+
+def patient(context: BrowserContext) -> BrowserContext:
+    """Give a context time on a machine that does much else, more than Playwright's half minute; return the same one."""
+    context.set_default_timeout(1e3 * _PATIENCE_OF_A_PAGE)
+    return context
+
+
 # While Playwright's own loop is held open, asyncio.run fails: tests with a browser have modules of their own.
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
@@ -143,8 +156,7 @@ def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page
             wrong.append(message.text)
 
     def open_page(path: str = "/", **options: Any) -> Page:
-        contexts.append(studio.let_in(browser.new_context(**options)))
-        contexts[-1].set_default_timeout(1e3 * _PATIENCE_OF_A_PAGE)  # Playwright's own half minute is short for it
+        contexts.append(studio.let_in(patient(browser.new_context(**options))))
         opened = contexts[-1].new_page()
         opened.on("console", note)
         opened.on("pageerror", lambda error: wrong.append(str(error)))

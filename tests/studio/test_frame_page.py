@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.studio.conftest import RunningStudio
+from tests.studio.conftest import RunningStudio, patient
 from tests.support.studio.plans_to_paint import put_plan
 
 SIZE = {"width": 1280, "height": 600}
@@ -43,7 +43,7 @@ def test_the_tab_says_how_far_it_is_at_any_panel_and_a_new_plan_comes_into_view(
 
 
 def test_an_address_that_leads_nowhere_says_so_and_leads_back(studio: RunningStudio, browser: Browser) -> None:
-    tab = studio.let_in(browser.new_context()).new_page()
+    tab = studio.let_in(patient(browser.new_context())).new_page()
     tab.goto(f"{studio.url}/nowhere")
     expect(tab.get_by_role("heading", name="There is no such page")).to_be_visible()
     expect(tab.locator(".panel-link[aria-current]")).to_have_count(0)

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
-from tests.studio.conftest import RunningStudio
+from tests.studio.conftest import RunningStudio, patient
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_a_survey_is_built_answered_by_two_and_told(
     expect(shown.get_by_text("Nobody has answered yet.")).to_be_visible()
     for link in links:
         assert link.startswith(f"{studio.url}/survey/whose-strokes/")
-        theirs = browser.new_context().new_page()
+        theirs = patient(browser.new_context()).new_page()
         theirs.goto(link)
         theirs.get_by_role("button", name="Begin").click()
         theirs.get_by_role("radio", name="Drawing A").check()

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from maulstick.studio.server.link import page_that_leads_to
-from tests.studio.conftest import RunningStudio
+from tests.studio.conftest import RunningStudio, patient
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def abroad(tmp_path: Path) -> Iterator[RunningStudio]:
 def test_a_file_leads_into_the_studio_and_stop_works_there(
     studio: RunningStudio, browser: Browser, tmp_path: Path
 ) -> None:
-    tab = browser.new_context().new_page()
+    tab = patient(browser.new_context()).new_page()
     with page_that_leads_to(studio.link, tmp_path) as file:
         tab.goto(file)
         expect(tab.get_by_role("heading", level=1)).to_be_visible()
@@ -51,7 +51,7 @@ def test_a_studio_of_this_computer_alone_says_how_a_tablet_can_come_in(
 
 def test_a_tablet_reads_the_link_from_the_page(abroad: RunningStudio, browser: Browser) -> None:
     here = abroad.link.replace(abroad.url, f"http://127.0.0.1:{abroad.port}")
-    tab = browser.new_context().new_page()
+    tab = patient(browser.new_context()).new_page()
     tab.goto(here)
     tab.get_by_role("button", name="On a tablet").click()
     picture = tab.get_by_role("img", name="The link")
