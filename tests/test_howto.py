@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import skimage
 
@@ -37,6 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     for name in ("map.svg", "map.toml"):
         shutil.copy(ROOT / "docs" / "directing" / name, folder)
     shutil.copytree(ROOT / "examples", folder / "examples")
+    skimage.io.imsave(folder / "sheet.jpg", np.full((200, 250, 3), 240, np.uint8), check_contrast=False)
     (folder / "drawing.svg").write_text(SVG.format("".join(WAVES)))
     (folder / "poster.svg").write_text(SVG.format(POSTER))
     (folder / "tubes.csv").write_text("name,colour\nblack,#101010\nochre,#c08040\nwhite,#f7f7f2\n")

@@ -179,7 +179,7 @@ def planned_with(painting: Painting, **options: Any) -> Painting:
 
 def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting) -> None:
     every = LockStrokes(strokes=tuple(stroke.id for stroke in changed.strokes))
-    assert "all 19 strokes are locked, and strokes asks for no more; unlock some" in refusal(
+    assert "all 19 strokes are locked or painted, and strokes asks for no more; unlock some" in refusal(
         folder, edited(changed, [every]), strokes=19
     )
     assert "the painting is on a sheet of 60 x 60 mm, and size asks for 70 x 60 mm" in refusal(

@@ -1,7 +1,7 @@
 """Planning, rendering and comparing paintings from Python."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,8 @@ def plan(
     style, brush: names, paths of JSON files, or what `load_style`, `fit_style` and `load_brush` return. Several brushes
     paint one after another in colours, the broadest first.
     again: a painting, or the path of its painting.json, whose locked strokes, sheet and paints stay as they are; its
-    other strokes are planned on from where they are, with its options and, by a path, its picture.
+    other strokes are planned on from where they are, with its options and, by a path, its picture. By a path and with a
+    `background`, the strokes that its journal says are painted are left out.
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
     (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
@@ -72,7 +73,7 @@ def plan(
     image = None if picture is None or path is not None else image_of(picture)
     before = None
     if again is not None:
-        before = Again(_read(again))
+        before = _before(again, changes)
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
         if picture is None and not isinstance(again, records.Painting):
             picture = path = picture_near(before.painting, Path(again))
@@ -117,6 +118,12 @@ def compare(painting: records.Painting | str | Path, picture: Picture) -> Metric
         True
     """
     return likeness(_read(painting), image_of(picture, longest_px=READ_PX))
+
+
+def _before(again: records.Painting | str | Path, changes: Mapping[str, Any]) -> Again:
+    if isinstance(again, records.Painting) or changes.get("background") is None:
+        return Again(_read(again))
+    return Again.on_paper(Path(again))
 
 
 def _read(painting: records.Painting | str | Path) -> records.Painting:

@@ -10,6 +10,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
@@ -84,6 +85,19 @@ _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 def journal_of(painting: Path, copy: int = 1) -> Path:
     """Return the path of the journal of a painting, or of a further copy of it, counted from 1."""
     return painting.with_name(f"{painting.stem}.log.jsonl" if copy == 1 else f"{painting.stem}.copy{copy}.log.jsonl")
+
+
+def was_begun(journal: Path) -> bool:
+    """Return whether there is anything in the journal at this path."""
+    return journal.exists() and journal.stat().st_size > 0
+
+
+def latest_sheet(painting: Path) -> int:
+    """Return the number of the latest sheet that was begun, from 1. Raises InputError where none was."""
+    path = journal_of(painting)
+    if not path.exists():
+        raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
+    return next(number for number in count(1) if not was_begun(journal_of(painting, number + 1)))
 
 
 @contextmanager

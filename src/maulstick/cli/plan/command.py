@@ -131,7 +131,7 @@ def plan(
         _painting(
             metavar="PAINTING",
             help="Plan a painting.json again, with its options: its locked strokes, its sheet and its paints stay, the "
-            "other strokes are planned on from where they are.",
+            "other strokes are planned on from where they are. With --background, what is painted is left out.",
         ),
     ] = None,
     regions: Annotated[

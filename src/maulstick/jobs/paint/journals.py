@@ -1,4 +1,4 @@
-"""Journals of a painting's sheets: the latest, a new one, and room for it."""
+"""Journals of a painting's sheets: a new one, and room for it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,21 +7,13 @@ from itertools import count
 from pathlib import Path
 
 from maulstick.errors import InputError, OutputError, Remedy
-from maulstick.robot.journal import Journal, journal_of, locked
-
-
-def latest_sheet(painting: Path) -> int:
-    """Return the number of the latest sheet that was begun, from 1. Raises InputError where none was."""
-    path = journal_of(painting)
-    if not path.exists():
-        raise InputError(f"there is no journal {path}, so nothing was begun", Remedy.START)
-    return next(number for number in count(1) if not _was_begun(journal_of(painting, number + 1)))
+from maulstick.robot.journal import Journal, journal_of, locked, was_begun
 
 
 def check_not_begun(painting: Path, restart: bool) -> None:
     """Raise InputError where a painting was begun and is not to be restarted, or is being painted."""
     path = journal_of(painting)
-    if _was_begun(path) and not restart:
+    if was_begun(path) and not restart:
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
     with locked(path):  # raises before the machine is connected
         return
@@ -31,14 +23,10 @@ def check_not_begun(painting: Path, restart: bool) -> None:
 def new_journal(painting: Path, sheet: int) -> Iterator[Journal]:
     """Open an empty journal of a sheet; those of an earlier run are moved away."""
     path = journal_of(painting, sheet)
-    if _was_begun(path):
+    if was_begun(path):
         _make_room(path, painting.stem)
     with Journal.open(path) as journal:
         yield journal
-
-
-def _was_begun(path: Path) -> bool:
-    return path.exists() and path.stat().st_size > 0
 
 
 def _make_room(path: Path, stem: str) -> None:

@@ -8,14 +8,14 @@ import numpy as np
 
 from maulstick.errors import InputError, Remedy, option
 from maulstick.jobs.paint.estimate import Estimate
-from maulstick.jobs.paint.journals import check_not_begun, latest_sheet
+from maulstick.jobs.paint.journals import check_not_begun
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.sheet import PaintSheet, actions_left, paint_sheet
 from maulstick.jobs.paintable import Paintable, is_svg, read_paintable, strokes_sum
-from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.journal import Journal, journal_of, latest_sheet
 from maulstick.robot.routine import NOTHING, PaintLoad
 from maulstick.robot.stops import UNKNOWN
 

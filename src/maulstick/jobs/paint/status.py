@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from maulstick.jobs.paint.journals import latest_sheet
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paintable import is_svg, read_paintable
-from maulstick.robot.journal import Journal, journal_of
+from maulstick.robot.journal import Journal, journal_of, latest_sheet
 
 
 @dataclass(frozen=True)

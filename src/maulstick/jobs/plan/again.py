@@ -1,10 +1,12 @@
 """Planning again: the locked strokes of a painting stay as they are, and the others are planned on from where they are.
 
-Its sheet, its brushes and its paints stay too, since they may be mixed already.
+Its sheet, its brushes and its paints stay too, since they may be mixed already. With a photograph of the sheet the rest
+is planned over what is on it: what a machine has painted, and what a person has painted since.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from math import isclose
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,28 +22,43 @@ from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanResult
+from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise
 from maulstick.style.pressure import fit_knots
 
 _FILES = ("look", "clip_weights", "regions", "say", "guides")  # options of which a painting only knows the file's name
-_SETTLED = ("background", "paper", "paints", "paints_from", "ink")  # options that a painting has settled
+_SETTLED = ("paper", "paints", "paints_from", "ink")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
 
 @dataclass(frozen=True)
 class Again:
-    """Painting that is planned again. Raises InputError for a drawing, which nobody planned."""
+    """Painting that is planned again. Raises InputError for a drawing, which nobody planned.
+
+    painted: number of its strokes that are on the sheet, and were left out of it.
+    """
 
     painting: Painting
+    painted: int = 0
 
     @classmethod
     def of(cls, options: PlanOptions) -> Self | None:
         """Return the painting of the options, or None where they ask for a new one."""
         if options.again is None:
             return None
-        return cls(read_painting(options.again))
+        return cls(read_painting(options.again)) if options.background is None else cls.on_paper(options.again)
+
+    @classmethod
+    def on_paper(cls, file: Path) -> Self:
+        """Return what is left of a painting by its journal, which lies beside it; all of it where there is none."""
+        if not was_begun(journal_of(file)):
+            return cls(read_painting(file))
+        journal = Journal.read(journal_of(file, latest_sheet(file)))
+        painting = read_painting(journal.painting())
+        left = tuple(stroke for stroke in painting.strokes if stroke.id not in journal.painted)
+        return cls(painting.model_copy(update={"strokes": left}), len(painting.strokes) - len(left))
 
     def __post_init__(self) -> None:
         if self.painting.literal or not self.painting.paints:
@@ -58,14 +75,14 @@ class Again:
         return in_painting_order([*own.values(), *(brush for brush in named if brush.name not in own)])
 
     def sheet(self, asked: Sheet) -> Sheet:
-        """Return the painting's sheet. Raises InputError where one of another size is asked for."""
+        """Return the painting's sheet, or its photograph. Raises InputError where one of another size is asked for."""
         own = self.painting.sheet
-        if (asked.width, asked.height) != (own.width, own.height):
+        if not (isclose(asked.width, own.width) and isclose(asked.height, own.height)):
             raise InputError(
                 f"the painting is on a sheet of {own.millimetres}, and {option('size')} asks for {asked.millimetres}; "
                 "leave it out, or plan anew"
             )
-        return own
+        return own if asked.picture is None else own.model_copy(update={"paper": asked.paper, "picture": asked.picture})
 
     @property
     def names(self) -> dict[str, str]:
@@ -75,11 +92,11 @@ class Again:
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings with the painting's paints, for those of the strokes asked for that are not locked."""
         locked = len(locked_in(self.painting))
-        strokes = max(settings.strokes - locked, len(self.left))
+        strokes = max(settings.strokes - self.painted - locked, len(self.left))
         if strokes < 1:
             raise InputError(
-                f"all {locked} strokes are locked, and {option('strokes')} asks for no more; unlock some, or "
-                "ask for more"
+                f"all {self.painted + locked} strokes are locked or painted, and {option('strokes')} asks for no more; "
+                "unlock some, or ask for more"
             )
         palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
         return replace(settings, strokes=strokes, paints=None, palette=palette, pinned=())
@@ -102,6 +119,9 @@ def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
     """
     for name in sorted(set(_SETTLED) & set(given)):
         raise InputError(f"{option('again')} keeps the sheet and the paints of the painting; leave out {option(name)}")
+    if given.get("background") is not None:
+        sides = (f"{1e3 * side:.6g}" for side in (painting.sheet.width, painting.sheet.height))
+        given = {"size": "x".join(sides) + "mm", "paper": PlanOptions.paper, **given}
     known = {field.name for field in fields(PlanOptions)} - set(_NOT_KEPT)
     kept = {name: value for name, value in painting.provenance.options.items() if name in known and name not in given}
     for name in _FILES:

@@ -13,6 +13,7 @@ from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.plan.options import MOST_SEED, PlanOptions
 from maulstick.painting.video import Video
+from maulstick.robot.journal import journal_of
 from maulstick.storage.files import file_sum
 
 MOST_TRIES: Final = 64
@@ -90,11 +91,18 @@ class PlanRequest:
 
     @property
     def files(self) -> list[Path]:
-        """Files that it names: the picture, and those of the options."""
+        """Files that it names: the picture, and those of the options; and the journal of what is on a photograph."""
         options = self.options
         files = (options.look, options.background, options.again, options.regions, options.say, options.guides)
-        others = (options.paints_from, options.clip_weights)
+        others = (options.paints_from, options.clip_weights, self._journal)
         return [file for file in (self.picture, *files, *others) if file is not None]
+
+    @property
+    def _journal(self) -> Path | None:
+        if self.options.again is None or self.options.background is None:
+            return None
+        journal = journal_of(self.options.again)
+        return journal if journal.exists() else None
 
 
 def demo_picture() -> Path:
