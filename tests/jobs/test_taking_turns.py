@@ -96,3 +96,12 @@ def test_once_all_is_painted_more_must_be_asked_for(turn: Path, before: Painting
 def test_a_photograph_settles_the_paper(turn: Path) -> None:
     with pytest.raises(InputError, match="again keeps the sheet and the paints of the painting; leave out paper"):
         ms.plan(again=turn / "painting.json", background=turn / "sheet.png", paper="grey")
+
+
+def test_the_journal_of_another_painting_says_nothing(turn: Path, before: Painting, tmp_path: Path) -> None:
+    write_painting(before, tmp_path / "painting.json")
+    with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
+        journal.revise(tmp_path / "painting.json")
+    write_painting(before.model_copy(update={"strokes": before.strokes[1:]}), tmp_path / "painting.json")
+    with pytest.raises(InputError, match="is not the file that .* was begun with; move the journal away"):
+        ms.plan(turn / "disc.png", again=tmp_path / "painting.json", background=turn / "sheet.png", steps=1)

@@ -52,11 +52,17 @@ class Again:
 
     @classmethod
     def on_paper(cls, file: Path) -> Self:
-        """Return what is left of a painting by its journal, which lies beside it; all of it where there is none."""
+        """Return what is left of a painting by its journal, which lies beside it; all of it where there is none.
+
+        Raises InputError for a journal that cannot be read, or was begun with another painting.
+        """
         if not was_begun(journal_of(file)):
             return cls(read_painting(file))
-        journal = Journal.read(journal_of(file, latest_sheet(file)))
-        painting = read_painting(journal.painting())
+        try:
+            journal = Journal.read(journal_of(file, latest_sheet(file)))
+            painting = read_painting(journal.painting())
+        except InputError as error:
+            raise InputError(f"{error.fault}; move the journal away, and all strokes count as not painted") from error
         left = tuple(stroke for stroke in painting.strokes if stroke.id not in journal.painted)
         return cls(painting.model_copy(update={"strokes": left}), len(painting.strokes) - len(left))
 
