@@ -103,5 +103,5 @@ def test_the_journal_of_another_painting_says_nothing(turn: Path, before: Painti
     with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
         journal.revise(tmp_path / "painting.json")
     write_painting(before.model_copy(update={"strokes": before.strokes[1:]}), tmp_path / "painting.json")
-    with pytest.raises(InputError, match="is not the file that .* was begun with; move the journal away"):
+    with pytest.raises(InputError, match="was begun with; move the journal away"):
         ms.plan(turn / "disc.png", again=tmp_path / "painting.json", background=turn / "sheet.png", steps=1)
