@@ -1,11 +1,13 @@
 """Canvas on which a plan is directed, in a browser: from opening it to a version that is planned around an act."""
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
 from maulstick.painting.painting import read_painting
@@ -39,6 +41,18 @@ def colours_seen(page: Page) -> int:
 def coast(tmp_path: Path) -> Path:
     """Put a plan where the studio finds it when it starts, which can be planned again; return its painting.json."""
     return put_plan_to_direct(tmp_path / "studio", "coast")
+
+
+@pytest.fixture
+def begun(coast: Path, tmp_path: Path) -> Path:
+    """The same plan, of which ten strokes are painted, and a photograph of its sheet among the pictures."""
+    with Journal.open(journal_of(coast)) as journal:
+        journal.revise(coast, [stroke.id for stroke in read_painting(coast).strokes[:10]])
+    photograph = tmp_path / "studio" / "pictures" / "sheet" / "picture.png"
+    photograph.parent.mkdir()
+    Image.new("RGB", (48, 48), "white").save(photograph)
+    shutil.copy(photograph, photograph.with_name("small.jpg"))
+    return coast
 
 
 def test_strokes_and_places_are_directed_undone_after_a_reload_planned_around_and_painted(
@@ -195,3 +209,21 @@ def test_strokes_and_places_are_directed_undone_after_a_reload_planned_around_an
     tab.get_by_role("button", name="Start painting").click()
     expect(tab.locator(".outcome")).to_have_text("coast, version 2 is painted.")
     assert Journal.read(journal_of(version / "painting.json")).painted == {stroke.id for stroke in again.strokes}
+
+
+def test_the_rest_is_planned_over_a_photograph_of_the_sheet(
+    begun: Path, studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab = page("/plan")
+    tab.get_by_role("article", name="Plan coast").get_by_role("button", name="Direct it").click()
+    tab.get_by_role("button", name="Plan over a photograph").click()
+    dialog = tab.get_by_role("dialog", name="A photograph of the sheet")
+    expect(dialog.get_by_role("button", name="Plan the rest")).to_be_disabled()
+    dialog.get_by_label("Photograph of the sheet").click()
+    tab.get_by_role("option", name="sheet").click()
+    dialog.get_by_role("button", name="Plan the rest").click()
+    card = tab.get_by_role("article", name="Plan coast, version 2")
+    expect(card.locator(".phase")).to_have_text(re.compile("^planned$"))
+    expect(card.locator(".changes")).to_contain_text("Planned again over a photograph of the sheet.")
+    again = read_painting(studio.folder / "plans" / "coast-version-2" / "painting.json")
+    assert len(again.strokes) == STROKES - len(Journal.read(journal_of(begun)).painted)

@@ -5,15 +5,19 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
+from PIL import Image
 
+from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
+from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.version_words import version_in_words
-from maulstick.studio.state.versions import Around, changes_in, without_own_places
+from maulstick.studio.state.versions import Around, changes_in, painted_of, without_own_places
 from maulstick.studio.workers.planner import TARGET
 from maulstick.studio.workers.said import Said, SaidGuide
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAID_FILE, SAY
@@ -44,13 +48,13 @@ def test_what_differs_in_a_version_is_said_in_words(tmp_path: Path) -> None:
         guides=(SaidGuide(id=9, line=((0, 0), (1, 1))),),
     )
     assert version_in_words(
-        StrokeChanges(drawn=12, removed=3, moved=1), before, now, {"loops": "Loops"}, is_kept=False
+        StrokeChanges(drawn=12, removed=3, moved=1), before, now, {"loops": "Loops"}, "planned again"
     ) == (
         "3 strokes taken out, 12 drawn, 1 moved; a region “face” in Loops; bare paper “paper”; a region “region 4”, "
         "counts 3 times; region “sky” taken out; 1 guide; planned again."
     )
-    assert version_in_words(StrokeChanges(), now, now, {}, is_kept=True) == "Kept as it is."
-    assert version_in_words(StrokeChanges(locked=1), Said(), Said(), {}, is_kept=False) == (
+    assert version_in_words(StrokeChanges(), now, now, {}, "kept as it is") == "Kept as it is."
+    assert version_in_words(StrokeChanges(locked=1), Said(), Said(), {}, "planned again") == (
         "1 stroke locked; planned again."
     )
 
@@ -115,3 +119,44 @@ def test_regions_of_the_command_line_stay_until_some_are_painted(tmp_path: Path)
     files = {SAID_FILE: b"{}", MAP: b"", SAY: b""}
     moved = Around(tmp_path / "now.json", b"", files).move_to(tmp_path / "version", request).options
     assert (moved.regions, moved.say) == (tmp_path / "version" / MAP, tmp_path / "version" / SAY)
+
+
+def test_a_version_over_a_photograph_leaves_out_what_is_painted(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+    painted = [stroke.id for stroke in planned.strokes[:10]]
+    (tmp_path / "pictures" / "sheet").mkdir()
+    Image.new("RGB", (48, 48), "white").save(tmp_path / "pictures" / "sheet" / "picture.png")
+    with Journal.open(journal_of(file)) as journal:
+        journal.revise(file, painted)
+
+    async def act() -> Plan:
+        with Folder.opened(tmp_path) as folder:
+            studio = Studio(folder)
+            try:
+                await studio.directing("coast").edit({"kind": "lock", "strokes": [painted[0], planned.strokes[11].id]})
+                over = await studio.version_of("coast", photograph="sheet")
+                await until(lambda: not over.is_busy)
+            finally:
+                await studio.close()
+        return over
+
+    over = asyncio.run(act())
+    assert over.why == ""
+    assert changes_in(over.folder) == "2 strokes locked; planned again over a photograph of the sheet."
+    painting = read_painting(over.folder / "painting.json")
+    assert painting.sheet.picture is not None
+    assert len(painting.strokes) == len(planned.strokes) - 10
+    assert [stroke.id for stroke in painting.strokes if stroke.locked] == [planned.strokes[11].id]
+
+
+def test_what_a_camera_had_planned_again_cannot_be_planned_over_a_photograph(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    assert painted_of(file) == frozenset()
+    second = file.with_name("painting.r1.json")
+    second.write_bytes(file.read_bytes())
+    with Journal.open(journal_of(file)) as journal:
+        journal.revise(file)
+        journal.revise(second)
+    with pytest.raises(InputError, match="other strokes are on the sheet; plan the picture anew"):
+        painted_of(file)

@@ -25,9 +25,11 @@ from maulstick.studio.state.thrown import STYLES_FOLDER
 from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
 from maulstick.studio.state.version_words import version_in_words
-from maulstick.studio.state.versions import Around, version_title, without_own_places
+from maulstick.studio.state.versions import Around, painted_of, version_title, without_own_places
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.planner import TARGET
+
+_OVER = "planned again over a photograph of the sheet"
 
 
 @final
@@ -80,10 +82,11 @@ class Studio:
             self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
         return self._directed[name]
 
-    async def version_of(self, name: str, *, is_kept: bool = False) -> Plan:
+    async def version_of(self, name: str, *, is_kept: bool = False, photograph: str = "") -> Plan:
         """Make a version of the plan of that name: planned again around what a person has locked, changed and said.
 
-        is_kept: whether it is the painting as it is now instead, with nothing planned. Returns the new plan.
+        is_kept: whether it is the painting as it is now instead, with nothing planned.  photograph: name of a picture
+        of the sheet, over which it is planned without the strokes that are painted, or "". Returns the new plan.
         Raises InputError where there is no finished plan or no guide to follow, OutputError where there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
@@ -93,11 +96,14 @@ class Studio:
             said.check_guides(files)
         if is_kept and (target := plan.folder / TARGET).is_file():  # which planning would make
             files[TARGET] = target.read_bytes()
+        painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
+        under = self.gallery.path(photograph) if photograph else None
+        done = "kept as it is" if is_kept else "planned again" if under is None else _OVER
         strokes, hands = await directing.changes(), self.styles.titles()
-        changes = version_in_words(strokes, said.at_first, said.now, hands, is_kept=is_kept)
+        changes = version_in_words(strokes, said.at_first, said.now, hands, done)
         frame = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
-        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept))
+        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept, under, painted))
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

@@ -6,11 +6,8 @@ from maulstick.studio.workers.said import ALONG_GUIDES, Said, SaidRegion
 from maulstick.studio.workers.stroke_changes import StrokeChanges
 
 
-def version_in_words(
-    strokes: StrokeChanges, before: Said, now: Said, hands: Mapping[str, str], *, is_kept: bool
-) -> str:
-    """Return a sentence on what a person has changed. hands: titles of styles by name."""
-    done = "kept as it is" if is_kept else "planned again"
+def version_in_words(strokes: StrokeChanges, before: Said, now: Said, hands: Mapping[str, str], done: str) -> str:
+    """Return a sentence on what a person has changed. hands: titles of styles by name.  done: what was done then."""
     said = "; ".join([*_of_strokes(strokes), *_of_places(before, now, hands), done])
     return f"{said[0].upper()}{said[1:]}."
 

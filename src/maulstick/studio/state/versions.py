@@ -10,7 +10,9 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.workers.planner import KEPT
@@ -36,6 +38,7 @@ class Around:
 
     frame: a JPEG of it, to look at until there are others.  files: others of the version's folder, by name.
     changes: sentence on what differs from the plan that it came from.  is_kept: whether nothing is planned.
+    photograph: of the sheet, with strokes of these ids that are `painted`, over which the rest is planned.
     """
 
     painting: Path
@@ -43,6 +46,8 @@ class Around:
     files: Mapping[str, bytes] = field(default_factory=dict)
     changes: str = ""
     is_kept: bool = False
+    photograph: Path | None = None
+    painted: frozenset[int] = frozenset()
 
     def move_to(self, folder: Path, request: PlanRequest) -> PlanRequest:
         """Move the painting and the files into a plan's folder; return its request, once, for the rest around them."""
@@ -51,6 +56,10 @@ class Around:
             atomic_write(folder / name, content)
         write_record(_Version(changes=self.changes), folder / _RECORD)
         own: dict[str, Any] = {name: folder / file for name, file in _PLACES.items() if file in self.files}
+        if self.photograph is not None:
+            own |= {"background": self.photograph, "paper": PlanOptions.paper}
+            with Journal.open(journal_of(again)) as journal:
+                journal.revise(again, sorted(self.painted))
         return replace(request, options=replace(request.options, again=again, **own), tries=1)
 
 
@@ -60,6 +69,22 @@ def without_own_places(request: PlanRequest, folder: Path) -> PlanRequest:
     own = [name for name, file in _PLACES.items() if getattr(options, name) == folder / file]
     none: dict[str, Any] = dict.fromkeys(own)
     return replace(request, options=replace(options, **none))
+
+
+def painted_of(painting: Path) -> frozenset[int]:
+    """Return the ids of the strokes of a plan's painting that are on its latest sheet.
+
+    Raises InputError where a camera's looks have planned it again since, so that its strokes are others.
+    """
+    if not was_begun(journal_of(painting)):
+        return frozenset()
+    journal = Journal.read(journal_of(painting, latest_sheet(painting)))
+    if journal.painting() != painting:
+        raise InputError(
+            "the camera has had this planned again while it was painted, so other strokes are on the sheet; plan the "
+            "picture anew, with the photograph under “More”"
+        )
+    return frozenset(journal.painted)
 
 
 def changes_in(folder: Path) -> str:

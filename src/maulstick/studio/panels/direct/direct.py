@@ -6,8 +6,10 @@ from typing import Any
 from nicegui import background_tasks, events, html, ui
 
 from maulstick.errors import InputError, MaulstickError
+from maulstick.robot.journal import journal_of, was_begun
 from maulstick.studio.panels.direct.canvas import CHOOSE, DRAW, SAYING, TOOLS, StrokeCanvas, numbers_of
 from maulstick.studio.panels.direct.chosen import ChosenStrokes
+from maulstick.studio.panels.direct.photograph import ask_for_photograph
 from maulstick.studio.panels.direct.places import Places
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.state.directing import Directing
@@ -128,6 +130,9 @@ class _Directed:
     def _versions(self) -> None:
         again = ui.button("Plan again around this", icon="auto_awesome_mosaic", on_click=self._plan_again)
         again.tooltip("A new version: what is locked stays as it is, the rest is planned on from where it is")
+        if was_begun(journal_of(self._plan.folder / "painting.json")):
+            over = ui.button("Plan over a photograph …", icon="photo_camera", on_click=self._ask_for_photograph)
+            over.props("outline").tooltip("A new version of what is not painted yet, over what is on the sheet by now")
         keep = ui.button("Keep as a version", icon="content_copy", on_click=self._keep).props("outline")
         keep.tooltip("A new version with the strokes as they are now, to be painted without planning")
         ui.button("Save this as it is …", icon="download", on_click=self._save).props("outline")
@@ -139,16 +144,22 @@ class _Directed:
             ExportDialog(self._studio.desk, now, file_name(self._plan.title, ""))
 
     async def _plan_again(self, event: events.ClickEventArguments) -> None:
-        await self._make_version(event, is_kept=False)
+        await self._make_version(event)
 
     async def _keep(self, event: events.ClickEventArguments) -> None:
         await self._make_version(event, is_kept=True)
 
-    async def _make_version(self, event: events.ClickEventArguments, *, is_kept: bool) -> None:
+    def _ask_for_photograph(self) -> None:
+        with self._canvas:
+            ask_for_photograph(self._studio, lambda event, name: self._make_version(event, photograph=name))
+
+    async def _make_version(
+        self, event: events.ClickEventArguments, *, is_kept: bool = False, photograph: str = ""
+    ) -> None:
         button = event.sender
         button.props("loading")
         try:
-            await self._studio.version_of(self._plan.name, is_kept=is_kept)
+            await self._studio.version_of(self._plan.name, is_kept=is_kept, photograph=photograph)
         finally:
             button.props(remove="loading")
         ui.navigate.to("/plan")
