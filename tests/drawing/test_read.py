@@ -3,7 +3,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vpype
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.optimize import brentq
 
+from maulstick.drawing.lines import bounds_of
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
@@ -57,6 +62,35 @@ def test_clips_cut_what_lies_outside_them_also_within_each_other(read: Read) -> 
         [[30, 35], [40, 35]],
         [[0, 49], [90, 49]],
     ]
+
+
+def test_a_clip_in_units_of_a_box_is_of_what_it_clips(read: Read) -> None:
+    body = (
+        '<clipPath id="a" clipPathUnits="objectBoundingBox"><rect x=".25" y="0" width=".5" height="1"/></clipPath>'
+        '<g clip-path="url(#a)" transform="translate(10 0)"><path d="M0 0L80 20"/><path d="M10 15h20"/></g>'
+        '<g transform="scale(2)"><path clip-path="url(#a)" transform="translate(0 10)" d="M0 2C0 8 16 8 16 2"/></g>'
+        '<clipPath id="b" clip-path="url(#a)"><rect width="90" height="50"/></clipPath>'
+        '<path clip-path="url(#b)" d="M0 40L80 41"/><path clip-path="url(#a)" d="M0 49h9"/><g clip-path="url(#a)"/>'
+    )
+    first, second, bowl, fourth = points(read(body))
+    assert first == [[30, 5], [70, 15]]
+    assert second == [[30, 15], [40, 15]]
+    t = brentq(lambda t: 48 * t**2 * (1 - t) + 16 * t**3 - 4, 0, 1)
+    assert bowl[0] == pytest.approx([8, 2 * (12 + 18 * t * (1 - t))], abs=0.05)
+    assert bowl[-1] == pytest.approx([24, bowl[0][1]], abs=0.05)
+    assert fourth == [pytest.approx([20, 40.25]), pytest.approx([60, 40.75])]
+
+
+@given(hnp.arrays(float, (3, 4, 2), elements=st.floats(-1e3, 1e3)))
+def test_the_bounds_of_curves_are_those_of_their_points(cubics: Floats) -> None:
+    least, most = bounds_of([cubics])
+    t = np.linspace(0, 1, 2001)[:, None, None]
+    p, q, r, s = np.moveaxis(cubics, 1, 0)
+    points = (1 - t) ** 3 * p + 3 * (1 - t) ** 2 * t * q + 3 * (1 - t) * t**2 * r + t**3 * s
+    assert least == pytest.approx(points.min(axis=(0, 1)), abs=2e-3)
+    assert most == pytest.approx(points.max(axis=(0, 1)), abs=2e-3)
+    assert (least <= points.min(axis=(0, 1)) + 1e-9).all()
+    assert (most >= points.max(axis=(0, 1)) - 1e-9).all()
 
 
 def test_an_empty_clip_hides_all(read: Read) -> None:

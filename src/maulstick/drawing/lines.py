@@ -22,6 +22,25 @@ _FARTHEST = 1e5  # metres: beyond, numbers are damaged
 _SAME = 1e-9  # metres, or a share of a step: less is rounding
 
 
+def bounds_of(chains: Sequence[Floats]) -> Floats:
+    """Return the least and the largest coordinates, (2, 2), of chains of cubic Béziers (m, 4, 2), at least one."""
+    p, q, r, s = np.moveaxis(np.concatenate(chains), 1, 0)
+    a, b, c = s - p + 3 * (q - r), 2 * (p - 2 * q + r), q - p  # of the slope, a t² + b t + c
+    root = np.sqrt(np.maximum(b * b - 4 * a * c, 0))
+    half = -0.5 * (b + np.where(b < 0, -root, root))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = [np.nan_to_num(t, nan=0, posinf=0, neginf=0).clip(0, 1) for t in (half / a, c / half)]
+    points = np.stack([p, s, *(_at(t, p, q, r, s) for t in turns)])
+    return np.stack([points.min(axis=(0, 1)), points.max(axis=(0, 1))])
+
+
+def _at(t: Floats, p: Floats, q: Floats, r: Floats, s: Floats) -> Floats:
+    """Return cubic Béziers of these points at t, which are alike in shape."""
+    u = 1 - t
+    point: Floats = u * u * u * p + 3 * (u * u * t) * q + 3 * (u * t * t) * r + t * t * t * s
+    return point
+
+
 def polylines(chains: Sequence[Floats], turn: Floats, shift: Floats) -> list[Floats]:
     """Return polylines (k, 2), metres, of chains of cubic Béziers (m, 4, 2), to within `FLATNESS`.
 
@@ -39,9 +58,7 @@ def polylines(chains: Sequence[Floats], turn: Floats, shift: Floats) -> list[Flo
     which = np.repeat(np.arange(len(cubics)), parts)
     last = np.cumsum(parts)
     t = ((np.arange(len(which)) - (last - parts)[which] + 1) / parts[which])[:, None]
-    a, b, c, d = (cubics[which, i] for i in range(4))
-    s = 1 - t
-    points = s * s * s * a + 3 * (s * s * t) * b + 3 * (s * t * t) * c + t * t * t * d
+    points = _at(t, *(cubics[which, i] for i in range(4)))
     sizes = np.array([len(chain) for chain in chains])
     firsts = np.cumsum(sizes) - sizes
     ends = last[firsts + sizes - 1]

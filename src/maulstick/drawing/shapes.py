@@ -15,6 +15,7 @@ from svgelements import Matrix  # type: ignore[import-untyped]
 from maulstick.drawing.css import INHERITED, Rgb, Style, StyleSheet, colour_of, referred
 from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
+from maulstick.drawing.lines import bounds_of
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
@@ -22,6 +23,7 @@ from maulstick.storage.arrays import Floats
 NEVER: Final = "%"
 """First character of the label of a layer that is not plotted."""
 
+_OF_PLACE = ("clip-path", "mask", "transform")  # properties that do not count within an element
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
@@ -134,7 +136,7 @@ class Walk:
                 yield from self._shape(element, own, replace(place, style=style))
 
     def _shape(self, element: Element, own: Style, place: _Place) -> Iterator[Shape]:
-        place = self._transformed(own, place)
+        place = self._transformed(element, own, place)
         chains, whole = outline(element, place.viewport)
         self.faulty += not whole
         m = place.matrix
@@ -158,7 +160,7 @@ class Walk:
         group = self._group_of(element, tag, place)
         if group is not None and (group.label or "").lstrip().startswith(NEVER):
             return
-        place = self._transformed(own, replace(place, group=group))
+        place = self._transformed(element, own, replace(place, group=group))
         if tag == "use":
             yield from self._used(element, place)
             return
@@ -217,8 +219,8 @@ class Walk:
         matrix, viewport = viewed(element, box)
         return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
 
-    def _transformed(self, own: Style, place: _Place) -> _Place:
-        """Return the place after an element's own transform and clip."""
+    def _transformed(self, element: Element, own: Style, place: _Place) -> _Place:
+        """Return the place after the transform and the clip that an element, or a clip of it, has of its own."""
         if not own:
             return place
         if "transform" in own:
@@ -227,26 +229,38 @@ class Walk:
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
         if name is not None and name in self._named:
-            place = replace(place, clips=(*place.clips, *self._clips_of(name, place)))
+            place = replace(place, clips=(*place.clips, *self._clips_of(element, name, place)))
         return place
 
-    def _clips_of(self, name: str, place: _Place) -> tuple[Clip, ...]:
-        element = self._named[name]
-        if local_name(element) != "clipPath" or element.get("clipPathUnits") == "objectBoundingBox":
-            self.passed_over.add("clips in units of a box")
+    def _clips_of(self, element: Element, name: str, place: _Place) -> tuple[Clip, ...]:
+        clip = self._named[name]
+        if local_name(clip) != "clipPath":
             return ()
         key = f"clip {name}"
         if key in place.used:
             raise InputError(f"the clip {name!r} in it clips itself; take that out")
+        if clip.get("clipPathUnits") == "objectBoundingBox":
+            place = replace(place, matrix=self._box_of(element, place) * place.matrix)
         at = name, repr(place.matrix)
         if at not in self._clips:
             before, self._clipping = self._clipping, True
-            own = self._sheet.of(element)
-            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
-            shapes = tuple(self._children(element, inner))
+            own = self._sheet.of(clip)
+            inner = self._transformed(element, own, replace(place, style={}, clips=(), used=(*place.used, key)))
+            shapes = tuple(self._children(clip, inner))
             self._clipping = before
             self._clips[at] = Clip(shapes)
         return (self._clips[at],)
+
+    def _box_of(self, element: Element, place: _Place) -> Matrix:
+        """Return what takes the unit square to the box around an element's shapes, in its own coordinates."""
+        own = {name: each for name, each in self._sheet.of(element).items() if name not in _OF_PLACE}
+        place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
+        faulty, before, self._clipping = self.faulty, self._clipping, False
+        shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
+        chains = [chain for shape in shapes for chain in shape.chains]
+        self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
+        (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))
+        return Matrix(right - left, 0, 0, bottom - top, left, top)
 
 
 def _named(element: Element) -> str:
