@@ -1,11 +1,15 @@
 """The ledger: a few figures of the whole, in benchmarks/summary.json, which a later change should not worsen.
 
-    .venv/bin/python benchmarks/summary.py [--ci-minutes MINUTES]
+    .venv/bin/python benchmarks/summary.py [demo] [size] [hands] [brushes] [machines] [exports] [command_line] [studio]
+        [--ci-minutes MINUTES]
+
+Parts that are not named keep their figures; without a name, all are measured.
 
 demo_seconds, demo_steps: the plan of `make demo`, without loading; step_ms: one over the other.
 demo_psnr_db, demo_ssim: of its painting beside the photograph, at the truth, as `psnr` and `ssim` in `plan.py`.
 ci_minutes: a whole run of .ci/run in an empty clone, after its packages were downloaded; kept from before unless given.
 wheel_mb, installed_mb: the wheel, and Maulstick with all that it needs without extras, in millions of bytes.
+The others are of a room each: see summary_of_rooms.py.
 """
 
 import argparse
@@ -18,6 +22,8 @@ import time
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
+
+from summary_of_rooms import PARTS
 
 import maulstick as ms
 from maulstick.jobs.plan.request import demo_picture
@@ -48,6 +54,11 @@ def demo() -> dict[str, float]:
         "demo_psnr_db": metrics["psnr"],
         "demo_ssim": metrics["ssim"],
     }
+
+
+def size() -> dict[str, float]:
+    """Weigh the wheel, and what is installed with it."""
+    return {"wheel_mb": wheel_mb(), "installed_mb": installed_mb()}
 
 
 def wheel_mb() -> float:
@@ -84,19 +95,25 @@ def _size(package: Distribution) -> int:
 
 
 def main() -> None:
-    """Measure all, and write the ledger."""
+    """Measure all or some parts, and write the ledger."""
+    parts = {"demo": demo, "size": size, **PARTS}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(parts)}; all by default")
     parser.add_argument("--ci-minutes", type=float, help="minutes of the last whole run of .ci/run")
     asked = parser.parse_args()
-    before = json.loads(SUMMARY.read_text()) if SUMMARY.exists() else {}
-    ci_minutes = asked.ci_minutes if asked.ci_minutes is not None else before.get("ci_minutes")
-    figures = {**demo(), "ci_minutes": ci_minutes, "wheel_mb": wheel_mb(), "installed_mb": installed_mb()}
-    rounded = {
-        name: value if value is None or isinstance(value, int) else float(f"{value:.{PLACES}g}")
-        for name, value in figures.items()
-    }
-    SUMMARY.write_text(json.dumps(rounded, indent=2) + "\n")
+    if unknown := [name for name in asked.parts if name not in parts]:
+        parser.error(f"{unknown[0]} is not one of {', '.join(parts)}")
+    figures = json.loads(SUMMARY.read_text()) if SUMMARY.exists() else {}
+    for name in asked.parts or parts:
+        figures |= {figure: _rounded(value) for figure, value in parts[name]().items()}
+    if asked.ci_minutes is not None:
+        figures["ci_minutes"] = _rounded(asked.ci_minutes)
+    SUMMARY.write_text(json.dumps(figures, indent=2) + "\n")
     print(SUMMARY.read_text(), end="")
+
+
+def _rounded(value: float) -> float:
+    return value if isinstance(value, int) else float(f"{value:.{PLACES}g}")
 
 
 if __name__ == "__main__":

@@ -110,6 +110,17 @@ def test_the_reference_has_every_command_and_every_name_of_the_front_door(site: 
     assert "Raises" in (site / "python.html").read_text(encoding="utf-8")
 
 
+def test_the_page_of_rooms_draws_imports_and_all_point_down(site: Path) -> None:
+    page = (site / "rooms.html").read_text(encoding="utf-8")
+    names = re.findall(r'text-anchor="end">(\w+)</text>', page)
+    drawn = re.findall(r"<title>(\w+) imports (\w+): \d+</title>", page)
+    assert {path.name for path in (ROOT / "src" / "maulstick").iterdir() if (path / "__init__.py").is_file()} <= {
+        *names
+    }
+    assert ("jobs", "planning") in drawn
+    assert [pair for pair in drawn if names.index(pair[0]) >= names.index(pair[1])] == []
+
+
 def test_search_finds_pages_from_the_disk_and_asks_no_server(site: Path) -> None:
     chromium = shutil.which("chromium")
     if chromium is None:

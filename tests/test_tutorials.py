@@ -2,6 +2,8 @@
 
 import io
 import os
+import re
+import runpy
 import shutil
 import signal
 import sys
@@ -18,7 +20,7 @@ from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import Ran
 from tests.robot.test_xarm import FakeXArmAPI
-from tests.support.pages import DOCS, blocks, blocks_of, keys, lines, python, typed
+from tests.support.pages import DOCS, ROOT, blocks, blocks_of, keys, lines, python, typed
 from tests.support.robot.fake_ebb import FakeEbb
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.under_way import once
@@ -30,6 +32,7 @@ STROKES, PRACTICE = "20", "6"
 RIGHT, UP = "\x1b[C", "\x1b[A"
 AXIDRAW, GRBL = "bp+pwq", "1" + RIGHT + "o" + "bwq"
 ENTER = 20 * "\n"
+HEAVIEST = 150_000  # bytes of a picture
 
 
 def few(line: str) -> str:
@@ -46,6 +49,16 @@ def _own_data(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("readers")))
         yield
+
+
+def test_the_pictures_of_the_pages_are_those_that_the_script_makes_and_small() -> None:
+    made = runpy.run_path(str(ROOT / "experiments" / "tutorials.py"))["SHOWN"]
+    pictures = {f"{page}-{shown}.jpg" for page, names in made.items() for shown in names.values()}
+    assert pictures == {path.name for path in TUTORIALS.glob("*.jpg")}
+    for page in (PLOTTER, TABLET, ARM):
+        pictures -= {*re.findall(rf"\(({page.stem}-[\w-]+\.jpg)\)", page.read_text(encoding="utf-8"))}
+    assert pictures == set()
+    assert max(path.stat().st_size for path in TUTORIALS.glob("*.jpg")) < HEAVIEST
 
 
 # a plotter and a pen
