@@ -1,6 +1,11 @@
-"""Patience with connections: a request that does not come whole in time is given up, and nobody has too many."""
+"""Patience with connections: a request that does not come whole in time is given up, and nobody has too many.
+
+There is always room for one more, which may be STOP.
+"""
 
 import asyncio
+import resource
+from operator import itemgetter
 from typing import Any, final
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
@@ -10,6 +15,12 @@ LONGEST = 10.0
 
 MOST = 256
 """Connections from one address: some forty pages with all that they load."""
+
+
+def room() -> float:
+    """Return the number of connections that are kept: half of the files that this process may have open."""
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return float("inf") if most == resource.RLIM_INFINITY else most // 2
 
 
 @final
@@ -23,8 +34,10 @@ class TimelyProtocol(HttpToolsProtocol):
         super().connection_made(transport)
         if self.client is not None and sum(self._is_of_the_same(other) for other in self.connections) > MOST:
             transport.abort()
-        else:
-            self._wait()
+            return
+        if len(self.connections) > room():
+            self._make_room()
+        self._wait()
 
     def data_received(self, data: bytes) -> None:
         """Take in what came, and wait for the rest of it."""
@@ -35,6 +48,16 @@ class TimelyProtocol(HttpToolsProtocol):
         """Wait no more."""
         self._forget()
         super().connection_lost(exc)
+
+    def _make_room(self) -> None:
+        """Close the connection that has waited longest for a request, if any waits."""
+        waiting = [
+            (other._late.when(), other)
+            for other in self.connections
+            if isinstance(other, TimelyProtocol) and other._late is not None
+        ]
+        if waiting:
+            min(waiting, key=itemgetter(0))[1].transport.abort()
 
     @property
     def _is_waiting(self) -> bool:
