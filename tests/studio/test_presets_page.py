@@ -19,6 +19,13 @@ _DROP = """([base64, name]) => {
 }"""
 
 
+_SLOW_SOCKET = """() => {
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (words) { setTimeout(() => send.call(this, words), 3000); };
+}"""
+"""Lets files overtake what the page says of them, as they do on a busy machine."""
+
+
 def drop(page: Page, content: bytes, name: str) -> None:
     page.evaluate(_DROP, [base64.b64encode(content).decode(), name])
 
@@ -62,6 +69,7 @@ def test_settings_are_kept_chosen_again_saved_as_a_file_and_loaded_where_what_th
     plain = json.loads(written)
     plain["settings"] |= {"style": "somebody", "brush": "sable", "strokes": 77, "unmixed": True}
     choose(other, "Machine", "Franka arm")
+    other.evaluate(_SLOW_SOCKET)
     drop(other, json.dumps(plain).encode(), "Theirs.JSON")
     expect(
         other.get_by_text(

@@ -1,8 +1,8 @@
 """Uploaded files: a button to choose one, and a temporary place for it that does not depend on its name."""
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 
 from nicegui import events, html, ui
@@ -41,6 +41,41 @@ addEventListener("paste", paste);
 """
 
 
+class _Reading:
+    """Words beside a button, which cannot be pressed meanwhile, while a file is sent or read.
+
+    A file may have been read before the page says that it begins to send it: that takes another way.
+    """
+
+    def __init__(self, button: ui.button) -> None:
+        self._button, self._is_sent, self._read = button, False, 0
+        with html.span().classes("reading hint").props('role="status"') as self._words:
+            ui.spinner().props("aria-hidden=true")
+            ui.label("Reading it …")
+        self._show()
+
+    def send(self, is_sent: bool) -> None:
+        """Take in whether the page sends files."""
+        self._is_sent = is_sent
+        self._show()
+
+    @contextmanager
+    def another(self) -> Iterator[None]:
+        """Let one more file be read while the context lasts."""
+        self._read += 1
+        self._show()
+        try:
+            yield
+        finally:
+            self._read -= 1
+            self._show()
+
+    def _show(self) -> None:
+        if not self._words.is_deleted:
+            self._words.visible = self._is_sent or self._read > 0
+            self._button.enabled = not self._words.visible
+
+
 def upload_button(
     text: str,
     accept: str,
@@ -59,24 +94,15 @@ def upload_button(
     """
 
     async def taken(file: events.UploadEventArguments) -> None:
-        try:
+        with reading.another():
             await take(file)
-        finally:
-            show(False)
-
-    def show(reads: bool) -> None:
-        if not reading.is_deleted:
-            reading.visible, button.enabled = reads, not reads
 
     chooser = FileChooser(accept, taken, _refuse)
     chooser.on("uploaded", lambda: chooser.run_method("reset"), [])  # so that the same file can be chosen again
-    chooser.on("start", lambda: show(True), [])
-    chooser.on("failed", lambda: show(False), [])
     button = ui.button(text, icon="upload_file").props("outline no-caps")
-    with html.span().classes("reading hint").props('role="status"') as reading:
-        ui.spinner().props("aria-hidden=true")
-        ui.label("Reading it …")
-    reading.visible = False
+    reading = _Reading(button)
+    chooser.on("start", lambda: reading.send(True), [])
+    chooser.on("finish", lambda: reading.send(False), [])
     button.on("click", js_handler=f"() => runMethod({chooser.id}, 'pickFiles', [])")
     if beside is not None:
         beside.on("drop", js_handler=_TAKE_OWN_DROP.replace("ENDINGS", accept).replace("CHOOSER", str(chooser.id)))
