@@ -31,6 +31,7 @@ from tests.support.nominal import nominal
 SHEET, MARGIN = Sheet(width=0.1, height=0.08), 0.012
 INK = PlannerSettings(strokes=20, exact=True, paints=None, steps=12)
 NO_NETWORK = LossOptions(weights={"tone": 1.0})
+ROUNDING = 1e-5  # darkness that single precision may leave beside a mark, whose average is a difference of integrals
 DRAGGED = nominal("marker").model_copy(
     update={"m_x": 1.04, "m_y": 0.97, "b_x": 4e-4, "b_y": -3e-4, "lag": 1e-3, "touch": (5e-4, 2e-4), "nib": (0.3, 0.2)}
 )
@@ -68,7 +69,7 @@ def test_no_ink_lies_in_a_margin_even_of_strokes_that_are_longer_than_the_pictur
     hand, seen = load_style(style, layout.canvas).scaled(2.0), []
 
     def watch(progress: PlanProgress) -> bool:
-        painted = progress.canvas.permute(1, 2, 0).numpy() < layout.under
+        painted = progress.canvas.permute(1, 2, 0).numpy() < layout.under - ROUNDING
         seen.append(int((painted.any(axis=2) & bare(layout, layout.canvas)).sum()))
         return True
 
