@@ -9,10 +9,13 @@ from maulstick.studio.panels.plan.card import _summary
 
 
 def test_what_was_begun_says_by_which_machine() -> None:
-    def said(machine: str) -> str:
-        return _begun_text(PaintStatus(150, 3, None, PaintOptions(robot=machine)))
+    def said(machine: str, painted: int = 3) -> str:
+        return _begun_text(PaintStatus(150, painted, None, PaintOptions(robot=machine)))
 
-    assert said("sim:real").endswith("are painted. So far on the simulated easel: nothing of it is on paper.")
+    rehearsed = "are painted. So far on the simulated easel: nothing of it is on paper."
+    assert said("sim:real").endswith(rehearsed)
+    assert said("sim", 150) == f"All 150 strokes {rehearsed}"
+    assert said("axidraw", 150) == "All 150 strokes are painted."
     assert said("axidraw").endswith("are painted. Machine so far: AxiDraw.")
     assert said("grbl:/dev/ttyUSB0").endswith("Machine so far: Pen plotter with Grbl at /dev/ttyUSB0.")
 

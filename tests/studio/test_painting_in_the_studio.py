@@ -92,6 +92,11 @@ def test_what_was_begun_is_said_no_more_once_the_plan_is_gone(page: Callable[...
     expect(tab.locator(".begun")).to_have_text(
         f"It was begun: 1 of {STROKES} strokes are painted. So far on the simulated easel: nothing of it is on paper."
     )
+    expect(tab.get_by_role("button", name="Go on where it stopped")).to_be_visible()
+    tab.get_by_label("Machine", exact=True).click()
+    tab.get_by_role("option", name="AxiDraw").click()
+    expect(tab.get_by_role("button", name="Start painting")).to_be_visible()  # a rehearsal is nothing on paper
+    expect(tab.get_by_role("button", name="Start again on a new sheet")).to_be_hidden()
     planning.get_by_role("button", name="Throw lines away").click()
     expect(tab.get_by_text("There is nothing to paint yet")).to_be_visible()
     expect(tab.locator(".begun")).to_be_hidden()

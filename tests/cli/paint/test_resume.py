@@ -170,6 +170,22 @@ def test_what_was_begun_in_the_simulator_does_not_go_on_elsewhere(painting: Path
     assert (ran.code, "this painting was begun on sim" in ran.mistake) == (2, True)
 
 
+def test_a_real_machine_begins_what_was_only_rehearsed(
+    painting: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", lambda spec, easel: recorder)
+    with Journal.open(journal_of(painting)) as journal:
+        journal.revise(painting)
+        journal.write_options({"robot": "sim:real"})
+        journal.begin(10)
+    assert run("paint", painting).code == 2, "on the simulated easel it was begun"
+    answers(monkeypatch, "\n\n\n")
+    assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 0
+    assert sorted(painted(painting)) == ALL
+    assert (painting.parent / "painting.run1" / journal_of(painting).name).is_file()
+    assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 2, "it is on paper now"
+
+
 def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(
     calibrated: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,16 +7,24 @@ from itertools import count
 from pathlib import Path
 
 from maulstick.errors import InputError, OutputError, Remedy
+from maulstick.jobs.paint.options import PaintOptions
 from maulstick.robot.journal import Journal, journal_of, locked, was_begun
 
 
-def check_not_begun(painting: Path, restart: bool) -> None:
-    """Raise InputError where a painting was begun and is not to be restarted, or is being painted."""
+def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> None:
+    """Raise InputError where a painting was begun and is not to be restarted, or is being painted.
+
+    A real machine begins what was only rehearsed on the simulated easel: nothing of that is on paper.
+    """
     path = journal_of(painting)
-    if was_begun(path) and not restart:
+    if was_begun(path) and not restart and (options.simulated or not _was_rehearsed(path)):
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)
     with locked(path):  # raises before the machine is connected
         return
+
+
+def _was_rehearsed(journal: Path) -> bool:
+    return str(Journal.read(journal).options.get("robot", "")).startswith("sim")
 
 
 @contextmanager

@@ -45,7 +45,7 @@ def paint(
     if not request.resume:
         setup = PaintSetup.of(request.options, _plan_of(request), request.robot)
         with machine_lock(request.options.machine):
-            check_not_begun(request.painting, request.restart)
+            check_not_begun(request.painting, request.options, request.restart)
             _paint_sheets(request, setup, PaintSheet(1), operator_for)
         return
     with _reopened(request) as (setup, sheet, journal), machine_lock(setup.options.machine):

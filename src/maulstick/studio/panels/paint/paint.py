@@ -22,6 +22,7 @@ from maulstick.studio.wording import DETAILS_LABEL, RESTART_LABEL, error_text, m
 from maulstick.studio.workers.planned_paints import PlannedPaint
 
 _STYLE = Path(__file__).with_name("paint.css")
+_REHEARSED = " So far on the simulated easel: nothing of it is on paper."
 
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
@@ -197,7 +198,7 @@ class _Setting:
 
     def _show_buttons(self) -> None:
         self._mix.text = "" if self._form.is_simulated else _to_be_mixed(self._missing)
-        status, there = self._status, bool(self.plan)
+        status, there = self._begun_here, bool(self.plan)
         self._corners.show()
         goes_on = status is not None and not status.is_over
         self._none.visible, self._plan.visible = not there, there
@@ -214,6 +215,12 @@ class _Setting:
             button.enabled = not (self._run.is_busy or self._studio.by_hand.is_on)
 
     @property
+    def _begun_here(self) -> PaintStatus | None:
+        """Status of what the chosen machine could go on with: a rehearsal is nothing that a real one goes on with."""
+        status = self._status
+        return None if status is not None and status.options.simulated and not self._form.is_simulated else status
+
+    @property
     def _is_drawing(self) -> bool:
         return bool(self.plan) and is_svg(self._studio.folder.painting(self.plan))
 
@@ -226,7 +233,8 @@ class _Setting:
         return self.plan, self._corners.applied(options, before)
 
     def _rehearse(self) -> None:
-        self._run.check(*self._filled_in(), resume=self._status is not None and not self._status.is_over)
+        status = self._begun_here
+        self._run.check(*self._filled_in(), resume=status is not None and not status.is_over)
 
     async def _begin(self) -> None:
         await self._run.begin(*self._filled_in())
@@ -250,18 +258,12 @@ def _begun_text(status: PaintStatus | None) -> str:
     if status is None:
         return ""
     if status.is_over:
-        return f"All {_counted(status.strokes, 'stroke')} are painted."
+        return f"All {_counted(status.strokes, 'stroke')} are painted.{_REHEARSED if status.options.simulated else ''}"
     sheets = status.options.sheets
     sheet = f" on sheet {status.sheet} of {sheets}" if sheets > 1 else ""
     done = f"{status.painted} of {_counted(status.strokes, 'stroke')}"
-    return f"It was begun: {done} are painted{sheet}.{_by(status.options.machine)}"
-
-
-def _by(spec: str) -> str:
-    """Return a sentence on the machine by which a painting was begun, after a space."""
-    if spec.startswith("sim"):
-        return " So far on the simulated easel: nothing of it is on paper."
-    return f" Machine so far: {machine_name(spec)}."
+    so_far = f" Machine so far: {machine_name(status.options.machine)}."
+    return f"It was begun: {done} are painted{sheet}.{_REHEARSED if status.options.simulated else so_far}"
 
 
 def _to_be_mixed(missing: int) -> str:
