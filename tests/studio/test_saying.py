@@ -11,6 +11,7 @@ from maulstick.errors import InputError
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.workers.areas import brushed, enclosed, geometry_of, guide
 from maulstick.studio.workers.said import MOST_REGIONS, Said, map_colours
+from maulstick.studio.workers.said_files import SAY
 from tests.support.robot.small_paintings import SIX
 from tests.support.studio.acting import acting
 from tests.support.studio.plans_to_paint import put_plan
@@ -79,6 +80,8 @@ def test_what_cannot_be_said_is_refused_in_a_sentence_and_not_kept(tmp_path: Pat
         await said.change(other, direction="guides")
         with pytest.raises(InputError, match="none on the picture"):
             said.check_guides({})
+        assert said.unseen({}) == ["Region 2"]
+        assert said.unseen({SAY: b'["Region 2"]\nbare = true'}) == []
         with pytest.raises(InputError, match="width of the brush"):
             await said.emphasise(_SQUARE, 0, 3)
 

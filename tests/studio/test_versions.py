@@ -77,6 +77,7 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
                 assert "leaves all of the sheet bare" in bare.why
                 assert read_painting(as_planned.folder / "painting.json") == planned
                 await first.undo()
+                await first.saying.enclose(_SQUARE, bare=False)
                 await first.saying.enclose(_SQUARE, bare=True)
                 await first.saying.guide([0.005, 0.05, 0.055, 0.05])
                 await first.edit({"kind": "remove", "strokes": [planned.strokes[0].id]})
@@ -85,7 +86,8 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
                 assert again.why == ""
                 second = studio.directing(again.name)
                 assert second.saying.now == first.saying.now
-                await second.saying.take_out(second.saying.now.regions[0].id)
+                for region in second.saying.now.regions:
+                    await second.saying.take_out(region.id)
                 kept = await studio.version_of(again.name, is_kept=True)
                 await until(lambda: not kept.is_busy)
             finally:
@@ -95,7 +97,10 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     again, kept = asyncio.run(act())
     options = again.request.options
     assert (options.regions, options.say, options.guides) == tuple(again.folder / name for name in (MAP, SAY, GUIDES))
-    assert changes_in(again.folder) == "1 stroke taken out; bare paper “Bare paper”; 1 guide; planned again."
+    assert changes_in(again.folder) == (
+        "1 stroke taken out; a region “Region”; bare paper “Bare paper”; 1 guide; planned again without “Region”, of "
+        "which nothing is seen on the picture."
+    )
     painting = read_painting(again.folder / "painting.json")
     xy = np.array([point[:2] for stroke in painting.strokes for point in stroke.trajectory])
     assert not ((xy > 0.01) & (xy < 0.03)).all(axis=1).any(), "no ink there"
@@ -103,8 +108,8 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     assert read_painting(kept.folder / "painting.json") == painting
     assert (kept.folder / "preview.png").is_file()
     assert (kept.folder / TARGET).read_bytes() == (again.folder / TARGET).read_bytes()
-    assert kept.request.options.regions is None, "the one region is taken out"
-    assert changes_in(kept.folder) == "Region “Bare paper” taken out; kept as it is."
+    assert kept.request.options.regions is None, "both regions are taken out"
+    assert changes_in(kept.folder) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
 
 
 def test_regions_of_the_command_line_stay_until_some_are_painted(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """What a person says of places on the sheet of a plan: acts among those on its strokes, undone and redone with them."""
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, final
@@ -25,7 +26,7 @@ from maulstick.studio.workers.said import (
     Spot,
     TakeOut,
 )
-from maulstick.studio.workers.said_files import GUIDES, read_said, said_files
+from maulstick.studio.workers.said_files import GUIDES, SAY, read_said, said_files
 
 SAID: Final = "said"
 """Kind of these acts in the file of acts."""
@@ -97,6 +98,11 @@ class Saying:
     async def files(self, request: PlanRequest) -> dict[str, bytes]:
         """Return `said_files` of what is said now, for planning that request."""
         return await self._desk.do(said_files, self._painting, self.now.model_dump_json(), request)
+
+    def unseen(self, files: Mapping[str, bytes]) -> list[str]:
+        """Return the names of regions that are not among the files of `files`: nothing of them is on the picture."""
+        seen = tomllib.loads(files.get(SAY, b"").decode())
+        return [region.name for region in self.now.regions if region.name not in seen]
 
     def check_guides(self, files: Mapping[str, bytes]) -> None:
         """Raise InputError where strokes of a region are to follow guides, and none is among the files of `files`."""

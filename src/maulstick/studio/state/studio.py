@@ -98,9 +98,11 @@ class Studio:
             files[TARGET] = target.read_bytes()
         painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
         under = self.gallery.path(photograph) if photograph else None
-        done = "kept as it is" if is_kept else "planned again" if under is None else _OVER
+        done = "planned again" if under is None else _OVER
+        if unseen := said.unseen(files):
+            done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
         strokes, hands = await directing.changes(), self.styles.titles()
-        changes = version_in_words(strokes, said.at_first, said.now, hands, done)
+        changes = version_in_words(strokes, said.at_first, said.now, hands, "kept as it is" if is_kept else done)
         frame = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
         return self.plans.add(request, title, Around(now, frame, files, changes, is_kept, under, painted))
