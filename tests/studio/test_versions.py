@@ -84,6 +84,7 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
                 again = await studio.version_of("coast")
                 await until(lambda: not again.is_busy)
                 assert again.why == ""
+                assert await studio.mixing.missing(again.name) == [], "the paints that were mixed are the same"
                 second = studio.directing(again.name)
                 assert second.saying.now == first.saying.now
                 for region in second.saying.now.regions:

@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, final
+from typing import Final, Literal, final
 
 import numpy as np
 from nicegui import Event
@@ -25,6 +25,9 @@ from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.planned_paints import PlannedPaint, planned_paints
 from maulstick.studio.workers.svg_work import CARD
 from maulstick.studio.workers.uploads import read_brought
+
+MIXED: Final = "mixed.json"
+"""File in a plan's folder: which of its paints are mixed."""
 
 _Tubes = tuple[NamedPaint, ...]
 
@@ -107,7 +110,7 @@ class Mixing:
 
     def mixed(self, plan: str) -> frozenset[str]:
         """Read the labels of the mixed paints; some may be of paints that the plan no longer has."""
-        path = self._folder.of("plans", plan) / "mixed.json"
+        path = self._folder.of("plans", plan) / MIXED
         return frozenset(read_record(Mixed, path, "list of mixed paints").paints if path.is_file() else ())
 
     async def tick(self, plan: str, label: str, mixed: bool) -> None:
@@ -187,7 +190,7 @@ class Mixing:
 
     async def _write(self, plan: str, labels: set[str] | frozenset[str]) -> None:
         if labels != self.mixed(plan):
-            path = self._folder.of("plans", plan) / "mixed.json"
+            path = self._folder.of("plans", plan) / MIXED
             await asyncio.to_thread(write_record, Mixed(paints=tuple(sorted(labels))), path)
             self.changed.emit()
 

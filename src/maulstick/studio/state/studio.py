@@ -11,7 +11,7 @@ from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.drawing import Drawing
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
-from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.mixing import MIXED, Mixing
 from maulstick.studio.state.own_pictures import with_own
 from maulstick.studio.state.plans import Plan, Plans
 from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
@@ -94,8 +94,8 @@ class Studio:
         files = await said.files(request)
         if not is_kept:
             said.check_guides(files)
-        if is_kept and (target := plan.folder / TARGET).is_file():  # which planning would make
-            files[TARGET] = target.read_bytes()
+        kept = (MIXED, TARGET) if is_kept else (MIXED,)  # planning would make another target
+        files |= {file: path.read_bytes() for file in kept if (path := plan.folder / file).is_file()}
         painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
         under = self.gallery.path(photograph) if photograph else None
         done = "planned again" if under is None else _OVER
