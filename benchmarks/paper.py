@@ -28,7 +28,7 @@ COMMANDS = {
     "startup": ["benchmarks/startup.py"],
     "step_cost": ["benchmarks/plan.py", "--step-cost"],
     "steps": ["benchmarks/steps.py", "--seeds", "1"],
-    "several_brushes": ["benchmarks/several_brushes.py", "--seeds", "1"],
+    "several_brushes": ["benchmarks/several_brushes.py"],
     "clip_size": ["benchmarks/clip_size.py"],
     "stroke_models": ["experiments/stroke_models.py", "--models", "brushes"],
     "stroke_networks": ["experiments/stroke_models.py", "--models", "networks"],

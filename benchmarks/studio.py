@@ -130,7 +130,7 @@ if __name__ == "__main__":
         studio.close()
         finish_plans(Path(root) / "many" / "studio")
         studio = RunningStudio(Path(root) / "many")
-        shown(browser.new_page(), studio.url)
+        shown(browser.new_page(), studio.link)
         answers(studio, plans=PLANS)
         pages(studio, browser, busy=False, plans=PLANS)
         studio.close()
