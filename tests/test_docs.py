@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,15 @@ def test_every_link_to_a_section_leads_to_one(document: Path) -> None:
     assert [
         link for link in links if link[1] not in sections_of((document.parent / link[0]) if link[0] else document)
     ] == []
+
+
+def test_the_package_its_citation_and_the_newest_changes_have_one_version() -> None:
+    package = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    newest = re.search(r"^## \[([\d.]+)\]", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    cited = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+    assert newest is not None
+    assert cited is not None
+    assert newest[1] == cited[1] == package
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
