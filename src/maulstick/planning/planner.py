@@ -83,7 +83,6 @@ class _Planning:
         self._rng = np.random.default_rng(options.seed)
         self._torch_rng = torch.Generator().manual_seed(options.seed)
         self._loss = CanvasLoss(problem, options)
-        self._style_price = StylePrice(self._style, options.strokes, options.seed)
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         hands = self._style.hands if isinstance(self._style, RegionalStyle) else (self._style,)
         known = any(hand.arrangement is not None for hand in hands)
@@ -93,6 +92,7 @@ class _Planning:
         self._arranging = None
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
+        self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
         if start is None:
             start, self._spacing = self._initialiser.first()
             if arranged:

@@ -17,11 +17,15 @@ class StylePrice:
     """Price by the style, with a weight that grows while strokes are less likely than it allows, and then falls.
 
     So strokes keep to a style alike with a broad brush or a thin pen.
+    start: the strokes that a plan is to go on from, which may cost as much as they do. The last few of a painting never
+    have a hand's whole distribution, and would be pulled towards it, away from the picture.
     """
 
-    def __init__(self, style: Style, strokes: int, seed: int) -> None:
+    def __init__(self, style: Style, strokes: int, seed: int, start: StrokeParameters | None = None) -> None:
         usual = style.usual_cost(max(_SAMPLES, strokes), torch.Generator().manual_seed(seed))
         self._style, self._allowed = style, style.max_mean_cost * usual  # nats
+        if start is not None:
+            self._allowed = max(self._allowed, style.cost(start.codes, start.pressure_knots).mean().item())
         self.weight = _LEAST
         self._excess = 0.0
 
