@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import inf, log
+from typing import NoReturn, Self
 
 import numpy as np
 import torch
@@ -80,6 +81,33 @@ class Bezier(Style):
         chosen = by_length(codes[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
 
+    def sample_around(self, rows: Tensor, generator: Generator) -> NoReturn:
+        """Raise NotImplementedError: there are no strokes of a hand."""
+        raise NotImplementedError
+
+    @property
+    def arrangement(self) -> None:
+        """None: there is no hand that arranges strokes."""
+        return None
+
+    def lengths(self, count: int) -> None:
+        """Return None: curves may have any length within the limits."""
+
+    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+        """Change codes (N, 2) in place, so that their curves have chords of these lengths (N,), metres."""
+        shares = (lengths.to(codes) - self.shortest) / (self.longest - self.shortest)
+        codes[:, 0] = _codes(shares)
+
+    def scaled(self, times: float) -> Self:
+        """Return curves whose limits are so many times as large."""
+        return replace(
+            self, shortest=self.shortest * times, longest=self.longest * times, most_bent=self.most_bent * times
+        )
+
+    def usual_cost(self, k: int, generator: Generator) -> float:
+        """Mean cost of k samples."""
+        return float(self.cost(*self.sample(k, generator)).mean())
+
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """The cost of uniform lengths and bends, which keeps codes from where gradients vanish; uneven pressure."""
         shares = logsigmoid(STEEPNESS * codes) + logsigmoid(-STEEPNESS * codes) + log(4)
@@ -140,7 +168,7 @@ def plan_plainly(
     """
     pressure = start.pressure_knots.mean(dim=1, keepdim=True) if even_pressure else start.pressure_knots
     leaves = {name: tensor.clone() for name, tensor in (start.each() | {"pressure_knots": pressure}).items()}
-    fixed = {"pressure_knots": not problem.brushes[0].pressure_matters, "colours": paints is None}
+    fixed = {"pressure_knots": not problem.brushes[0].pressure_matters, "colours": paints is None, "brush_of": True}
     for name, tensor in leaves.items():
         tensor.requires_grad_(not fixed.get(name, False))
     strokes = StrokeParameters(**(leaves | {"pressure_knots": _even(leaves["pressure_knots"])}))
