@@ -188,6 +188,7 @@ def test_what_strokes_of_one_pressure_that_never_cross_leave_open_is_said(flat: 
 def test_strokes_of_one_pressure_tell_one_width(flat: Fit) -> None:
     assert flat.brush.alpha == 0
     assert flat.brush.beta == pytest.approx(MARKER.half_width(np.array(0.5)), rel=CLEAN_WIDTH)
+    assert flat.brush.lightest == pytest.approx(0.5)
 
 
 def test_ink_that_never_crosses_itself_is_taken_for_opaque(flat: Fit) -> None:

@@ -44,6 +44,14 @@ def even() -> Floats:
     return np.ones((HEIGHT, WIDTH))
 
 
+@pytest.mark.parametrize("alpha", [0.0, 0.002])
+def test_strokes_begin_no_lighter_than_their_brush_was_measured(alpha: float) -> None:
+    brush = nominal("round").model_copy(update={"alpha": alpha, "lightest": 0.3})
+    narrow = find_places(striped(0.3), even(), 40, np.random.default_rng(0), 1.0)
+    begun = start_strokes(narrow, STYLE, brush, PPM, torch.Generator().manual_seed(0))
+    assert begun.pressure_knots.min() == pytest.approx(0.3)
+
+
 def test_places_lie_where_the_density_is() -> None:
     density = np.zeros((HEIGHT, WIDTH))
     density[5:20, 30:60] = 1.0

@@ -109,7 +109,7 @@ def fit_brush(
     places = (found.unit * found.place).double().numpy()
     scatter = median_abs_deviation(places, axis=0, scale="normal")
     return Fit(
-        brush=_brush(executed, name, source, depth),
+        brush=_brush(executed, name, source, depth, lightest=float(evidence.pressures().min())),
         errors=_named(errors, _MEDIAN * scatter / np.sqrt(len(windows))),
         warnings=doubts(paths, found, errors, opaque),
         left_out=tuple(left_out),
@@ -130,7 +130,7 @@ def _views(executed: Executed, shown: Evidence) -> tuple[HeldOutStroke, ...]:
     return tuple(HeldOutStroke(w.name, w.after, mosaic.window(predicted, i)) for i, w in enumerate(shown.windows))
 
 
-def _brush(executed: Executed, name: str, source: str, depth: tuple[float, float]) -> Brush:
+def _brush(executed: Executed, name: str, source: str, depth: tuple[float, float], lightest: float) -> Brush:
     numbers = {key: value.double().tolist() for key, value in executed.unknowns.numbers().items()}
     flow = executed.flow
     alpha = numbers["alpha"][0]
@@ -153,6 +153,7 @@ def _brush(executed: Executed, name: str, source: str, depth: tuple[float, float
         faint=flow.faint,
         solid=flow.solid,
         depth=depth,
+        lightest=lightest,
     )
 
 

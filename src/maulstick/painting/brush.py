@@ -44,6 +44,8 @@ class Brush(BaseModel):
     touch: offset (x, y) at which the tip comes down; it fades over the lag.
     faint, solid: opacity times faint + (1 - faint) pressure / solid, at most 1, at the stroke's mean pressure.
     depth: distance of the tip below first touch at pressure 0 and at pressure 1; (0, 0) where unknown.
+    lightest: least mean pressure of the strokes that it was fitted to; lighter strokes may leave no mark, and none is
+    planned.
     Raises ValidationError where a number is out of range.
     """
 
@@ -69,6 +71,7 @@ class Brush(BaseModel):
     faint: Annotated[_Number, Field(gt=0, le=1)] = 1.0
     solid: Annotated[_Number, Field(gt=0)] = 1.0
     depth: tuple[_Number, _Number] = (0.0, 0.0)
+    lightest: Annotated[_Number, Field(ge=0, le=1)] = 0.0
 
     @model_validator(mode="after")
     def _leaves_a_mark(self) -> Self:
@@ -87,8 +90,8 @@ class Brush(BaseModel):
 
     @property
     def thinnest(self) -> float:
-        """Half-width at pressure 0, metres; 0 where the lightest touch leaves no mark."""
-        return max(self.beta, 0.0)
+        """Half-width at the lightest pressure, metres; 0 where that leaves no mark."""
+        return max(float(self.half_width(np.array(self.lightest))), 0.0)
 
     @property
     def finest(self) -> float:
@@ -122,13 +125,15 @@ class Brush(BaseModel):
             "opacity": self.opacity * paled,
             "faint": 1.0,
             "depth": (max(touch + pressure * (deepest - touch), _TOUCHING) if any(self.depth) else 0.0,) * 2,
+            "lightest": 0.0,
         }
         return Brush.model_validate({**self.model_dump(), **held})
 
     def pressure_for(self, half_width: Floats) -> Floats:
-        """Pressure in [0, 1] that draws nearest to each half-width in metres, any shape; 0 where it has no effect."""
+        """Pressure that draws nearest to each half-width in metres, any shape; the lightest where it has no effect."""
         pressures = np.array((0, *CURVE_PRESSURES, 1))
-        return np.asarray(np.interp(half_width, self.half_width(pressures), pressures)) * self.pressure_matters
+        nearest = np.interp(half_width, self.half_width(pressures), pressures) * self.pressure_matters
+        return np.maximum(nearest, self.lightest)
 
     def mark(self, path: Floats) -> Floats:
         """Return where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.

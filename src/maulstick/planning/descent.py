@@ -24,11 +24,11 @@ class Descent:
     """Adam over the parameters of strokes, and later of paints.
 
     spacing: metres between strokes, which a step of their centres is measured by.
-    turning: share of the usual rate at which strokes turn.
+    turning: share of the usual rate at which strokes turn.  lightest: (k,), least pressure of each brush.
     """
 
-    def __init__(self, strokes: StrokeParameters, spacing: float, turning: float = 1.0) -> None:
-        self.strokes = strokes
+    def __init__(self, strokes: StrokeParameters, spacing: float, lightest: Tensor, turning: float = 1.0) -> None:
+        self.strokes, self._lightest = strokes, lightest
         self._paints: Tensor | None = None
         self._steps = 0
         rates = {**_RATES, "centres": _CENTRES_IN_SPACINGS * spacing, "angles": turning * _RATES["angles"]}
@@ -66,7 +66,8 @@ class Descent:
 
     @torch.no_grad()
     def _clamp(self) -> None:
-        self.strokes.pressure_knots.clamp_(0, 1)
+        knots, lightest = self.strokes.pressure_knots, self._lightest[self.strokes.brush_of, None]
+        torch.maximum(knots.clamp_(max=1), lightest, out=knots)
         self.strokes.colours.clamp_(0, 1)
         if self._paints is not None:
             self._paints.clamp_(0, 1)

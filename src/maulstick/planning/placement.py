@@ -118,9 +118,9 @@ def strokes_at(
     spacing = places.spacing / pixels_per_metre
     if brush.pressure_matters:
         pressure = brush.pressure_for(HALF_WIDTH_IN_SPACINGS * spacing)
-        knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(0, 1)
+        knots = (knots - knots.mean(dim=1, keepdim=True) + _tensor(pressure)[:, None]).clamp(brush.lightest, 1)
     else:
-        knots = torch.zeros_like(knots)
+        knots = torch.full_like(knots, brush.lightest)
     return StrokeParameters(
         codes,
         _tensor(places.centres / pixels_per_metre),

@@ -112,7 +112,8 @@ class _Planning:
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
-        self._descent = Descent(strokes, self._spacing, turning)
+        lightest = torch.tensor([brush.lightest for brush in problem.brushes])
+        self._descent = Descent(strokes, self._spacing, lightest, turning)
         self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far
         self._sorted = self._relocated = self._repainted = 0  # how many of each in the schedule are over
