@@ -38,6 +38,7 @@ def plan(
     again: records.Painting | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
+    workers: int | None = None,
     **changes: Any,
 ) -> Painting:
     """Plan a painting of a picture, or of the `text` among the options.
@@ -51,6 +52,8 @@ def plan(
     options: defaults for everything else; changes: fields of `PlanOptions` that differ from them.
     progress: called after every step with a `PlanProgress` (done in [0, 1], loss, parts of the loss by name, canvas
     (3, H, W)); once it returns False, planning finishes what it has in some sixty steps.
+    workers: processes that plan windows of a large canvas at the same time, by default one per core; the plan is the
+    same with any number.
 
     Raises InputError for a picture, an option or a file that cannot be used.
 
@@ -80,7 +83,7 @@ def plan(
     if picture is None and changes.get("text") is None and (options is None or options.text is None):
         raise InputError("there is nothing to paint; give a picture, or a text")
     prepared = prepare(
-        PlanRequest(path, replace(options or PlanOptions(), **changes)),
+        PlanRequest(path, replace(options or PlanOptions(), **changes), workers=workers),
         image,
         brushes=brushes,
         style=style if isinstance(style, Style) else None,

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 import torch
 
-_USUAL = torch.get_num_threads()  # torch's own choice, read before anything here changes it
+_AT_START = torch.get_num_threads()  # torch's own choice, read before anything here changes it
+_USUAL = ContextVar("usual", default=_AT_START)
 
 
 @contextmanager
@@ -21,8 +23,18 @@ def one_torch_thread() -> Iterator[None]:
 @contextmanager
 def usual_torch_threads() -> Iterator[None]:
     """Let torch use as many threads as at its start: for networks, whose tensors are large."""
-    with _threads(_USUAL):
+    with _threads(_USUAL.get()):
         yield
+
+
+@contextmanager
+def one_thread_for_networks() -> Iterator[None]:
+    """Let networks use one thread, too, so that they compute the same bits wherever they are called."""
+    before = _USUAL.set(1)
+    try:
+        yield
+    finally:
+        _USUAL.reset(before)
 
 
 @contextmanager

@@ -206,6 +206,14 @@ def plan(
     tries: Annotated[
         int, _planning(metavar="N", help="Plan from this many seeds, in parallel, and keep the best plan.")
     ] = 1,
+    workers: Annotated[
+        int | None,
+        _planning(
+            metavar="N",
+            show_default="one per core",
+            help="Processes that plan windows of a large canvas at the same time. Any number gives the same plan.",
+        ),
+    ] = None,
     out: Annotated[Path, _writing(metavar="FOLDER", help="Folder for the results.")] = Path("painting"),
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace earlier results there.")] = False,
     video: Annotated[str | None, _writing(metavar="FORMAT", help="Record the planning too: mp4 or gif.")] = None,
@@ -226,7 +234,7 @@ def plan(
         with no_garbage():
             from maulstick.cli.plan.run import go_on  # loads torch
 
-        go_on(resume)
+        go_on(resume, workers)
         return
     if pen is not None:
         if _is_given(context, "brush"):
@@ -283,7 +291,7 @@ def plan(
         before = read_painting(again)
         options = planned_before(before, {**given, "again": again})
         path = picture_path(picture, demo, text, is_needed=False) or picture_near(before, again)
-    request = PlanRequest(path, options, tries, video)
+    request = PlanRequest(path, options, tries, video, workers)
     if state_files(out) and not overwrite:
         raise OutputError(
             f"the folder {out} holds a plan that was cut off; go on with maulstick plan --resume {out}, "
@@ -298,7 +306,7 @@ def plan(
 
 def _refuse_other_options(context: typer.Context) -> None:
     for parameter in context.command.params:
-        if _is_given(context, parameter.name or "") and parameter.name != "resume":
+        if _is_given(context, parameter.name or "") and parameter.name not in ("resume", "workers"):
             raise InputError(f"--resume goes on with what was asked then; leave out {parameter.opts[0]}")
 
 

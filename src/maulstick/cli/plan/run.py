@@ -1,6 +1,7 @@
 """Planning from a terminal: progress bar, Ctrl-C, a video, and a file to go on from."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -36,15 +37,18 @@ def begin(request: PlanRequest, out: Path) -> None:
         _run(prepared, out, console)
 
 
-def go_on(out: Path) -> None:
+def go_on(out: Path, workers: int | None) -> None:
     """Go on with the unfinished plan in the folder `out`; its video begins here.
 
+    workers: as many as then, where left out; the plan does not depend on them.
     Raises InputError where there is none, or a file that it was made with has changed.
     """
     files = state_files(out) if out.is_dir() else []
     if not files:
         raise InputError(f"there is no unfinished plan in {out}; name the folder that --out named when it began")
     request = PlanRequest.from_json(read_state(files[0])[1], files[0])
+    if workers is not None:
+        request = replace(request, workers=workers)
     prepared = prepare(request)
     request.check_unchanged(prepared.request.sums)
     console = _console()

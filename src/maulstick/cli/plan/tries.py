@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from dataclasses import replace
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.queues import Queue
 from multiprocessing.synchronize import Event
@@ -97,4 +98,6 @@ def _plan_from(request: PlanRequest, out: Path, seed: int) -> Painting:
             _reports.put((seed, progress.done, progress.loss))
         return not _stop.is_set()
 
-    return plan_with(prepare_try(request, seed), out, request, watch)
+    prepared = prepare_try(request, seed)
+    workers = max(1, prepared.workers // request.tries)  # or all tries together would have more than there are cores
+    return plan_with(replace(prepared, workers=workers), out, request, watch)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from importlib.metadata import version
 
 from maulstick.colour.tubes import NamedPaint, read_paints
@@ -13,11 +13,12 @@ from maulstick.jobs.plan.directing import Directing
 from maulstick.jobs.plan.inputs import SHEET_PX, enough, held, mural_of, network_of, picture_of, settings_of, sheet_of
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, sum_of
+from maulstick.jobs.plan.window_pool import windows_at_once, workers_for
 from maulstick.painting.brush import Brush, finest_of, load_brushes, names_of
 from maulstick.painting.painting import Painting, Provenance, hex_colour
 from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import parse_margin
-from maulstick.planning.features.network import Network
+from maulstick.planning.features.network import LoadedOnce, Network
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import LONGEST_PX, Layout, lay_out_for
 from maulstick.planning.lines import lines_for
@@ -43,6 +44,7 @@ class Prepared:
     """All that planning and its file need.
 
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
+    workers: processes that plan windows at the same time.
     device: what plans, and a note on it for people.  supply: of one ink, in a hand.
     is_held: whether the brush is held at one pressure since the machine only lifts its pen.
     again: what is planned again, None for a new plan.  kept: painting whose locked strokes stay among those planned.
@@ -57,6 +59,7 @@ class Prepared:
     provenance: Provenance
     names: dict[str, str]
     mural: Mural | None
+    workers: int
     loss_options: LossOptions
     network: Callable[[], Network]
     device: Choice
@@ -118,18 +121,20 @@ class Prepared:
                 start = self.again.start(self.problem)
                 return plan(self.problem, self.settings, watch, schedule=REPLAN, start=start, resume=resume)
             return plan(self.problem, self.settings, watch, resume=resume)
-        return plan_mural(
-            self.mural,
-            self.brushes,
-            self.style,
-            self.settings,
-            watch,
-            loss_options=self.loss_options,
-            network=self.network,
-            resume=resume,
-            device=self.device.device,
-            tones=self.tones,
-        )
+        with windows_at_once(self.workers) as plan_windows:
+            return plan_mural(
+                self.mural,
+                self.brushes,
+                self.style,
+                self.settings,
+                watch,
+                loss_options=self.loss_options,
+                network=self.network,
+                resume=resume,
+                device=self.device.device,
+                tones=self.tones,
+                plan_windows=plan_windows,
+            )
 
     def painting(self, planned: PlanResult) -> Painting:
         """Return the painting that was planned, with its metrics."""
@@ -198,6 +203,7 @@ def prepare(
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
         picture = lines_for(picture, sheet, finest, options.fit, margin)
     mural = mural_of(options, picture, sheet, finest, margin)
+    workers = workers_for(request.workers, device.device, has_windows=mural is not None)
     if mural is None:
         layout = lay_out_for(picture, sheet, finest, options.fit, options.px, margin)
     else:
@@ -220,7 +226,7 @@ def prepare(
     if tones is not None and tones.compressed:  # none can be spared
         settings = replace(settings, exact=True)
     regions = directing.regions(layout, style, brushes, usual)
-    loss_options, network = _losses(options, picture), cache(partial(network_of, options))
+    loss_options, network = _losses(options, picture), LoadedOnce(partial(network_of, options))
     problem = problem_of(
         layout,
         brushes,
@@ -260,6 +266,7 @@ def prepare(
         provenance,
         names,
         mural,
+        workers,
         loss_options,
         network,
         device,

@@ -19,12 +19,16 @@ from maulstick.storage.files import file_sum
 MOST_TRIES: Final = 64
 """Largest number of tries: each takes as long as a plan, and on the command line a process of its own."""
 
+MOST_WORKERS: Final = 32
+"""Largest number of workers: what all of them keep to go on from must fit into one file."""
+
 
 @dataclass(frozen=True)
 class PlanRequest:
     """A picture, or None where there is only a text or a look, and options; files as absolute paths.
 
     tries: plans from so many seeds, of which the best is kept.  video: the format to record the planning in, if any.
+    workers: processes that plan windows of a large canvas at the same time; None for one per core.
     sums: SHA-256 of each file, and of the brush and the style, by name.
 
     Raises InputError for a value that is out of its range, and for a video of several tries.
@@ -36,6 +40,7 @@ class PlanRequest:
     options: PlanOptions = field(default_factory=PlanOptions)
     tries: int = 1
     video: str | None = None
+    workers: int | None = None
     sums: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -45,6 +50,8 @@ class PlanRequest:
             raise InputError.of_range(option("tries"), self.tries, f"from 1 to {MOST_TRIES}")
         if self.options.seed + self.tries - 1 > MOST_SEED:
             raise InputError.of_range(option("seed"), self.options.seed, f"from 0 to {MOST_SEED + 1 - self.tries}")
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
+            raise InputError.of_range(option("workers"), self.workers, f"from 1 to {MOST_WORKERS}")
         if self.video is not None:
             Video(self.video)
             if self.tries > 1:

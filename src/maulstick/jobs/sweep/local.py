@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -14,6 +13,7 @@ from threading import Lock, local
 from typing import IO
 
 from maulstick.errors import OutputError
+from maulstick.jobs.processes import death_of
 
 _WORKER = "maulstick.jobs.sweep.worker"
 
@@ -60,7 +60,7 @@ class Local:
             worker = self._mine.worker = self._start()
         said = worker.ask(json.dumps(str(folder.absolute())))
         if not said:
-            raise OutputError(_death(worker.process.wait(), worker.told))
+            raise OutputError(death_of(worker.process.wait(), worker.told, "plan fewer cells at once"))
         answer: str | None = json.loads(said)
         return answer
 
@@ -99,13 +99,3 @@ class _Worker:
             return self.process.stdout.readline()
         except BrokenPipeError:
             return ""
-
-
-def _death(code: int, told: IO[bytes]) -> str:
-    if code >= 0:
-        told.seek(0)
-        last = told.read().decode(errors="replace").strip().rpartition("\n")[2]
-        return f"its process left with exit code {code}" + (f", and said: {last}" if last else "")
-    name = signal.Signals(-code).name
-    why = ", most likely for want of memory: plan fewer cells at once" if name == "SIGKILL" else ""
-    return f"its process was ended by {name}{why}"

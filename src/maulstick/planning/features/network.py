@@ -1,7 +1,8 @@
 """Interface of pretrained networks: images in, features out, nothing to train."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Final
 
 from torch import Tensor
 
@@ -36,3 +37,20 @@ class ReadingNetwork(Network):
     @abstractmethod
     def embed_text(self, texts: Sequence[str]) -> Tensor:
         """Return unit vectors (T, D) of texts, to be compared with the embeddings of images."""
+
+
+class LoadedOnce:
+    """A network that is loaded at the first call, and once per process: sent to another, it is loaded there anew."""
+
+    def __init__(self, load: Callable[[], Network]) -> None:
+        self._load: Final = load
+        self._network: Network | None = None
+
+    def __call__(self) -> Network:
+        """Return the network."""
+        if self._network is None:
+            self._network = self._load()
+        return self._network
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return LoadedOnce, (self._load,)

@@ -129,6 +129,19 @@ class Windows:
             min(int(self.rows[row + 1]) + self.margin, int(self.rows[-1])),
         )
 
+    def rounds(self) -> list[list[int]]:
+        """Return the windows in rounds that follow one another; between any two boxes of a round lies a pixel or more.
+
+        Usually there are four rounds, by even and odd rows and columns.
+        """
+        across, down = len(self.columns) - 1, len(self.rows) - 1
+        by_column, by_row = _stride(self.columns, self.margin), _stride(self.rows, self.margin)
+        return [
+            [row * across + column for row in range(top, down, by_row) for column in range(left, across, by_column)]
+            for top in range(by_row)
+            for left in range(by_column)
+        ]
+
     def owner(self, x: Floats, y: Floats) -> Ints:
         """Return the index of the core in which each place lies, (N,); x and y, (N,), in pixels."""
         column = np.searchsorted(self.columns[1:-1], x, side="right")
@@ -166,3 +179,8 @@ def _reached(box: tuple[int, int], place: tuple[float, float], length: int) -> t
 
 def _edges(length: int, core_px: int) -> Ints:
     return np.linspace(0, length, ceil(length / core_px) + 1).round().astype(np.int64)
+
+
+def _stride(edges: Ints, margin: int) -> int:
+    """Return the least stride at which parts between edges lie apart, each with a margin on both sides, pixels."""
+    return next(step for step in range(1, len(edges)) if (edges[step:-1] - edges[1:-step] > 2 * margin).all())

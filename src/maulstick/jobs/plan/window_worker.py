@@ -1,0 +1,56 @@
+"""Process that plans one window of a mural after another, and tells how it goes, by a connection whose number it gets.
+
+It needs nothing of the program that started it, which may have no main module to import again, and leaves with it.
+"""
+
+import os
+import pickle
+import sys
+import time
+from dataclasses import replace
+from functools import partial
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from threading import Event, Thread
+
+from maulstick.jobs.plan.window_pool import STOP
+from maulstick.planning.mural.window import Window, WindowPlanner
+from maulstick.planning.result import PlanProgress
+
+_TELL_EVERY = 2.0  # seconds between two tellings of how it goes: with its canvas and its state, these are megabytes
+
+
+def work() -> None:
+    """Plan each window that comes, until the other end of the connection is gone."""
+    connection, messages, stop = Connection(int(sys.argv[1])), SimpleQueue[bytes](), Event()
+    Thread(target=_listen, args=(connection, messages, stop), daemon=True).start()
+    planner: WindowPlanner | None = None
+    while True:
+        sent: tuple[WindowPlanner | None, Window] = pickle.loads(messages.get())
+        planner = planner or sent[0]
+        assert planner is not None
+        connection.send_bytes(pickle.dumps(planner.plan(sent[1], partial(_tell, connection, stop, [0.0]))))
+
+
+def _listen(connection: Connection, messages: "SimpleQueue[bytes]", stop: Event) -> None:
+    try:
+        while True:
+            message = connection.recv_bytes()
+            if message == STOP:
+                stop.set()
+            else:
+                messages.put(message)
+    except (EOFError, OSError):
+        os._exit(1)  # in the middle of a step, even: nobody waits for it any more
+
+
+def _tell(connection: Connection, stop: Event, told: list[float], progress: PlanProgress) -> bool:
+    if time.monotonic() - told[0] > _TELL_EVERY:
+        told[0] = time.monotonic()
+        kept = replace(progress, state=partial(dict, progress.state()))
+        connection.send_bytes(pickle.dumps(kept))
+    return not stop.is_set()
+
+
+if __name__ == "__main__":
+    work()
