@@ -25,19 +25,11 @@ from maulstick.style import load_style
 from tests.planning.conftest import options
 from tests.support.nominal import nominal
 from tests.support.planning.far_device import FarTensor, far_device
+from tests.support.planning.same import same
 from tests.support.planning.tiny_network import TinyNetwork
 
 CPU = torch.device("cpu")
 PALETTE = ((0.9, 0.8, 0.7), (0.2, 0.2, 0.4), (0.5, 0.3, 0.1))
-
-
-def same(one: PlanResult, other: PlanResult) -> bool:
-    pairs = zip(one.strokes.each().values(), other.strokes.each().values(), strict=True)
-    return (
-        all(torch.equal(x, y) for x, y in pairs)
-        and torch.equal(one.paints, other.paints)
-        and torch.equal(one.paint_of, other.paint_of)
-    )
 
 
 def planned(

@@ -27,6 +27,7 @@ from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.preview import preview
 from maulstick.storage.arrays import Image
 from maulstick.style import load_style
+from tests.support.planning.same import same
 from tests.support.tolerances import FLOAT32_METRES
 
 PX, CORE, SIDE = 96, 48, 0.12
@@ -67,13 +68,6 @@ def square_error(planned: PlanResult, layout: Layout, brush: Brush) -> Image:
     """Return the squared difference of the plan from the picture, (H, W)."""
     painting = as_painting(planned, layout, (brush,), STYLE, provenance_of(FINE))
     return np.square(preview(painting, layout.canvas) - layout.target).mean(axis=2)
-
-
-def same(one: PlanResult, two: PlanResult) -> bool:
-    """Return whether two plans are equal to the bit."""
-    pairs = [(one.paints, two.paints), (one.paint_of, two.paint_of)]
-    pairs += [(tensor, two.strokes.each()[name]) for name, tensor in one.strokes.each().items()]
-    return all(torch.equal(a, b) for a, b in pairs)
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,16 @@
+from itertools import combinations
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from maulstick.errors import InputError
 from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
-from maulstick.planning.mural.windows import Mural, Windows, enlarged
+from maulstick.planning.mural.windows import Box, Mural, Windows, enlarged
 from maulstick.storage.arrays import Image as Picture
 from tests.support.tolerances import FLOAT32_VALUE
 
@@ -75,6 +79,32 @@ def test_cores_tile_the_canvas_and_windows_stay_on_it() -> None:
         assert np.ptp(columns) < 60
         assert np.ptp(rows) < 60
         assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
+
+
+def apart(one: Box, other: Box) -> bool:
+    return one[2] < other[0] or other[2] < one[0] or one[3] < other[1] or other[3] < one[1]
+
+
+@given(width=st.integers(2, 900), height=st.integers(2, 900), core=st.integers(20, 400), margin=st.integers(0, 500))
+def test_each_window_is_in_one_round_in_which_no_box_touches_another(
+    width: int, height: int, core: int, margin: int
+) -> None:
+    windows = Windows.of(Canvas(width / 1000, height / 1000, 1000), core, margin)
+    rounds = windows.rounds()
+    assert sorted(index for each in rounds for index in each) == list(range(len(windows)))
+    for each in rounds:
+        assert each == sorted(each)
+        assert all(apart(windows.box(one), windows.box(other)) for one, other in combinations(each, 2))
+
+
+def test_windows_wider_than_their_margins_are_planned_in_four_rounds_by_even_and_odd_rows_and_columns() -> None:
+    windows = Windows.of(Canvas(0.4, 0.3, 1000), 100, 49)
+    assert windows.rounds() == [[0, 2, 8, 10], [1, 3, 9, 11], [4, 6], [5, 7]]
+
+
+def test_margins_wider_than_half_a_core_take_more_rounds() -> None:
+    windows = Windows.of(Canvas(0.5, 0.1, 1000), 100, 50)
+    assert windows.rounds() == [[0, 3], [1, 4], [2]]
 
 
 def test_a_place_beside_the_canvas_belongs_to_the_nearest_core() -> None:
