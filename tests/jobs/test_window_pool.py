@@ -6,9 +6,10 @@ import subprocess
 import sys
 
 import pytest
+import torch
 
-from maulstick.errors import OutputError
-from maulstick.jobs.plan.window_pool import WindowPool, windows_at_once
+from maulstick.errors import InputError, OutputError
+from maulstick.jobs.plan.window_pool import WindowPool, windows_at_once, workers_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.window import in_turn
 from maulstick.planning.result import PlanProgress, PlanResult
@@ -51,6 +52,15 @@ def test_any_number_of_processes_gives_the_same_plan_to_the_bit(planned: PlanRes
 def test_one_worker_is_this_process() -> None:
     with windows_at_once(1) as plan_windows:
         assert plan_windows is in_turn
+
+
+def test_there_is_a_worker_per_core_unless_others_are_wanted_and_a_gpu_has_one() -> None:
+    cpu, gpu = torch.device("cpu"), torch.device("cuda")
+    assert workers_for(None, cpu, has_windows=True) == torch.get_num_threads()
+    assert workers_for(3, cpu, has_windows=True) == 3
+    assert workers_for(None, gpu, has_windows=True) == workers_for(1, gpu, has_windows=True) == 1
+    with pytest.raises(InputError, match="workers is 2, and a GPU plans one window at a time; leave it out"):
+        workers_for(2, gpu, has_windows=True)
 
 
 @pytest.fixture(scope="module")

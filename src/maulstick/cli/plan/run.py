@@ -1,6 +1,8 @@
 """Planning from a terminal: progress bar, Ctrl-C, a video, and a file to go on from."""
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from maulstick.cli.exit_codes import STOPPED
 from maulstick.cli.plan.summary import print_summary
 from maulstick.cli.plan.tries import plan_in_processes
 from maulstick.cli.progress import VideoRecorder, progress_bar, stop_on_interrupt
-from maulstick.errors import InputError
+from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
 from maulstick.jobs.plan.prepare import Prepared, prepare
 from maulstick.jobs.plan.request import PlanRequest, state_files
@@ -59,7 +61,7 @@ def go_on(out: Path, workers: int | None) -> None:
 def _run(prepared: Prepared, out: Path, console: Console) -> None:
     video = Video(prepared.request.video) if prepared.request.video is not None else None
     started = time.monotonic()
-    with stop_on_interrupt(console) as wanted:
+    with stop_on_interrupt(console) as wanted, _saying_how_to_go_on(out, console):
         with progress_bar(console, prepared.settings.strokes) as show:
             if prepared.request.tries > 1:
                 painting = plan_in_processes(prepared.request, out, show, wanted)
@@ -86,6 +88,17 @@ def _run(prepared: Prepared, out: Path, console: Console) -> None:
     if state_files(out):  # it was not stopped when nothing was left to do
         console.print(f"maulstick plan --resume {out} goes on from where it was stopped", soft_wrap=True)
     raise Exit(STOPPED)
+
+
+@contextmanager
+def _saying_how_to_go_on(out: Path, console: Console) -> Iterator[None]:
+    """Say how to go on where planning fails and left a file to go on from."""
+    try:
+        yield
+    except OutputError:
+        if state_files(out):
+            console.print(f"maulstick plan --resume {out} goes on from what was kept last", soft_wrap=True)
+        raise
 
 
 def _console() -> Console:

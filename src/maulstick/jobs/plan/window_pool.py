@@ -33,8 +33,8 @@ def workers_for(wanted: int | None, device: torch.device, *, has_windows: bool) 
     """
     if wanted is not None and not has_windows:
         raise InputError(
-            f"{option('workers')} plan windows of a large canvas at the same time, and this one is planned in one "
-            f"piece, on all cores; leave it out, or choose a larger {option('px')}"
+            f"{option('workers')} says how many windows of a large canvas are planned at the same time, and this "
+            f"canvas is planned in one piece, on all cores; leave it out, or choose a larger {option('px')}"
         )
     if device.type == "cpu":
         return THREADS if wanted is None else wanted

@@ -1,0 +1,95 @@
+"""Murals on the command line: by any number of workers the same, also after one was killed."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+from skimage.data import astronaut
+
+from maulstick.jobs.plan import checkpoints
+from maulstick.jobs.plan.window_pool import _Worker
+from maulstick.planning.mural.planner import plan_mural
+from maulstick.planning.mural.window import Window
+from maulstick.planning.result import PlanResult
+from tests.cli.conftest import RESULTS, contents, paint, run
+
+STRIP = (
+    "--size",
+    "320x30mm",
+    "--brush",
+    "fineliner",
+    "--strokes",
+    "120",
+    "--paints",
+    "3",
+    "--steps",
+    "3",
+    "--px",
+    "24",
+)
+
+
+@pytest.fixture
+def picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A picture of which, while this test runs, a mural of eight windows is made."""
+
+    def small(*words: Any, **more: Any) -> PlanResult:
+        return plan_mural(*words, **more, window_px=32)
+
+    monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
+    monkeypatch.setattr("maulstick.jobs.plan.inputs.LONGEST_PX", 40)
+    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", small)
+    file = tmp_path / "strip.png"
+    Image.fromarray(astronaut()[100:148]).save(file)
+    return file
+
+
+def test_a_worker_that_is_killed_leaves_a_plan_that_fewer_workers_finish_as_if_nothing_had_been(
+    picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert paint(tmp_path / "one", *STRIP, "--workers", "1", photo=picture).code == 0
+    begin = _Worker.begin
+
+    def begin_and_die(worker: _Worker, window: Window) -> None:
+        begin(worker, window)
+        if window.index == 3:
+            worker.process.kill()
+
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoints, "_EVERY", 0.0)
+        patch.setattr(checkpoints, "_SHARE", 0)
+        patch.setattr(_Worker, "begin", begin_and_die)
+        died = paint(out, *STRIP, "--workers", "2", photo=picture)
+    assert died.code == 1
+    assert died.stderr.endswith(
+        f"maulstick plan --resume {out} goes on from what was kept last\n"
+        "maulstick: window 4 of the mural is not planned: its process was ended by SIGKILL, most likely for want of "
+        "memory: ask for fewer --workers\n"
+    )
+    assert os.listdir(out) == ["plan-0.npz"]
+    gone_on = run("plan", "--resume", out, "--workers", "1")
+    assert gone_on.code == 0, gone_on.stderr
+    assert sorted(os.listdir(out)) == RESULTS
+    assert contents(out) == contents(tmp_path / "one")
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--workers", "0"], "--workers is 0; it must be from 1 to 32"),
+        (["--workers", "33"], "--workers is 33; it must be from 1 to 32"),
+        (
+            ["--workers", "2"],
+            "--workers says how many windows of a large canvas are planned at the same time, and this canvas is "
+            "planned in one piece, on all cores; leave it out, or choose a larger --px",
+        ),
+    ],
+)
+def test_workers_without_windows_are_refused(tmp_path: Path, words: list[str], text: str) -> None:
+    ran = paint(tmp_path / "out", *words)
+    assert ran.code == 2
+    assert ran.mistake == text
+    assert os.listdir(tmp_path) == []
