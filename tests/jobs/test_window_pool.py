@@ -15,23 +15,23 @@ from maulstick.planning.mural.window import in_turn
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.state import State
 from tests.support.planning.same import same
-from tests.support.planning.strip import SETTINGS, WIDTH, plan_strip
+from tests.support.planning.strip import SETTINGS, TONE, WIDTH, plan_strip
 from tests.support.studio.processes import have_ended
 
 SOFT = LossOptions(weights={"tone": 1.0, "likeness": 0.5})  # by a network, whose bits depend on torch's threads
 
 
 @pytest.fixture(scope="module")
-def planned() -> PlanResult:
-    return plan_strip(loss_options=SOFT)
+def by_tones() -> PlanResult:
+    return plan_strip()
 
 
 def processes_of(pool: WindowPool) -> list[int]:
     return [worker.process.pid for worker in pool._started]
 
 
-@pytest.mark.parametrize("workers", [2, 4])
-def test_any_number_of_processes_gives_the_same_plan_to_the_bit(planned: PlanResult, workers: int) -> None:
+@pytest.mark.parametrize(("workers", "losses"), [(2, SOFT), (4, TONE)])
+def test_any_number_of_processes_gives_the_same_plan_to_the_bit(workers: int, losses: LossOptions) -> None:
     seen: list[PlanProgress] = []
 
     def watch(progress: PlanProgress) -> bool:
@@ -39,9 +39,9 @@ def test_any_number_of_processes_gives_the_same_plan_to_the_bit(planned: PlanRes
         return True
 
     with WindowPool(workers) as pool:
-        found = plan_strip(pool, watch, loss_options=SOFT)
+        found = plan_strip(pool, watch, loss_options=losses)
         processes = processes_of(pool)
-    assert same(found, planned)
+    assert same(found, plan_strip(loss_options=losses))
     assert len(processes) == workers
     assert have_ended(processes)
     assert len(seen) >= SETTINGS.steps + 8, "each window tells how it goes at least once"
@@ -61,11 +61,6 @@ def test_there_is_a_worker_per_core_unless_others_are_wanted_and_a_gpu_has_one()
     assert workers_for(None, gpu, has_windows=True) == workers_for(1, gpu, has_windows=True) == 1
     with pytest.raises(InputError, match="workers is 2, and a GPU plans one window at a time; leave it out"):
         workers_for(2, gpu, has_windows=True)
-
-
-@pytest.fixture(scope="module")
-def by_tones() -> PlanResult:
-    return plan_strip()
 
 
 def test_who_stops_gets_the_windows_in_work_and_may_go_on_as_if_nothing_had_been(by_tones: PlanResult) -> None:
@@ -120,7 +115,7 @@ def watch(progress):
     return True
 
 with WindowPool(2) as pool:
-    plan_strip(pool, watch, settings=replace(SETTINGS, steps=200))
+    plan_strip(pool, watch, settings=replace(SETTINGS, steps=60))
 """
 
 

@@ -15,13 +15,11 @@ from typing import Self
 import torch
 
 from maulstick.errors import InputError, OutputError, option
+from maulstick.jobs.plan.window_worker import STOP
 from maulstick.jobs.processes import death_of
 from maulstick.planning.mural.window import PlanWindows, WatchWindow, Window, WindowPlanner, in_turn
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.rendering.kernels.cpu import THREADS
-
-STOP = b""
-"""Message to a process that is to end its window after a few more steps."""
 
 _WORKER = "maulstick.jobs.plan.window_worker"
 

@@ -12,10 +12,14 @@ from functools import partial
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Event, Thread
+from typing import TYPE_CHECKING, Final
 
-from maulstick.jobs.plan.window_pool import STOP
-from maulstick.planning.mural.window import Window, WindowPlanner
-from maulstick.planning.result import PlanProgress
+if TYPE_CHECKING:  # what comes loads torch, which takes seconds; it is listened to before
+    from maulstick.planning.mural.window import Window, WindowPlanner
+    from maulstick.planning.result import PlanProgress
+
+STOP: Final = b""
+"""Message to a process that is to end its window after a few more steps."""
 
 _TELL_EVERY = 2.0  # seconds between two tellings of how it goes: with its canvas and its state, these are megabytes
 
@@ -29,7 +33,7 @@ def work() -> None:
         sent: tuple[WindowPlanner | None, Window] = pickle.loads(messages.get())
         planner = planner or sent[0]
         assert planner is not None
-        connection.send_bytes(pickle.dumps(planner.plan(sent[1], partial(_tell, connection, stop, [0.0]))))
+        connection.send_bytes(pickle.dumps(planner.plan(sent[1], _Watch(connection, stop))))
 
 
 def _listen(connection: Connection, messages: "SimpleQueue[bytes]", stop: Event) -> None:
@@ -44,12 +48,18 @@ def _listen(connection: Connection, messages: "SimpleQueue[bytes]", stop: Event)
         os._exit(1)  # in the middle of a step, even: nobody waits for it any more
 
 
-def _tell(connection: Connection, stop: Event, told: list[float], progress: PlanProgress) -> bool:
-    if time.monotonic() - told[0] > _TELL_EVERY:
-        told[0] = time.monotonic()
-        kept = replace(progress, state=partial(dict, progress.state()))
-        connection.send_bytes(pickle.dumps(kept))
-    return not stop.is_set()
+class _Watch:
+    """Watch over the steps of one window, which tells how it goes now and then."""
+
+    def __init__(self, connection: Connection, stop: Event) -> None:
+        self._connection, self._stop, self._due = connection, stop, 0.0
+
+    def __call__(self, progress: "PlanProgress") -> bool:
+        if time.monotonic() > self._due:
+            kept = replace(progress, state=partial(dict, progress.state()))
+            self._connection.send_bytes(pickle.dumps(kept))
+            self._due = time.monotonic() + _TELL_EVERY
+        return not self._stop.is_set()
 
 
 if __name__ == "__main__":
