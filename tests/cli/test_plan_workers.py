@@ -1,8 +1,9 @@
 """Murals on the command line: by any number of workers the same, also after one was killed."""
 
 import os
+import sys
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image
@@ -12,9 +13,9 @@ from maulstick.jobs.plan import checkpoints
 from maulstick.jobs.plan.window_pool import _Worker
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.window import Window
-from maulstick.planning.result import PlanResult
-from tests.cli.conftest import RESULTS, contents, paint, run
+from tests.cli.conftest import RESULTS, Running, contents, paint, run
 
+WITH_SMALL_WINDOWS = (sys.executable, "-m", "tests.support.cli.small_windows")
 STRIP = (
     "--size",
     "320x30mm",
@@ -35,12 +36,9 @@ STRIP = (
 def picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A picture of which, while this test runs, a mural of eight windows is made."""
 
-    def small(*words: Any, **more: Any) -> PlanResult:
-        return plan_mural(*words, **more, window_px=32)
-
     monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
     monkeypatch.setattr("maulstick.jobs.plan.inputs.LONGEST_PX", 40)
-    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", small)
+    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", partial(plan_mural, window_px=32))
     file = tmp_path / "strip.png"
     Image.fromarray(astronaut()[100:148]).save(file)
     return file
@@ -74,6 +72,21 @@ def test_a_worker_that_is_killed_leaves_a_plan_that_fewer_workers_finish_as_if_n
     assert gone_on.code == 0, gone_on.stderr
     assert sorted(os.listdir(out)) == RESULTS
     assert contents(out) == contents(tmp_path / "one")
+
+
+def test_a_mural_that_is_stopped_has_results_and_goes_on_as_if_it_had_not(picture: Path, tmp_path: Path) -> None:
+    words, out = ("plan", picture, *STRIP, "--steps", "40"), tmp_path / "out"
+    running = Running(*words, "--workers", "2", "--out", out, command=WITH_SMALL_WINDOWS)
+    running.interrupt_after(r" (1[2-9]|[2-5]\d) %")
+    assert running.leave() == 130, running.said
+    assert "Traceback" not in running.said
+    assert sorted(os.listdir(out)) == sorted([*RESULTS, "plan-0.npz"])
+    hurried = contents(out)
+    assert run("plan", "--resume", out).code == 0
+    assert run(*words, "--workers", "1", "--out", tmp_path / "whole").code == 0
+    resumed = contents(out)
+    assert resumed == contents(tmp_path / "whole")
+    assert resumed["painting.json"] != hurried["painting.json"]
 
 
 @pytest.mark.parametrize(
