@@ -8,14 +8,18 @@ path again, to float precision.
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
+from maulstick.style import _shape
 
 _DEGREE = 3  # cubic: continuous curvature
 _CONTROL_POINTS = 9  # changing it would change every stored style
@@ -47,15 +51,59 @@ def encode(paths: Tensor) -> Tensor:
 
 def decode(numbers: Tensor) -> Tensor:
     """Return standardised paths (N, 32, 2), metres, of gist and residual, (N, 63)."""
-    size = numbers[:, :1].exp()
-    splines = numbers[:, 1:GIST].split([_splines(axis) for axis in (0, 1)], dim=1)
-    residuals = numbers[:, GIST:].split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
+    return drawn(*parts(numbers))
+
+
+def parts(numbers: Tensor) -> tuple[Tensor, Tensor]:
+    """Return gist (…, 16) and residual (…, 47) of numbers (…, 63)."""
+    return numbers[..., :GIST], numbers[..., GIST:]
+
+
+def drawn(gist: Tensor, residual: Tensor) -> Tensor:
+    """Return standardised paths (N, 32, 2), metres, of gist (N, 16) and residual (N, 47)."""
+    if gist.device.type == "cpu" and gist.dtype == torch.float32:
+        paths: Tensor = _Drawn.apply(gist.contiguous(), residual.contiguous())
+        return paths
+    return plain_drawn(gist, residual)
+
+
+def plain_drawn(gist: Tensor, residual: Tensor) -> Tensor:
+    """Return the same as `drawn`, plainly: on any device, in any precision."""
+    size = gist[:, :1].exp()
+    splines = gist[:, 1:].split([_splines(axis) for axis in (0, 1)], dim=1)
+    residuals = residual.split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
     scale = size / _length(*splines)
     drawn = [
-        torch.cat([spline * scale, residual * size], dim=1) @ _tensor(_basis(axis).T, numbers)
-        for axis, (spline, residual) in enumerate(zip(splines, residuals, strict=True))
+        torch.cat([spline * scale, rest * size], dim=1) @ _tensor(_basis(axis).T, gist)
+        for axis, (spline, rest) in enumerate(zip(splines, residuals, strict=True))
     ]
     return torch.nn.functional.pad(torch.stack(drawn, dim=-1), (0, 0, 1, 0))
+
+
+class _Drawn(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, gist: Tensor, residual: Tensor) -> Tensor:
+        ctx.save_for_backward(gist, residual)
+        paths = gist.new_empty(len(gist), POINTS, 2)
+        _shape.decode(gist.detach().numpy(), residual.detach().numpy(), *bases(), paths.numpy())
+        return paths
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, Tensor | None]:
+        gist, residual = ctx.saved_tensors
+        wanted = ctx.needs_input_grad[1]  # of a residual, which a planner leaves as it is
+        of_gist, of_residual = torch.empty_like(gist), residual.new_empty(residual.shape if wanted else (0, RESIDUAL))
+        numbers, slopes = (gist.detach().numpy(), residual.detach().numpy()), grad_out.contiguous().numpy()
+        _shape.decode_backward(*numbers, *bases(), slopes, of_gist.numpy(), of_residual.numpy())
+        return of_gist, of_residual if wanted else None
+
+
+@cache
+def bases() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Bases (31, 32) for x and y as the native module takes them: what each number adds to each of all points."""
+    x, y = (np.pad(_basis(axis).T, ((0, 0), (1, 0))).astype(np.float32) for axis in (0, 1))
+    return x, y
 
 
 def _length(spline_x: Tensor, spline_y: Tensor) -> Tensor:
