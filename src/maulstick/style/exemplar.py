@@ -22,7 +22,7 @@ from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
 from maulstick.style.trait_costs import gist_and_roughness, trait_costs, traits
-from maulstick.style.traits import path_length, quantiles
+from maulstick.style.traits import quantiles
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
@@ -108,6 +108,10 @@ class Exemplar(Style):
         return torch.from_numpy(self.hands.units)
 
     @cached_property
+    def _units_in_float32(self) -> Tensor:
+        return self._units.float()
+
+    @cached_property
     def _numbers(self) -> Tensor:
         return shape.encode(torch.from_numpy(self.hand.paths))
 
@@ -153,7 +157,8 @@ class Exemplar(Style):
 
     def _numbers_of(self, codes: Tensor) -> tuple[Tensor, Tensor]:
         """Gist (N, 16) and residual (N, 47) of codes; no gradient flows into the latter."""
-        gist, residual = shape.parts(self._units.to(codes))
+        units = self._units_in_float32 if codes.dtype == torch.float32 else self._units.to(codes)
+        gist, residual = shape.parts(units.to(codes.device))
         return codes[:, :GIST] * gist, codes[:, GIST:].detach() * residual
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
@@ -198,7 +203,9 @@ class Exemplar(Style):
         return self._price(*shape.parts(numbers), pressure_knots)
 
     def _price(self, gist: Tensor, residual: Tensor, pressure_knots: Tensor) -> Tensor:
-        together = trait_costs(gist, residual, self._traits_of(len(gist)), _TOGETHER * self._spreads)
+        if len(gist) not in self._known_traits:
+            self._known_traits[len(gist)] = self._traits_of(len(gist))
+        together = trait_costs(gist, residual, self._known_traits[len(gist)], _TOGETHER * self._spreads)
         return self._price_alone(gist, residual, pressure_knots) + together
 
     def _price_alone(self, gist: Tensor, residual: Tensor, pressure_knots: Tensor) -> Tensor:
@@ -219,6 +226,11 @@ class Exemplar(Style):
     def _sorted_traits(self) -> Tensor:
         return self._traits.sort(dim=0).values
 
+    @cached_property
+    def _known_traits(self) -> dict[int, Tensor]:
+        """What `_traits_of` returned for so many strokes."""
+        return {}
+
     def _traits_of(self, count: int) -> Tensor:
         """Quantiles (count, 19) of the hand's traits, ascending in each column, linear between its strokes."""
         at = quantiles(count) * (len(self._sorted_traits) - 1)
@@ -235,11 +247,9 @@ class Exemplar(Style):
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
         return self.hand.lengths(count)
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
-        """Change codes (N, 63) in place, so that their strokes have these lengths (N,), metres, and the same shapes."""
-        codes[:, _LENGTH] += (lengths.to(codes) / path_length(self.decode(codes))).log() / self._units.to(codes)[
-            _LENGTH
-        ]
+    def resize(self, codes: Tensor, times: Tensor) -> None:
+        """Change codes (N, 63) in place, so that strokes are so many times as long, (N,), and have the same shapes."""
+        codes[:, _LENGTH] += (times.log() / self._units[_LENGTH]).to(codes)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""

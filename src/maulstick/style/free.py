@@ -15,7 +15,6 @@ from maulstick.strokes.strokes import POINTS
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
-from maulstick.style.traits import path_length
 
 CONTROL_POINTS = 8
 """Control points of a stroke's spline: enough for an S, too few for tremor."""
@@ -110,9 +109,9 @@ class FreeStyle(Style):
     def lengths(self, count: int) -> None:
         """Return None: strokes may have any length within the limits."""
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
-        """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
-        codes *= (lengths.to(codes) / path_length(self.decode(codes)))[:, None]
+    def resize(self, codes: Tensor, times: Tensor) -> None:
+        """Change codes (N, 13) in place, so that their strokes are so many times as large, (N,)."""
+        codes *= times.to(codes)[:, None]
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples."""

@@ -113,13 +113,13 @@ class RegionalStyle(Style):
             self._known_lengths[region, count] = self.hands[region].lengths(count) if count else None
         return self._known_lengths[region, count]
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
-        """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
+    def resize(self, codes: Tensor, times: Tensor) -> None:
+        """Change codes (N, K) in place, so that strokes are so many times as long, (N,), and have their shapes."""
         regions = self.regions_of(codes)
         for region, hand in enumerate(self.hands):
             rows = (regions == region).nonzero()[:, 0]
             own = self.own_codes(codes[rows], region)
-            hand.resize(own, lengths[rows])
+            hand.resize(own, times[rows])
             codes[rows] = self.codes_in(region, own)
 
     def scaled(self, times: float) -> "RegionalStyle":
