@@ -54,7 +54,7 @@ class StrokeCanvas:
     @property
     def colours(self) -> Tensor:
         """Colours (N + M, C), by row."""
-        own = self.strokes.colours if self.paints is None else self.paints[self.paint_of]
+        own = self.strokes.colours if self.paints is None else self.paints.index_select(0, self.paint_of)
         return torch.cat([own, self._neighbours.colours])
 
     @property
