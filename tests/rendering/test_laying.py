@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.rendering.laying import laid, plain_laid
+from maulstick.rendering.laying import extents, laid, plain_extents, plain_laid
 from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from tests.support.nominal import nominal
 from tests.support.tolerances import FLOAT32_GRADIENT
@@ -87,3 +87,9 @@ def test_a_brush_that_trails_or_is_broader_one_way_marks_plainly(more: dict[str,
     marks, plain = (getattr(Traj2Stroke.of(each), name)(trajectories, 1600.0) for name in ("marks", "plain_marks"))
     assert torch.equal(marks.points, plain.points)
     assert torch.equal(marks.thickness, plain.thickness)
+
+
+def test_extents_are_those_of_the_plain_way() -> None:
+    trajectories = torch.randn(30, 32, 3, generator=rng())
+    for fast, plain in zip(extents(trajectories), plain_extents(trajectories), strict=True):
+        assert torch.equal(fast, plain)

@@ -9,9 +9,10 @@ from torch import Tensor
 
 from maulstick.style import shape
 from maulstick.style.density import Density
-from maulstick.style.trait_costs import plain_trait_costs, trait_costs, traits
+from maulstick.style.trait_costs import gist_and_roughness, plain_trait_costs, trait_costs, traits
+from maulstick.style.traits import path_length, plain_path_length
 from tests.support.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, line, zigzag
-from tests.support.tolerances import FLOAT32_GRADIENT
+from tests.support.tolerances import FLOAT32_GRADIENT, FLOAT32_GRADIENT_CREASED
 
 ROUNDING = 2e-6  # relative to the largest number, of float32
 
@@ -22,6 +23,12 @@ KINDS = (circle, zigzag, line)
 def numbers() -> tuple[Tensor, Tensor]:
     """Gist (90, 16) and residual (90, 47) of strokes of three kinds, float64."""
     return shape.parts(shape.encode(torch.from_numpy(np.concatenate([drawn(one, 30) for one in KINDS]))))
+
+
+def seen() -> tuple[Tensor, Tensor]:
+    """What costs of traits depend on: gist and roughness (90, 17), and strays (90, 2, 32), float64."""
+    gist, residual = numbers()
+    return gist_and_roughness(gist, residual), shape.strays(residual)
 
 
 def slopes(of: Callable[..., Tensor], signal: Tensor, *inputs: Tensor) -> list[Tensor]:
@@ -39,13 +46,13 @@ def is_near(fast: Tensor, plain: Tensor, share: float) -> bool:
 
 
 def test_paths_and_their_slopes_are_those_of_the_plain_way() -> None:
-    given = numbers()
+    gist, residual = numbers()
+    given = gist, shape.strays(residual)
     single = [each.float() for each in given]
     assert is_near(shape.drawn(*single), shape.plain_drawn(*given), ROUNDING)
     signal = noise(90, 32, 2)
-    for fast, plain in zip(
-        slopes(shape.drawn, signal, *single), slopes(shape.plain_drawn, signal, *given), strict=True
-    ):
+    found, expected = slopes(shape.drawn, signal, *single), slopes(shape.plain_drawn, signal, *given)
+    for fast, plain in zip(found, expected, strict=True):
         for column in plain.unbind(1):
             assert column.any()
         assert is_near(fast, plain, FLOAT32_GRADIENT)
@@ -55,7 +62,7 @@ def test_paths_of_splines_without_length_are_those_of_the_plain_way() -> None:
     gist, residual = numbers()
     gist[:45, 1:] = 0
     gist[45:, 1:] *= 1e-9
-    single = [each.float() for each in (gist, residual)]
+    single = [each.float() for each in (gist, shape.strays(residual))]
     assert is_near(shape.drawn(*single), shape.plain_drawn(*(each.double() for each in single)), ROUNDING)
     signal = noise(90, 32, 2)
     fast, plain = (slopes(of, signal, *single) for of in (shape.drawn, shape.plain_drawn))
@@ -64,11 +71,11 @@ def test_paths_of_splines_without_length_are_those_of_the_plain_way() -> None:
         assert is_near(one, other, FLOAT32_GRADIENT)
 
 
-def test_a_residual_that_stays_has_no_slope_and_changes_none() -> None:
-    gist, residual = (each.float() for each in numbers())
-    still, moving = gist.clone().requires_grad_(), gist.clone().requires_grad_()
-    shape.drawn(still, residual).square().sum().backward()
-    shape.drawn(moving, residual.clone().requires_grad_()).square().sum().backward()
+def test_strays_that_stay_have_no_slope_and_change_none() -> None:
+    gist, strays = (each.float() for each in seen())
+    still, moving = gist[:, :16].clone().requires_grad_(), gist[:, :16].clone().requires_grad_()
+    shape.drawn(still, strays).square().sum().backward()
+    shape.drawn(moving, strays.clone().requires_grad_()).square().sum().backward()
     assert still.grad is not None
     assert moving.grad is not None
     assert torch.equal(still.grad, moving.grad)
@@ -76,44 +83,63 @@ def test_a_residual_that_stays_has_no_slope_and_changes_none() -> None:
 
 @pytest.mark.parametrize("copies", [1, 3])
 def test_costs_of_traits_and_their_slopes_are_those_of_the_plain_way(copies: int) -> None:
-    gist, residual = (each.repeat(copies, 1) for each in numbers())  # of copies, traits have equal ranks to share
-    wanted = traits(*numbers())[:30].repeat(3 * copies, 1).sort(dim=0).values
-    widths = traits(*numbers()).std(dim=0)
-    signal = noise(len(gist))
+    given = [each.repeat(copies, *[1] * (each.ndim - 1)) for each in seen()]  # copies have equal ranks to share
+    wanted = traits(*seen())[:30].repeat(3 * copies, 1).sort(dim=0).values
+    widths = traits(*seen()).std(dim=0)
+    signal = noise(len(given[0]))
 
-    def fast(gist: Tensor) -> Tensor:
-        return trait_costs(gist, residual.float(), wanted, widths)
+    def fast(*given: Tensor) -> Tensor:
+        return trait_costs(*given, wanted, widths)
 
-    def plain(gist: Tensor) -> Tensor:
-        return plain_trait_costs(gist, residual, wanted, widths)
+    def plain(*given: Tensor) -> Tensor:
+        return plain_trait_costs(*given, wanted, widths)
 
-    assert is_near(fast(gist.float()), plain(gist), 1e-4)
-    (found,), (expected,) = slopes(fast, signal, gist.float()), slopes(plain, signal, gist)
-    for column in expected.unbind(1):
-        assert column.any()
-    assert is_near(found, expected, FLOAT32_GRADIENT)
+    single = [each.float() for each in given]
+    assert is_near(fast(*single), plain(*given), FLOAT32_GRADIENT)
+    found, expected = slopes(fast, signal, *single), slopes(plain, signal, *given)
+    for one, other in zip(found, expected, strict=True):
+        for column in other.unbind(1):
+            assert column.any()
+        assert is_near(one, other, FLOAT32_GRADIENT_CREASED)  # zigzags turn sharply
+    assert is_near(found[0], expected[0], FLOAT32_GRADIENT)
+    assert torch.equal(slopes(lambda gist: fast(gist, single[1]), signal, single[0])[0], found[0])
 
 
 def test_turning_is_added_up_over_many_turns() -> None:
     along = torch.linspace(0, 1, 32, dtype=torch.float64)
-    spirals = torch.stack(
-        [torch.stack([along * (turns * 6.283 * along).cos(), along * (turns * 6.283 * along).sin()], dim=-1)
-         for turns in (0.1, 0.6, 1.4, 3.0, 6.5)]
-    )  # fmt: skip
-    gist, residual = shape.parts(shape.encode(spirals))
+    angles = 6.283 * torch.tensor([0.1, 0.6, 1.4, 3.0, 6.5], dtype=torch.float64)[:, None] * along
+    gist, residual = shape.parts(shape.encode(along[:, None] * torch.stack([angles.cos(), angles.sin()], dim=-1)))
+    given = gist_and_roughness(gist, residual), shape.strays(residual)
     wanted = torch.zeros(5, 19, dtype=torch.float64)
     only_turning = torch.cat([torch.full((18,), 1e9, dtype=torch.float64), torch.ones(1, dtype=torch.float64)])
-    found = trait_costs(gist.float(), residual.float(), wanted, only_turning)
-    assert (2 * found.double()).sqrt().numpy() == pytest.approx(traits(gist, residual)[:, -1].numpy(), rel=1e-5)
+    found = trait_costs(*(each.float() for each in given), wanted, only_turning)
+    assert (2 * found.double()).sqrt().numpy() == pytest.approx(traits(*given)[:, -1].numpy(), rel=1e-5)
 
 
-def test_a_residual_with_slopes_is_priced_plainly() -> None:
+def test_a_price_has_slopes_in_a_residual_where_they_are_asked_for() -> None:
     gist, residual = (each.float() for each in numbers())
     residual.requires_grad_()
-    style = exemplar_of(circle)
-    style.price(torch.cat([gist, residual], dim=1), torch.full((90, 4), 0.5)).sum().backward()
+    exemplar_of(circle).price(torch.cat([gist, residual], dim=1), torch.full((90, 4), 0.5)).sum().backward()
     assert residual.grad is not None
     assert residual.grad.any()
+
+
+def test_codes_decode_alike_after_others_whose_residuals_differ() -> None:
+    style = exemplar_of(circle)
+    first, second = (style.sample(20, torch.Generator().manual_seed(seed))[0] for seed in (0, 1))
+    paths = [style.decode(codes) for codes in (first, second, first)]
+    assert torch.equal(paths[0], paths[2])
+    assert not torch.equal(paths[0], paths[1])
+    changed = first.clone()
+    style.decode(changed)
+    changed[0, -1] += 1
+    assert not torch.equal(style.decode(changed), paths[0])
+
+
+def test_lengths_are_those_of_the_plain_way() -> None:
+    paths = shape.drawn(*(each.float() for each in (numbers()[0], shape.strays(numbers()[1]))))
+    assert is_near(path_length(paths), plain_path_length(paths.double()), ROUNDING)
+    assert path_length(paths.requires_grad_()).requires_grad
 
 
 @pytest.mark.parametrize("alike", [True, False])

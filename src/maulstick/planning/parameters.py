@@ -7,7 +7,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from maulstick.rendering.laying import laid, poses_of
+from maulstick.rendering.laying import extents, laid, poses_of
 from maulstick.style import Style
 from maulstick.style.pressure import pressure_along
 
@@ -55,9 +55,8 @@ class StrokeParameters:
     @torch.no_grad()
     def keep_inside(self, style: Style, width: float, height: float) -> None:
         """Move each stroke by the least that keeps its path on a sheet of this size, metres."""
-        paths = self.trajectories(style)[..., :2]
-        size = torch.tensor([width, height])
-        self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))
+        least, most = extents(self.trajectories(style))
+        self.centres.add_((-least).clamp(min=0) - (most - torch.tensor([width, height])).clamp(min=0))
 
 
 def joined(parts: Sequence[StrokeParameters]) -> StrokeParameters:

@@ -60,6 +60,19 @@ void lay_backward(Array<const float, 3> paths, Array<const float, 1> angles, Arr
   }
 }
 
+// trajectories: (N, n, 3).  least, most: (N, 2), of x and y.
+void extents(Array<const float, 3> trajectories, Array<float, 2> least, Array<float, 2> most) {
+  nb::gil_scoped_release release;
+  const int64_t count = trajectories.shape(0), points = trajectories.shape(1);
+  for (int64_t i = 0; i < count; ++i)
+    for (int64_t axis = 0; axis < 2; ++axis) {
+      const float* at = trajectories.data() + i * points * 3 + axis;
+      float low = at[0], high = at[0];
+      for (int64_t p = 1; p < points; ++p) low = std::min(low, at[3 * p]), high = std::max(high, at[3 * p]);
+      least.data()[2 * i + axis] = low, most.data()[2 * i + axis] = high;
+    }
+}
+
 constexpr int64_t pieces = 8;                // of a brush's curve, as `_PIECES` in traj2stroke.py
 
 // One brush, as `Traj2Stroke._numbers` has it in a row.
@@ -134,6 +147,7 @@ void mark_backward(Array<const float, 3> trajectories, Array<const float, 2> bru
 NB_MODULE(_laying, m) {
   m.def("lay", &lay);
   m.def("lay_backward", &lay_backward);
+  m.def("extents", &extents);
   m.def("mark", &mark);
   m.def("mark_backward", &mark_backward);
 }

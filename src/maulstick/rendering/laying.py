@@ -42,6 +42,21 @@ def plain_laid(paths: Tensor, centres: Tensor, angles: Tensor, pressure: Tensor)
     return torch.cat([place(paths, poses_of(paths, centres, angles)), pressure[..., None]], dim=-1)
 
 
+def extents(trajectories: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the least and the most x and y of trajectories (N, n, 3), (N, 2) each, without gradients."""
+    if trajectories.device.type != "cpu" or trajectories.dtype != torch.float32:
+        return plain_extents(trajectories)
+    least, most = (trajectories.new_empty(len(trajectories), 2) for _ in range(2))
+    _laying.extents(trajectories.detach().contiguous().numpy(), least.numpy(), most.numpy())
+    return least, most
+
+
+def plain_extents(trajectories: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the same as `extents`, plainly: on any device, in any precision."""
+    paths = trajectories.detach()[..., :2]
+    return paths.amin(dim=1), paths.amax(dim=1)
+
+
 class _Laid(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, *given: Tensor) -> Tensor:

@@ -21,7 +21,7 @@ from maulstick.style.lengths import keep_lengths
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-from maulstick.style.trait_costs import gist_and_roughness, trait_costs, traits
+from maulstick.style.trait_costs import gist_and_roughness, roughness, trait_costs, traits
 from maulstick.style.traits import quantiles
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
@@ -54,6 +54,15 @@ class PooledHands:
     def units(self) -> Floats:
         """Size (63,) of a large change in each of a stroke's numbers (`shape.encode`)."""
         return np.concatenate([np.sqrt(np.diag(self.covariance)[:GIST]), self.residual])
+
+
+@dataclass(frozen=True)
+class _Stays:
+    """What follows from the residuals of codes, (N, 47): roughness (N, 1), and strays (N, 2, 32) off the spline."""
+
+    codes: Tensor
+    roughness: Tensor
+    strays: Tensor
 
 
 @dataclass(frozen=True)
@@ -108,8 +117,8 @@ class Exemplar(Style):
         return torch.from_numpy(self.hands.units)
 
     @cached_property
-    def _units_in_float32(self) -> Tensor:
-        return self._units.float()
+    def _gist_units(self) -> Tensor:
+        return self._units[:GIST].float()
 
     @cached_property
     def _numbers(self) -> Tensor:
@@ -153,13 +162,29 @@ class Exemplar(Style):
 
         No gradient flows into the residual, so that a planner does not draw with a hand's tremor.
         """
-        return shape.drawn(*self._numbers_of(codes))
+        return shape.drawn(self._gist_of(codes), self._stays_of(codes).strays)
 
-    def _numbers_of(self, codes: Tensor) -> tuple[Tensor, Tensor]:
-        """Gist (N, 16) and residual (N, 47) of codes; no gradient flows into the latter."""
-        units = self._units_in_float32 if codes.dtype == torch.float32 else self._units.to(codes)
-        gist, residual = shape.parts(units.to(codes.device))
-        return codes[:, :GIST] * gist, codes[:, GIST:].detach() * residual
+    def _gist_of(self, codes: Tensor) -> Tensor:
+        units = self._gist_units if codes.dtype == torch.float32 else self._units[:GIST].to(codes)
+        return codes[:, :GIST] * units.to(codes.device)
+
+    def _stays_of(self, codes: Tensor) -> "_Stays":
+        """What follows from residuals, which descent leaves as they are: kept until they change."""
+        own = codes[:, GIST:].detach()
+        known = self._known_stays.get("last")
+        if known is None or known.codes.dtype != own.dtype or not torch.equal(known.codes, own):
+            residual = own * self._units[GIST:].to(own)
+            known = _Stays(own.clone(), roughness(residual), shape.strays(residual))
+            self._known_stays["last"] = known
+        return known
+
+    @cached_property
+    def _known_stays(self) -> "dict[str, _Stays]":
+        return {}
+
+    def _seen(self, codes: Tensor) -> Tensor:
+        """What the cost of each code depends on, (N, 17)."""
+        return torch.cat([self._gist_of(codes), self._stays_of(codes).roughness], dim=1)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
@@ -189,7 +214,7 @@ class Exemplar(Style):
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""
-        return self._price(*self._numbers_of(codes), pressure_knots)
+        return self._price(self._seen(codes), self._stays_of(codes).strays, pressure_knots)
 
     def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,), nats: distance of each stroke to the hand's nearest, and of them all to the hand's distribution.
@@ -200,27 +225,28 @@ class Exemplar(Style):
         strokes from all becoming long, flat or curly: each of their traits must be distributed as in the hand
         (`trait_costs`).
         """
-        return self._price(*shape.parts(numbers), pressure_knots)
+        gist, residual = shape.parts(numbers)
+        return self._price(gist_and_roughness(gist, residual), shape.strays(residual), pressure_knots)
 
-    def _price(self, gist: Tensor, residual: Tensor, pressure_knots: Tensor) -> Tensor:
-        if len(gist) not in self._known_traits:
-            self._known_traits[len(gist)] = self._traits_of(len(gist))
-        together = trait_costs(gist, residual, self._known_traits[len(gist)], _TOGETHER * self._spreads)
-        return self._price_alone(gist, residual, pressure_knots) + together
+    def _price(self, seen: Tensor, strays: Tensor, pressure_knots: Tensor) -> Tensor:
+        if len(seen) not in self._known_traits:
+            self._known_traits[len(seen)] = self._traits_of(len(seen))
+        together = trait_costs(seen, strays, self._known_traits[len(seen)], _TOGETHER * self._spreads)
+        return self._price_alone(seen, pressure_knots) + together
 
-    def _price_alone(self, gist: Tensor, residual: Tensor, pressure_knots: Tensor) -> Tensor:
-        costs, nearest = self._priced.cost(gist_and_roughness(gist, residual))
-        return costs.to(gist) + self.hand.pressure_cost(pressure_knots, nearest)
+    def _price_alone(self, seen: Tensor, pressure_knots: Tensor) -> Tensor:
+        costs, nearest = self._priced.cost(seen)
+        return costs.to(seen) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples of the hand's lengths, each by itself."""
         codes, pressure_knots = self.sample(k, generator)
         keep_lengths(codes, self, self.lengths(k))
-        return float(self._price_alone(*self._numbers_of(codes), pressure_knots).mean())
+        return float(self._price_alone(self._seen(codes), pressure_knots).mean())
 
     @cached_property
     def _traits(self) -> Tensor:
-        return traits(*shape.parts(self._numbers))
+        return traits(self._centres, shape.strays(shape.parts(self._numbers)[1]))
 
     @cached_property
     def _sorted_traits(self) -> Tensor:
@@ -253,7 +279,7 @@ class Exemplar(Style):
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
-        return self.hand.speeds_of(self._priced.nearest(gist_and_roughness(*self._numbers_of(codes))))
+        return self.hand.speeds_of(self._priced.nearest(self._seen(codes)))
 
 
 def pool(hands: list[Hand]) -> PooledHands:

@@ -10,50 +10,49 @@
 
 namespace maulstick {
 
-constexpr int64_t traits = gist + 3;         // roughness, log odds of chord over length, and turning come last
+constexpr int64_t seen = gist + 1, traits = seen + 2;              // log odds of chord over length and turning are last
 constexpr float shortest = 1e-9f, flat = 1e-3f;                    // as in traits.py
-constexpr double least_chord = 0.01, least_residual = 1e-4;        // as in trait_costs.py
+constexpr double least_chord = 0.01;         // as in trait_costs.py
 constexpr double half_turn = 3.14159265358979323846;
 
 struct Traits {
   double values[traits], apart[traits];      // and how far they are from what is wanted
 
-  void set(const float* gists, const float* rests, const Bases& bases) {
-    make_shape(gists, rests, bases, shape_);
-    std::copy(gists, gists + gist, values);
-    double squares = 0;
-    for (int64_t k = 0; k < residual; ++k) squares += double(rests[k]) * rests[k];
-    values[gist] = std::log(squares + least_residual * least_residual) / 2;
+  // given: (17,), gist and roughness.  strays: (2, 32), off the spline.
+  void set(const float* given, const float* strays, const Bases& bases) {
+    make_shape(given, strays, bases, shape_);
+    std::copy(given, given + seen, values);
     float path[2][points];
     for (int64_t axis = 0; axis < 2; ++axis)
       for (int64_t p = 0; p < points; ++p) path[axis][p] = shape_.path(p, axis);
-    for (int64_t j = 0; j < coordinates; ++j) {
+    for (int64_t j = 0; j < steps; ++j) {
       x_[j] = path[0][j + 1] - path[0][j], y_[j] = path[1][j + 1] - path[1][j];
       norms_[j] = std::sqrt(x_[j] * x_[j] + y_[j] * y_[j] + shortest * shortest);
     }
     mean_ = 0;
-    for (int64_t j = 0; j < coordinates; ++j) mean_ += norms_[j];
-    mean_ /= coordinates;
-    for (int64_t j = 0; j < coordinates; ++j) x_[j] /= mean_, y_[j] /= mean_;
-    const float whole = coordinates * mean_;
+    for (int64_t j = 0; j < steps; ++j) mean_ += norms_[j];
+    mean_ /= steps;
+    for (int64_t j = 0; j < steps; ++j) x_[j] /= mean_, y_[j] /= mean_;
+    const float whole = steps * mean_;
     middle_x_ = (path[0][points - 1] - path[0][0]) / whole, middle_y_ = (path[1][points - 1] - path[1][0]) / whole;
     chord_ = std::sqrt(middle_x_ * middle_x_ + middle_y_ * middle_y_ + shortest * shortest);
-    values[gist + 1] = std::log((chord_ + least_chord) / (1 - chord_ + least_chord));
+    values[seen] = std::log((chord_ + least_chord) / (1 - chord_ + least_chord));
     for (int64_t j = 0; j < corners; ++j) {
       across_[j] = x_[j] * y_[j + 1] - y_[j] * x_[j + 1], along_[j] = x_[j] * x_[j + 1] + y_[j] * y_[j + 1];
       upright_[j] = std::sqrt(across_[j] * across_[j] + flat * flat);
     }
-    values[gist + 2] = turning();
+    values[seen + 1] = turning();
   }
 
-  // Adds to slopes with respect to the gist (16,) those of slopes (19,) of the values. None go into the residual.
-  void add_slopes(const Bases& bases, const double* slopes, float* gists) const {
-    for (int64_t k = 0; k < gist; ++k) gists[k] += static_cast<float>(slopes[k]);
+  // Adds slopes with respect to what is given (17,), and to strays (2, 32) unless that is null, of slopes (19,) of the
+  // values.
+  void add_slopes(const Bases& bases, const double* slopes, float* given, float* strays) const {
+    for (int64_t k = 0; k < seen; ++k) given[k] += static_cast<float>(slopes[k]);
     const float of_chord = static_cast<float>(
-        slopes[gist + 1] * (1 / (chord_ + least_chord) + 1 / (1 - chord_ + least_chord)) / chord_ / coordinates);
-    const float of_turning = static_cast<float>(slopes[gist + 2]);
-    float x[coordinates], y[coordinates], of_across[corners], of_along[corners];
-    for (int64_t j = 0; j < coordinates; ++j) x[j] = of_chord * middle_x_, y[j] = of_chord * middle_y_;
+        slopes[seen] * (1 / (chord_ + least_chord) + 1 / (1 - chord_ + least_chord)) / chord_ / steps);
+    const float of_turning = static_cast<float>(slopes[seen + 1]);
+    float x[steps], y[steps], of_across[corners], of_along[corners];
+    for (int64_t j = 0; j < steps; ++j) x[j] = of_chord * middle_x_, y[j] = of_chord * middle_y_;
     for (int64_t j = 0; j < corners; ++j) {
       const float of_angle = of_turning / (upright_[j] * upright_[j] + along_[j] * along_[j]);
       of_across[j] = of_angle * along_[j] * across_[j] / upright_[j], of_along[j] = -of_angle * upright_[j];
@@ -67,21 +66,21 @@ struct Traits {
       y[j + 1] += of_across[j] * x_[j] + of_along[j] * y_[j];
     }
     float of_mean = 0;
-    for (int64_t j = 0; j < coordinates; ++j) of_mean -= x[j] * x_[j] + y[j] * y_[j];
+    for (int64_t j = 0; j < steps; ++j) of_mean -= x[j] * x_[j] + y[j] * y_[j];
     float path[2][points] = {};
-    for (int64_t j = 0; j < coordinates; ++j) {
-      const float share = of_mean / (coordinates * norms_[j]);     // of the mean's slope, times a step over its length
+    for (int64_t j = 0; j < steps; ++j) {
+      const float share = of_mean / (steps * norms_[j]);     // of the mean's slope, times a step over its length
       x[j] = x[j] / mean_ + share * x_[j], y[j] = y[j] / mean_ + share * y_[j];
     }
-    for (int64_t j = 0; j < coordinates; ++j) {
+    for (int64_t j = 0; j < steps; ++j) {
       path[0][j] -= x[j], path[1][j] -= y[j];
       path[0][j + 1] += x[j], path[1][j + 1] += y[j];
     }
-    maulstick::add_slopes(shape_, bases, path, gists, nullptr);
+    maulstick::add_slopes(shape_, bases, path, given, strays);
   }
 
  private:
-  static constexpr int64_t corners = coordinates - 1;
+  static constexpr int64_t corners = steps - 1;
 
   // Sum of the angles at corners, each above 0 and below half a turn: that of the product of complex numbers with these
   // angles, and a turn for each time that it has come round. So one arc tangent is enough.
@@ -99,8 +98,8 @@ struct Traits {
   }
 
   Shape shape_;
-  float x_[coordinates], y_[coordinates];    // steps in units of their mean
-  float norms_[coordinates], mean_, middle_x_, middle_y_, chord_;
+  float x_[steps], y_[steps];    // steps in units of their mean
+  float norms_[steps], mean_, middle_x_, middle_y_, chord_;
   float across_[corners], along_[corners], upright_[corners];
 };
 
