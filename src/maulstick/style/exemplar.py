@@ -273,9 +273,9 @@ class Exemplar(Style):
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
         return self.hand.lengths(count)
 
-    def resize(self, codes: Tensor, times: Tensor) -> None:
-        """Change codes (N, 63) in place, so that strokes are so many times as long, (N,), and have the same shapes."""
-        codes[:, _LENGTH] += (times.log() / self._units[_LENGTH]).to(codes)
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
+        """Change codes (N, 63) in place, so that their strokes have these lengths (N,), metres, and the same shapes."""
+        codes[:, _LENGTH] += ((lengths / own).log() / self._units[_LENGTH]).to(codes)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""

@@ -112,9 +112,9 @@ class FreeStyle(Style):
     def lengths(self, count: int) -> None:
         """Return None: strokes may have any length within the limits."""
 
-    def resize(self, codes: Tensor, times: Tensor) -> None:
-        """Change codes (N, 13) in place, so that their strokes are so many times as large, (N,)."""
-        codes *= times.to(codes)[:, None]
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
+        """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
+        codes *= (lengths / own).to(codes)[:, None]
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples."""

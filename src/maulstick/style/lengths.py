@@ -11,4 +11,4 @@ from maulstick.style.traits import path_length
 def keep_lengths(codes: Tensor, style: Style, lengths: Tensor) -> None:
     """Give the strokes of these codes (N, K) the lengths (N,), metres, ascending, by their ranks."""
     own = path_length(style.decode(codes))
-    style.resize(codes, lengths[own.argsort(stable=True).argsort()] / own)
+    style.resize(codes, lengths[own.argsort(stable=True).argsort()], own)

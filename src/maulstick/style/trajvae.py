@@ -154,16 +154,14 @@ class TrajVAE(Style):
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
         return self.hand.lengths(count)
 
-    def resize(self, codes: Tensor, times: Tensor) -> None:
-        """Change codes (N, 64) in place along the slope of log length, so that strokes are so many times as long."""
-        wanted = None
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
+        """Change codes (N, 64) in place along the slope of their strokes' log length, so that it is these, (N,)."""
         for _ in range(_NEWTON_STEPS):
             with torch.enable_grad():
                 varied = codes.detach().clone().requires_grad_()
                 logs = path_length(self.decode(varied)).log()
                 (slope,) = torch.autograd.grad(logs.sum(), varied)
-            wanted = logs.detach() + times.to(codes).log() if wanted is None else wanted
-            codes += ((wanted - logs) / slope.square().sum(1))[:, None].detach() * slope
+            codes += ((lengths.to(codes).log() - logs) / slope.square().sum(1))[:, None].detach() * slope
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples of the hand's lengths, each by itself."""
