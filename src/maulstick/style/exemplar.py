@@ -172,7 +172,8 @@ class Exemplar(Style):
         """What follows from residuals, which descent leaves as they are: kept until they change."""
         own = codes[:, GIST:].detach()
         known = self._known_stays.get("last")
-        if known is None or known.codes.dtype != own.dtype or not torch.equal(known.codes, own):
+        alike = known is not None and (known.codes.dtype, known.codes.device) == (own.dtype, own.device)
+        if known is None or not alike or not torch.equal(known.codes, own):
             residual = own * self._units[GIST:].to(own)
             known = _Stays(own.clone(), roughness(residual), shape.strays(residual))
             self._known_stays["last"] = known
