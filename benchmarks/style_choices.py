@@ -27,10 +27,11 @@ from recordings import human_drawings, wacom_drawings
 
 from maulstick.strokes.strokes import POINTS, Strokes, resample, standardise
 from maulstick.style import Style, density, exemplar, neighbours, shape, trajvae
-from maulstick.style.exemplar import Exemplar, PooledHands, gist_and_roughness
+from maulstick.style.exemplar import Exemplar, PooledHands
 from maulstick.style.hand import Hand
 from maulstick.style.store import load_hands
 from maulstick.style.train import fine_tune, pretrained
+from maulstick.style.trait_costs import gist_and_roughness
 
 LEAST_NOVELTY = 0.3
 TREMOR = 0.006
@@ -98,7 +99,7 @@ class Hands:
             density = self.fit(one.session, one.strokes)._priced
             strangers = np.concatenate([other[:STRANGERS] for other in one.session.others])
             own, strange = (
-                density.cost(gist_and_roughness(shape.encode(torch.from_numpy(paths))))
+                density.cost(gist_and_roughness(*shape.parts(shape.encode(torch.from_numpy(paths)))))[0]
                 for paths in (paths_of(one.rest), strangers)
             )
             shares.append(float((own[:, None] > strange).double().mean()))

@@ -93,7 +93,7 @@ class Bezier(Style):
     def lengths(self, count: int) -> None:
         """Return None: curves may have any length within the limits."""
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
         """Change codes (N, 2) in place, so that their curves have chords of these lengths (N,), metres."""
         shares = (lengths.to(codes) - self.shortest) / (self.longest - self.shortest)
         codes[:, 0] = _codes(shares)

@@ -48,5 +48,5 @@ def test_bezier_curves_take_the_lengths_that_they_are_given(frida: ModuleType) -
     style = frida.Bezier()
     codes, _ = style.sample(5, torch.Generator().manual_seed(0))
     chords = torch.tensor([0.02, 0.025, 0.03, 0.035, 0.04])
-    style.resize(codes, chords)
+    style.resize(codes, chords, chords)
     assert style.decode(codes)[:, -1, 0].numpy() == pytest.approx(chords.numpy(), rel=1e-4)

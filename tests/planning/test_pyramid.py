@@ -15,19 +15,30 @@ def noise(seed: int, *shape: int) -> Tensor:
     return torch.randn(*shape, generator=torch.Generator().manual_seed(seed))
 
 
+def images(seed: int, *shape: int) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """A canvas, a target, a scale and a pull."""
+    canvas, target, pull = (noise(seed + i, *shape) for i in range(3))
+    return canvas, target, noise(seed + 3, *shape[1:]).abs(), pull
+
+
 @settings(deadline=None)
 @given(
     shape=st.tuples(st.integers(1, 3), sides, sides),
     weights=st.lists(st.just(0.0) | st.floats(0.0625, 8, width=32), min_size=1, max_size=5),
+    pulled=st.booleans(),
     seed=st.integers(0, 99),
 )
 def test_values_and_slopes_are_those_of_the_plain_way(
-    shape: tuple[int, int, int], weights: list[float], seed: int
+    shape: tuple[int, int, int], weights: list[float], pulled: bool, seed: int
 ) -> None:
-    fast = noise(seed, *shape).requires_grad_()
+    fast, target, scale, pull = images(seed, *shape)
+    fast.requires_grad_()
     plain = fast.detach().double().requires_grad_()
-    loss, expected = mean_squares(fast, weights), plain_mean_squares(plain, weights)
-    assert loss.item() == pytest.approx(expected.item(), rel=ROUNDING, abs=1e-12)
+    loss = mean_squares(fast, target, scale, weights, pull if pulled else None)
+    in_double = (each.double() for each in (target, scale))
+    expected = plain_mean_squares(plain, *in_double, weights, pull.double() if pulled else None)
+    terms = plain_mean_squares(plain, target, scale, weights).item() + ((plain - target) * pull).abs().mean().item()
+    assert loss.item() == pytest.approx(expected.item(), rel=ROUNDING, abs=ROUNDING * terms if pulled else 1e-12)
     (3 * loss).backward()
     (3 * expected).backward()
     assert fast.grad is not None
@@ -36,26 +47,28 @@ def test_values_and_slopes_are_those_of_the_plain_way(
     assert (fast.grad - plain.grad).abs().max().item() <= ROUNDING * size
 
 
-def test_a_difference_that_does_not_lie_row_by_row_has_the_same_value_and_slope() -> None:
-    plain = noise(0, 3, 40, 24).transpose(1, 2).requires_grad_()
-    rows = plain.detach().clone(memory_format=torch.contiguous_format).requires_grad_()
+def test_a_canvas_that_does_not_lie_row_by_row_has_the_same_value_and_slope() -> None:
+    canvas, *others = images(0, 3, 24, 40)
+    plain = canvas.transpose(1, 2).contiguous().transpose(1, 2).requires_grad_()
+    rows = canvas.clone().requires_grad_()
     for each in (plain, rows):
-        mean_squares(each, [1.0, 2.0, 4.0]).backward()
+        mean_squares(each, *others[:2], [1.0, 2.0, 4.0], others[2]).backward()
     assert not plain.is_contiguous()
     assert torch.equal(plain.grad, rows.grad)
 
 
 def test_other_precisions_are_computed_as_they_are() -> None:
-    difference = noise(1, 3, 33, 20).double()
-    assert torch.equal(mean_squares(difference, [1.0, 2.0]), plain_mean_squares(difference, [1.0, 2.0]))
+    canvas, target, scale, _ = (each.double() for each in images(1, 3, 33, 20))
+    given = canvas, target, scale, [1.0, 2.0]
+    assert torch.equal(mean_squares(*given), plain_mean_squares(*given))
 
 
 def test_the_same_difference_has_the_same_slope_to_the_bit() -> None:
     slopes = []
     for _ in range(2):
-        difference = noise(2, 3, 65, 48).requires_grad_()
-        mean_squares(difference, [1.0, 2.0, 4.0]).backward()
-        slopes.append(difference.grad)
+        canvas, target, scale, pull = images(2, 3, 65, 48)
+        mean_squares(canvas.requires_grad_(), target, scale, [1.0, 2.0, 4.0], pull).backward()
+        slopes.append(canvas.grad)
     assert torch.equal(*slopes)
 
 

@@ -11,7 +11,8 @@ from hypothesis.extra.numpy import arrays
 from torch import Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.rendering.traj2stroke import Marks, Traj2Stroke, paint, place
+from maulstick.rendering.laying import place
+from maulstick.rendering.traj2stroke import Marks, Traj2Stroke, paint
 from maulstick.strokes import strokes
 from tests.support.nominal import nominal
 from tests.support.tolerances import FLOAT32_METRES, FLOAT64_METRES, INK

@@ -9,9 +9,10 @@ from torch import Tensor
 
 from maulstick.style import Style, shape
 from maulstick.style.compare import CURVINESS, describe, energy_distance
-from maulstick.style.exemplar import Exemplar, PooledHands, gist_and_roughness, pool
+from maulstick.style.exemplar import Exemplar, PooledHands, pool
 from maulstick.style.hand import Hand
 from maulstick.style.shape import GIST, RESIDUAL
+from maulstick.style.trait_costs import gist_and_roughness
 from tests.support.style.synthetic_hands import (
     Drawing,
     all_hands,
@@ -104,7 +105,7 @@ def test_samples_are_not_copies(one: Drawing) -> None:
 def test_no_sample_is_longer_or_rougher_than_every_stroke_of_the_hand(one: Drawing) -> None:
     codes, _ = STYLES[one].sample(300, torch_rng())
     units = torch.from_numpy(HANDS.units)
-    sampled, drawn = (gist_and_roughness(each.double() * units) for each in (codes, own(STYLES[one])))
+    sampled, drawn = (gist_and_roughness(*shape.parts(each.double() * units)) for each in (codes, own(STYLES[one])))
     for number in (0, GIST):
         assert sampled[:, number].max() < drawn[:, number].max() + CODE_LOGARITHM
         assert sampled[:, number].min() > drawn[:, number].min() - CODE_LOGARITHM
@@ -357,7 +358,8 @@ def test_a_hand_counts_in_what_is_pooled_by_its_strokes_up_to_sixty() -> None:
     few, many, more = (hand_of(drawn(one, n)) for one, n in ((circle, 20), (zigzag, 60), (zigzag, 240)))
 
     def spread(hand: Hand) -> np.ndarray:
-        return np.cov(gist_and_roughness(shape.encode(torch.from_numpy(hand.paths))).numpy(), rowvar=False)
+        numbers = shape.encode(torch.from_numpy(hand.paths))
+        return np.cov(gist_and_roughness(*shape.parts(numbers)).numpy(), rowvar=False)
 
     assert pool([few, many]).covariance == pytest.approx((spread(few) + 3 * spread(many)) / 4)
     assert pool([few, more]).covariance == pytest.approx((spread(few) + 3 * spread(more)) / 4)

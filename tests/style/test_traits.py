@@ -46,7 +46,7 @@ def test_strokes_of_any_style_are_given_other_lengths(kind: str) -> None:
     codes, _ = style.sample(12, torch.Generator().manual_seed(0))
     before = style.decode(codes)
     wanted = path_length(before).double() * torch.linspace(0.7, 1.4, 12, dtype=torch.float64)
-    style.resize(codes, wanted)
+    style.resize(codes, wanted, path_length(before))
     assert path_length(style.decode(codes)).numpy() == pytest.approx(wanted.numpy(), rel=0.02)
     if kind != "trajvae":
         scale = (wanted / path_length(before).double())[:, None, None]

@@ -133,7 +133,7 @@ class Brush(BaseModel):
         """Pressure that draws nearest to each half-width in metres, any shape; the lightest where it has no effect."""
         pressures = np.array((0, *CURVE_PRESSURES, 1))
         nearest = np.interp(half_width, self.half_width(pressures), pressures) * self.pressure_matters
-        return np.maximum(nearest, self.lightest)
+        return np.asarray(np.maximum(nearest, self.lightest))
 
     def mark(self, path: Floats) -> Floats:
         """Return where a commanded path (..., n, 2 or more), metres, leaves its mark; further columns are kept.

@@ -7,7 +7,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from maulstick.rendering.traj2stroke import place
+from maulstick.rendering.laying import extents, laid, poses_of
 from maulstick.style import Style
 from maulstick.style.pressure import pressure_along
 
@@ -46,20 +46,17 @@ class StrokeParameters:
 
     def poses(self, paths: Tensor) -> Tensor:
         """Return the poses (N, 3), Δ = (Δx, Δy, Δθ), that place standardised paths (N, n, 2), metres and radians."""
-        turned = torch.cat([torch.zeros_like(self.centres), self.angles[:, None]], dim=1)
-        return torch.cat([self.centres - place(paths, turned).mean(dim=1), self.angles[:, None]], dim=1)
+        return poses_of(paths, self.centres, self.angles)
 
     def trajectories(self, style: Style) -> Tensor:
         """Return commanded trajectories (N, n, 3): x, y in metres, pressure in [0, 1]."""
-        paths = style.decode(self.codes)
-        return torch.cat([place(paths, self.poses(paths)), pressure_along(self.pressure_knots)[..., None]], dim=-1)
+        return laid(style.decode(self.codes), self.centres, self.angles, pressure_along(self.pressure_knots))
 
     @torch.no_grad()
     def keep_inside(self, style: Style, width: float, height: float) -> None:
         """Move each stroke by the least that keeps its path on a sheet of this size, metres."""
-        paths = self.trajectories(style)[..., :2]
-        size = torch.tensor([width, height])
-        self.centres.add_((-paths.amin(dim=1)).clamp(min=0) - (paths.amax(dim=1) - size).clamp(min=0))
+        least, most = extents(self.trajectories(style))
+        self.centres.add_((-least).clamp(min=0) - (most - torch.tensor([width, height])).clamp(min=0))
 
 
 def joined(parts: Sequence[StrokeParameters]) -> StrokeParameters:

@@ -18,6 +18,7 @@ from maulstick.planning.canvas_loss import CanvasLoss
 from maulstick.planning.descent import Descent
 from maulstick.planning.improvements import needed, repaint
 from maulstick.planning.initialise import Initialiser
+from maulstick.planning.memory import keep_freed_memory
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanProgress, PlanResult
@@ -59,6 +60,7 @@ def plan(
     if start is not None and len(start) > options.strokes:
         allowed = f"at most the {options.strokes} that are asked for"
         raise InputError.of_range("the number of strokes to start with", len(start), allowed)
+    keep_freed_memory()
     schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
     planning = _Planning(problem, options, schedule, start)
     if resume is not None:

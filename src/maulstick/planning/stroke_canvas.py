@@ -29,6 +29,7 @@ class StrokeCanvas:
         self.strokes, self.style, self.paper = strokes, problem.style, problem.paper
         self._neighbours, self._canvas, self._room = problem.neighbours, problem.canvas, problem.room
         self._regions, self._brushes = problem.regions, Traj2Stroke.of(problem.brushes)
+        self._ordered = torch.zeros(0, dtype=torch.long), self._brushes[torch.zeros(0, dtype=torch.long)]
         self._guides, self._in_groups = problem.guides, in_groups
         self._order = np.arange(len(strokes) + len(self._neighbours.colours))  # neighbours are the last M rows
         self.paints: Tensor | None = None
@@ -53,7 +54,7 @@ class StrokeCanvas:
     @property
     def colours(self) -> Tensor:
         """Colours (N + M, C), by row."""
-        own = self.strokes.colours if self.paints is None else self.paints[self.paint_of]
+        own = self.strokes.colours if self.paints is None else self.paints.index_select(0, self.paint_of)
         return torch.cat([own, self._neighbours.colours])
 
     @property
@@ -63,13 +64,22 @@ class StrokeCanvas:
 
     def drawn(self) -> tuple[Marks, Tensor]:
         """Return marks and colours of all N + M strokes in painting order, on the device of the paper."""
-        trajectories = torch.cat([self.strokes.trajectories(self.style), self._neighbours.trajectories])[self._order]
+        own, order = self.strokes.trajectories(self.style), torch.from_numpy(self._order)
+        trajectories = torch.cat([own, self._neighbours.trajectories]).index_select(0, order)
         resolution = self._canvas.pixels_per_metre
-        marks = self._brushes[self._brush_of[self._order]].marks(trajectories, resolution)
+        marks = self._brushes_of(self._brush_of[order]).marks(trajectories, resolution)
         if self._room is not None:
             marks = cut_marks(self._room, marks, resolution)
         moved = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
-        return replace(marks, **moved), self.colours[self._order].to(self.paper.device)
+        return replace(marks, **moved), self.colours.index_select(0, order).to(self.paper.device)
+
+    def _brushes_of(self, numbers: Tensor) -> Traj2Stroke:
+        """Return the brushes of these numbers (N + M,), which are the same for many steps."""
+        known, brushes = self._ordered
+        if not torch.equal(known, numbers):
+            brushes = self._brushes[numbers]
+            self._ordered = numbers, brushes
+        return brushes
 
     def render(self, wanted: Bools | None = None) -> Tensor:
         """Return the canvas (C, H, W) with all strokes, or with only those of the N that are `wanted`, (N,)."""

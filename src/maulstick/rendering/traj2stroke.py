@@ -1,24 +1,20 @@
 """Traj2Stroke (paper; docs/equations.md): from commanded trajectories and a brush's numbers to marks on a canvas."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, Self
 
 import torch
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 
 from maulstick.painting.brush import CURVE_PRESSURES, Brush
+from maulstick.rendering import _laying
 from maulstick.rendering.kernels.render import composite
 
 _PIECES = len(CURVE_PRESSURES) + 1  # linear pieces of a brush's curve, equally long
 _SHORTEST = 1e-9  # metres: keeps lengths and lags of 0 out of the denominators
-
-
-def place(paths: Tensor, poses: Tensor) -> Tensor:
-    """Return commanded paths R(dθ)(x, y) + (dx, dy), (N, n, 2) metres, of standardised paths and poses (N, 3)."""
-    cos, sin = poses[:, 2:3].cos(), poses[:, 2:3].sin()
-    x, y = paths.unbind(-1)
-    return torch.stack([cos * x - sin * y + poses[:, :1], sin * x + cos * y + poses[:, 1:2]], dim=-1)
 
 
 @dataclass(frozen=True)
@@ -92,7 +88,10 @@ class Traj2Stroke:
 
     def __getitem__(self, rows: Tensor) -> Self:
         """Return those of some rows (N,), in their order."""
-        return type(self)(**{name: tensor[rows] for name, tensor in vars(self).items()})
+        return type(self)(**{name: tensor[rows] for name, tensor in self._each().items()})
+
+    def _each(self) -> dict[str, Tensor]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def at_mean_pressure(self, pressure: Tensor) -> Self:
         """Return the same with the opacity at these mean pressures (N,), whatever the points that are drawn have."""
@@ -100,6 +99,27 @@ class Traj2Stroke:
 
     def marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
         """Return the marks of commanded trajectories (N, n, 3) of x, y in metres and pressure in [0, 1]."""
+        given = trajectories.device.type, trajectories.dtype, len(trajectories)
+        if self._is_simple and given == ("cpu", torch.float32, len(self.alpha)):
+            points, thickness, opacity = _Marks.apply(trajectories.contiguous(), self._numbers, pixels_per_metre)
+            return Marks(points, thickness, self.falloff, self.plateau, opacity)
+        return self.plain_marks(trajectories, pixels_per_metre)
+
+    @cached_property
+    def _is_simple(self) -> bool:
+        """Whether no tip trails or is broader one way, and no number is sought."""
+        trailing = self.lag.any() or self.touch.any() or self.nib.any()
+        plain = all(not tensor.requires_grad and tensor.dtype == torch.float32 for tensor in self._each().values())
+        return plain and not bool(trailing)
+
+    @cached_property
+    def _numbers(self) -> Tensor:
+        """What the native module takes of each brush, (N, 18)."""
+        alone = torch.stack([self.alpha, self.beta, self.opacity, self.faint, self.solid], dim=1)
+        return torch.cat([self.scale, self.shift, self._ends, alone], dim=1)
+
+    def plain_marks(self, trajectories: Tensor, pixels_per_metre: float) -> Marks:
+        """Return the same as `marks`, plainly: on any device, in any precision, with slopes of the brush too."""
         start, pressure = trajectories[:, :1, :2], trajectories[..., 2]
         tips = self._dragged(trajectories[..., :2])
         points = start + self.scale[:, None] * (tips - start) + self.shift[:, None]
@@ -118,10 +138,15 @@ class Traj2Stroke:
 
     def _risen(self, pressure: Tensor) -> Tensor:
         """Share of alpha at each pressure (N, n), linear within each piece of the curve."""
-        ends = torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
+        ends = self._ends
         piece = (pressure.detach() * _PIECES).long().clamp(0, _PIECES - 1)
         below, above = ends.gather(1, piece), ends.gather(1, piece + 1)
         return below + (above - below) * (pressure * _PIECES - piece)
+
+    @property
+    def _ends(self) -> Tensor:
+        """Share of alpha at both ends of each piece of the curve, (N, 9)."""
+        return torch.nn.functional.pad(torch.nn.functional.pad(self.curve, (1, 0)), (0, 1), value=1.0)
 
     def _dragged(self, path: Tensor) -> Tensor:
         """Positions of the tip at the commanded points (N, n, 2), as in `Brush.mark`."""
@@ -148,6 +173,28 @@ class Traj2Stroke:
         x, y = along.gather(1, moving[..., None].expand_as(along)).unbind(-1)
         squared = x * x + y * y + _SHORTEST**2
         return 1 + (self.nib[:, :1] * (x * x - y * y) + self.nib[:, 1:] * 2 * x * y) / squared
+
+
+class _Marks(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, trajectories: Tensor, numbers: Tensor, pixels_per_metre: float) -> tuple[Tensor, ...]:
+        ctx.save_for_backward(trajectories, numbers)
+        ctx.pixels_per_metre = pixels_per_metre
+        count, points, _ = trajectories.shape
+        empty = trajectories.new_empty
+        drawn = empty(count, points, 2), empty(count, points), empty(count)
+        given = trajectories.detach().numpy(), numbers.numpy(), pixels_per_metre
+        _laying.mark(*given, *(tensor.numpy() for tensor in drawn))
+        return drawn
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, *grad_out: Tensor) -> tuple[Tensor, None, None]:
+        trajectories, numbers = (tensor.detach() for tensor in ctx.saved_tensors)
+        slopes = torch.empty_like(trajectories)
+        given = trajectories.numpy(), numbers.numpy(), ctx.pixels_per_metre
+        _laying.mark_backward(*given, *(tensor.contiguous().numpy() for tensor in grad_out), slopes.numpy())
+        return slopes, None, None
 
 
 def paint(

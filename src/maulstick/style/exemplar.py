@@ -21,7 +21,8 @@ from maulstick.style.lengths import keep_lengths
 from maulstick.style.neighbours import Neighbours
 from maulstick.style.shape import GIST
 from maulstick.style.style import Style
-from maulstick.style.traits import chord_and_turning, path_length, quantiles
+from maulstick.style.trait_costs import gist_and_roughness, roughness, trait_costs, traits
+from maulstick.style.traits import quantiles
 
 _LENGTH, _SHAPE = 0, slice(1, GIST)  # columns of `gist_and_roughness`
 _ROUGHNESS = GIST  # its last column
@@ -36,8 +37,6 @@ _OF_COST, _OF_COST_ROUGHNESS = 0.4, 0.2  # bandwidths of the density that `cost`
 # Narrow for length, which pays most, and for what the eye sees first; unlike the others chosen on the mocap sessions.
 _TOGETHER = torch.tensor([0.08] + [0.25] * GIST + [0.08, 0.08], dtype=torch.float64)
 _LEAST_SPREAD = 0.05  # of a chord's log odds, and of turning in radians: where all strokes of a hand are alike
-_LEAST_CHORD = 0.01  # over length: keeps the log odds of closed and of straight strokes finite
-_LEAST_RESIDUAL = 1e-4  # keeps the logarithm of a residual of 0 finite
 _LEAST_BEND, _MOST_BEND = 0.05, 1.5  # bounds of a kernel's scale in `cost`, which grows with the bend of its stroke
 
 
@@ -55,6 +54,15 @@ class PooledHands:
     def units(self) -> Floats:
         """Size (63,) of a large change in each of a stroke's numbers (`shape.encode`)."""
         return np.concatenate([np.sqrt(np.diag(self.covariance)[:GIST]), self.residual])
+
+
+@dataclass(frozen=True)
+class _Stays:
+    """What follows from the residuals of codes, (N, 47): roughness (N, 1), and strays (N, 2, 32) off the spline."""
+
+    codes: Tensor
+    roughness: Tensor
+    strays: Tensor
 
 
 @dataclass(frozen=True)
@@ -109,12 +117,16 @@ class Exemplar(Style):
         return torch.from_numpy(self.hands.units)
 
     @cached_property
+    def _gist_units(self) -> Tensor:
+        return self._units[:GIST].float()
+
+    @cached_property
     def _numbers(self) -> Tensor:
         return shape.encode(torch.from_numpy(self.hand.paths))
 
     @cached_property
     def _centres(self) -> Tensor:
-        return gist_and_roughness(self._numbers)
+        return gist_and_roughness(*shape.parts(self._numbers))
 
     @cached_property
     def _covariance(self) -> Tensor:
@@ -150,10 +162,30 @@ class Exemplar(Style):
 
         No gradient flows into the residual, so that a planner does not draw with a hand's tremor.
         """
-        return shape.decode(self._numbers_of(codes))
+        return shape.drawn(self._gist_of(codes), self._stays_of(codes).strays)
 
-    def _numbers_of(self, codes: Tensor) -> Tensor:
-        return torch.cat([codes[:, :GIST], codes[:, GIST:].detach()], dim=1) * self._units.to(codes)
+    def _gist_of(self, codes: Tensor) -> Tensor:
+        units = self._gist_units if codes.dtype == torch.float32 else self._units[:GIST].to(codes)
+        return codes[:, :GIST] * units.to(codes.device)
+
+    def _stays_of(self, codes: Tensor) -> "_Stays":
+        """What follows from residuals, which descent leaves as they are: kept until they change."""
+        own = codes[:, GIST:].detach()
+        known = self._known_stays.get("last")
+        alike = known is not None and (known.codes.dtype, known.codes.device) == (own.dtype, own.device)
+        if known is None or not alike or not torch.equal(known.codes, own):
+            residual = own * self._units[GIST:].to(own)
+            known = _Stays(own.clone(), roughness(residual), shape.strays(residual))
+            self._known_stays["last"] = known
+        return known
+
+    @cached_property
+    def _known_stays(self) -> "dict[str, _Stays]":
+        return {}
+
+    def _seen(self, codes: Tensor) -> Tensor:
+        """What the cost of each code depends on, (N, 17)."""
+        return torch.cat([self._gist_of(codes), self._stays_of(codes).roughness], dim=1)
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw codes (k, 63) of strokes between the hand's own (`Neighbours`), with their pressure knots (k, 4)."""
@@ -183,7 +215,7 @@ class Exemplar(Style):
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""
-        return self.price(self._numbers_of(codes), pressure_knots)
+        return self._price(self._seen(codes), self._stays_of(codes).strays, pressure_knots)
 
     def price(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,), nats: distance of each stroke to the hand's nearest, and of them all to the hand's distribution.
@@ -191,30 +223,40 @@ class Exemplar(Style):
         numbers: (N, 63), of strokes (`style.shape`).  pressure_knots: (N, 4).
 
         The first term compares the gist, the residual's size and the changes of pressure. The second keeps a plan's
-        strokes from all becoming long, flat or curly: each of their `traits` must be distributed as in the hand
-        (squared distance of sorted values, Wasserstein's in one dimension).
+        strokes from all becoming long, flat or curly: each of their traits must be distributed as in the hand
+        (`trait_costs`).
         """
-        together = traits(numbers).double()
-        apart = (together - self._as_spread(together.detach())) / (_TOGETHER * self._spreads)
-        return self._price_alone(numbers, pressure_knots) + (apart.square().sum(1) / 2).to(numbers)
+        gist, residual = shape.parts(numbers)
+        return self._price(gist_and_roughness(gist, residual), shape.strays(residual), pressure_knots)
 
-    def _price_alone(self, numbers: Tensor, pressure_knots: Tensor) -> Tensor:
-        costs, nearest = self._priced.cost(gist_and_roughness(numbers))
-        return costs.to(numbers) + self.hand.pressure_cost(pressure_knots, nearest)
+    def _price(self, seen: Tensor, strays: Tensor, pressure_knots: Tensor) -> Tensor:
+        if len(seen) not in self._known_traits:
+            self._known_traits[len(seen)] = self._traits_of(len(seen))
+        together = trait_costs(seen, strays, self._known_traits[len(seen)], _TOGETHER * self._spreads)
+        return self._price_alone(seen, pressure_knots) + together
+
+    def _price_alone(self, seen: Tensor, pressure_knots: Tensor) -> Tensor:
+        costs, nearest = self._priced.cost(seen)
+        return costs.to(seen) + self.hand.pressure_cost(pressure_knots, nearest)
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples of the hand's lengths, each by itself."""
         codes, pressure_knots = self.sample(k, generator)
         keep_lengths(codes, self, self.lengths(k))
-        return float(self._price_alone(self._numbers_of(codes), pressure_knots).mean())
+        return float(self._price_alone(self._seen(codes), pressure_knots).mean())
 
     @cached_property
     def _traits(self) -> Tensor:
-        return traits(self._numbers)
+        return traits(self._centres, shape.strays(shape.parts(self._numbers)[1]))
 
     @cached_property
     def _sorted_traits(self) -> Tensor:
         return self._traits.sort(dim=0).values
+
+    @cached_property
+    def _known_traits(self) -> dict[int, Tensor]:
+        """What `_traits_of` returned for so many strokes."""
+        return {}
 
     def _traits_of(self, count: int) -> Tensor:
         """Quantiles (count, 19) of the hand's traits, ascending in each column, linear between its strokes."""
@@ -228,48 +270,24 @@ class Exemplar(Style):
         own = self._traits.std(dim=0)[GIST + 1 :].clamp(min=_LEAST_SPREAD)
         return torch.cat([self._covariance.diagonal().sqrt(), own])
 
-    def _as_spread(self, values: Tensor) -> Tensor:
-        """Values (N, 19) with the same ranks in each column, and the quantiles of the hand's strokes as values."""
-        order = values.argsort(dim=0, stable=True)
-        return torch.empty_like(values).scatter_(0, order, self._traits_of(len(values)))
-
     def lengths(self, count: int) -> Tensor:
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
         return self.hand.lengths(count)
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
         """Change codes (N, 63) in place, so that their strokes have these lengths (N,), metres, and the same shapes."""
-        codes[:, _LENGTH] += (lengths.to(codes) / path_length(self.decode(codes))).log() / self._units.to(codes)[
-            _LENGTH
-        ]
+        codes[:, _LENGTH] += ((lengths / own).log() / self._units[_LENGTH]).to(codes)
 
     def speeds(self, codes: Tensor) -> Tensor | None:
         """Speeds (N, 32), metres per second, of the hand's stroke most like each; None where none are known."""
-        return self.hand.speeds_of(self._priced.nearest(gist_and_roughness(self._numbers_of(codes))))
-
-
-def gist_and_roughness(numbers: Tensor) -> Tensor:
-    """Return what a stroke's likelihood depends on, (N, 17): its gist, and the logarithm of its residual's size."""
-    residual = numbers[:, GIST:].square().sum(1, keepdim=True)
-    return torch.cat([numbers[:, :GIST], (residual + _LEAST_RESIDUAL**2).log() / 2], dim=1)
-
-
-def traits(numbers: Tensor) -> Tensor:
-    """Return what a plan's strokes are to have in the hand's distribution, (N, 19): see `price`.
-
-    These are gist, roughness, the log odds of chord over length, whose hands of closed and of straight strokes differ
-    by little near 0 and 1, and absolute turning.
-    """
-    chord, turning = chord_and_turning(shape.decode(numbers)).unbind(dim=1)
-    odds = (chord + _LEAST_CHORD) / (1 - chord + _LEAST_CHORD)
-    return torch.cat([gist_and_roughness(numbers), odds.log()[:, None], turning[:, None]], dim=1)
+        return self.hand.speeds_of(self._priced.nearest(self._seen(codes)))
 
 
 def pool(hands: list[Hand]) -> PooledHands:
     """Return the statistics of these hands; each is weighted by its number of strokes, up to sixty."""
     numbers = [shape.encode(torch.from_numpy(hand.paths)) for hand in hands]
     weights = np.array([min(len(hand), 60) for hand in hands], dtype=np.float64)
-    spreads = [np.cov(gist_and_roughness(each).numpy(), rowvar=False) for each in numbers]
+    spreads = [np.cov(gist_and_roughness(*shape.parts(each)).numpy(), rowvar=False) for each in numbers]
     residuals = [each[:, GIST:].square().mean(0).numpy() for each in numbers]
     covariance = np.average(spreads, axis=0, weights=weights)
     return PooledHands(covariance, np.sqrt(np.average(residuals, axis=0, weights=weights)))
@@ -277,4 +295,4 @@ def pool(hands: list[Hand]) -> PooledHands:
 
 def _straight() -> Tensor:
     along = torch.linspace(0, 1, POINTS, dtype=torch.float64)
-    return gist_and_roughness(shape.encode(torch.stack([along, torch.zeros_like(along)], dim=-1)[None]))
+    return gist_and_roughness(*shape.parts(shape.encode(torch.stack([along, torch.zeros_like(along)], dim=-1)[None])))

@@ -15,7 +15,6 @@ from maulstick.strokes.strokes import POINTS
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
-from maulstick.style.traits import path_length
 
 CONTROL_POINTS = 8
 """Control points of a stroke's spline: enough for an S, too few for tremor."""
@@ -72,14 +71,17 @@ class FreeStyle(Style):
 
     def decode(self, codes: Tensor) -> Tensor:
         """Return paths (N, 32, 2), metres, of codes (N, 13), at equal steps of the spline's parameter."""
-        controls = self._controls(codes)
-        return self._basis.to(codes) @ controls
+        return (self._controls(codes) @ self._points.to(codes)).reshape(len(codes), POINTS, 2)
 
     def _controls(self, codes: Tensor) -> Tensor:
-        controls = codes.new_zeros(codes.shape[0], CONTROL_POINTS, 2)
-        controls[:, 1:-1] = codes[:, 1:].reshape(-1, CONTROL_POINTS - 2, 2)
-        controls[:, -1, 0] = codes[:, 0].abs()
-        return controls * self.unit
+        """Control points (N, 16), metres: x and y of one after another."""
+        nothing = codes.new_zeros(len(codes), 3)
+        return torch.cat([nothing[:, :2], codes[:, 1:], codes[:, :1].abs(), nothing[:, 2:]], dim=1) * self.unit
+
+    @cached_property
+    def _points(self) -> Tensor:
+        """How control points move the points of a path, (16, 64): x and y alike."""
+        return torch.kron(self._basis.T.contiguous(), torch.eye(2, dtype=torch.float64))
 
     def sample(self, k: int, generator: Generator) -> tuple[Tensor, Tensor]:
         """Draw gently bent strokes, (k, 13) and (k, 4), log-uniform in length, each of constant pressure."""
@@ -110,9 +112,9 @@ class FreeStyle(Style):
     def lengths(self, count: int) -> None:
         """Return None: strokes may have any length within the limits."""
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
         """Change codes (N, 13) in place, so that their strokes have these lengths (N,), metres."""
-        codes *= (lengths.to(codes) / path_length(self.decode(codes)))[:, None]
+        codes *= (lengths / own).to(codes)[:, None]
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Mean cost of k samples."""
@@ -128,7 +130,8 @@ class FreeStyle(Style):
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,): relative bending of the control polygon, length beyond the limits, and changes of pressure."""
-        steps = self._controls(codes).diff(dim=1)
+        controls = self._controls(codes)
+        steps = (controls[:, 2:] - controls[:, :-2]).reshape(len(codes), CONTROL_POINTS - 1, 2)
         length = steps.square().sum(-1).add(1e-12).sqrt().sum(1)
         even = length[:, None, None] / (CONTROL_POINTS - 1)
         bending = (steps.diff(dim=1) / even).square().sum((1, 2))

@@ -81,10 +81,15 @@ class Hand:
 
         Their mean is free, because it makes a mark as wide as the picture needs.
         """
-        seen = torch.from_numpy(self.pressure).to(pressure_knots)[rows]
+        usual, spread = (numbers.to(pressure_knots).index_select(0, rows) for numbers in self._usual_pressure)
+        return ((_centred(pressure_knots) - usual) / spread).square().sum(1) / 2
+
+    @cached_property
+    def _usual_pressure(self) -> tuple[Tensor, Tensor]:
+        """Knots (M, 4) about the mean of each stroke's, and their spread, as a plan holds them: float32."""
+        seen = torch.from_numpy(self.pressure)
         spread = torch.where(seen.isfinite(), _PRESSURE_VARIES, _PRESSURE_UNKNOWN)
-        differs = _centred(pressure_knots) - _centred(seen.nan_to_num())
-        return (differs / spread).square().sum(1) / 2
+        return _centred(seen.float().nan_to_num()), spread.float()
 
     def speeds_of(self, rows: Tensor) -> Tensor | None:
         """Speeds (N, 32) of the strokes `rows` (N,), metres per second; None where no stroke has any.

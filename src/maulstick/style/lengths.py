@@ -10,5 +10,5 @@ from maulstick.style.traits import path_length
 @torch.no_grad()
 def keep_lengths(codes: Tensor, style: Style, lengths: Tensor) -> None:
     """Give the strokes of these codes (N, K) the lengths (N,), metres, ascending, by their ranks."""
-    ranks = path_length(style.decode(codes)).argsort(stable=True).argsort()
-    style.resize(codes, lengths[ranks])
+    own = path_length(style.decode(codes))
+    style.resize(codes, lengths[own.argsort(stable=True).argsort()], own)

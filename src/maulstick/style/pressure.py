@@ -15,7 +15,7 @@ KNOTS = 4
 
 def pressure_along(knots: Tensor) -> Tensor:
     """Pressure (N, 32) at each point of strokes with pressure knots (N, 4), linear between knots."""
-    return knots @ torch.from_numpy(_hats()).to(knots)
+    return knots @ _hats_as(knots.dtype, knots.device)
 
 
 def fit_knots(pressure: Floats) -> Floats:
@@ -28,3 +28,8 @@ def _hats() -> Floats:
     at = np.linspace(0, KNOTS - 1, POINTS)
     hats: Floats = (1 - np.abs(at[None] - np.arange(KNOTS)[:, None])).clip(min=0)
     return hats
+
+
+@cache
+def _hats_as(dtype: torch.dtype, device: torch.device) -> Tensor:
+    return torch.from_numpy(_hats()).to(device, dtype)

@@ -113,14 +113,14 @@ class RegionalStyle(Style):
             self._known_lengths[region, count] = self.hands[region].lengths(count) if count else None
         return self._known_lengths[region, count]
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
         """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
         regions = self.regions_of(codes)
         for region, hand in enumerate(self.hands):
             rows = (regions == region).nonzero()[:, 0]
-            own = self.own_codes(codes[rows], region)
-            hand.resize(own, lengths[rows])
-            codes[rows] = self.codes_in(region, own)
+            theirs = self.own_codes(codes[rows], region)
+            hand.resize(theirs, lengths[rows], own[rows])
+            codes[rows] = self.codes_in(region, theirs)
 
     def scaled(self, times: float) -> "RegionalStyle":
         """Return the same hands that draw so many times as large; itself for 1."""

@@ -8,14 +8,18 @@ path again, to float precision.
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import POINTS
+from maulstick.style import _shape
 
 _DEGREE = 3  # cubic: continuous curvature
 _CONTROL_POINTS = 9  # changing it would change every stored style
@@ -47,15 +51,66 @@ def encode(paths: Tensor) -> Tensor:
 
 def decode(numbers: Tensor) -> Tensor:
     """Return standardised paths (N, 32, 2), metres, of gist and residual, (N, 63)."""
-    size = numbers[:, :1].exp()
-    splines = numbers[:, 1:GIST].split([_splines(axis) for axis in (0, 1)], dim=1)
-    residuals = numbers[:, GIST:].split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
+    gist, residual = parts(numbers)
+    return drawn(gist, strays(residual))
+
+
+def parts(numbers: Tensor) -> tuple[Tensor, Tensor]:
+    """Return gist (…, 16) and residual (…, 47) of numbers (…, 63)."""
+    return numbers[..., :GIST], numbers[..., GIST:]
+
+
+def strays(residual: Tensor) -> Tensor:
+    """Return how far residuals (N, 47) take points off the spline, x and y, (N, 2, 32) in units of its length."""
+    each = residual.split([POINTS - 1 - _splines(axis) for axis in (0, 1)], dim=1)
+    off = [rest @ _tensor(_basis(axis)[:, _splines(axis) :].T, rest) for axis, rest in enumerate(each)]
+    return torch.nn.functional.pad(torch.stack(off, dim=1), (1, 0))
+
+
+def drawn(gist: Tensor, strays: Tensor) -> Tensor:
+    """Return standardised paths (N, 32, 2), metres, of gist (N, 16) and strays (N, 2, 32) off the spline."""
+    if gist.device.type == "cpu" and gist.dtype == torch.float32:
+        paths: Tensor = _Drawn.apply(gist.contiguous(), strays.contiguous())
+        return paths
+    return plain_drawn(gist, strays)
+
+
+def plain_drawn(gist: Tensor, strays: Tensor) -> Tensor:
+    """Return the same as `drawn`, plainly: on any device, in any precision."""
+    size = gist[:, :1].exp()
+    splines = gist[:, 1:].split([_splines(axis) for axis in (0, 1)], dim=1)
     scale = size / _length(*splines)
-    drawn = [
-        torch.cat([spline * scale, residual * size], dim=1) @ _tensor(_basis(axis).T, numbers)
-        for axis, (spline, residual) in enumerate(zip(splines, residuals, strict=True))
+    along = [
+        torch.nn.functional.pad((spline * scale) @ _tensor(_basis(axis)[:, : _splines(axis)].T, gist), (1, 0))
+        for axis, spline in enumerate(splines)
     ]
-    return torch.nn.functional.pad(torch.stack(drawn, dim=-1), (0, 0, 1, 0))
+    return torch.stack(along, dim=-1) + size[:, :, None] * strays.mT
+
+
+class _Drawn(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, gist: Tensor, strays: Tensor) -> Tensor:
+        ctx.save_for_backward(gist, strays)
+        paths = gist.new_empty(len(gist), POINTS, 2)
+        _shape.draw(gist.detach().numpy(), strays.detach().numpy(), *bases(), paths.numpy())
+        return paths
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, Tensor | None]:
+        gist, strays = (tensor.detach() for tensor in ctx.saved_tensors)
+        wanted = ctx.needs_input_grad[1]  # of a residual, which a planner leaves as it is
+        of_gist, of_strays = torch.empty_like(gist), strays.new_empty(len(strays) if wanted else 0, 2, POINTS)
+        given, found = (gist.numpy(), strays.numpy()), (of_gist.numpy(), of_strays.numpy())
+        _shape.draw_backward(*given, *bases(), grad_out.contiguous().numpy(), *found)
+        return of_gist, of_strays if wanted else None
+
+
+@cache
+def bases() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Bases (8, 32) for x and (7, 32) for y of the spline: what each number of a gist adds to each point."""
+    x, y = (np.pad(_basis(axis)[:, : _splines(axis)].T, ((0, 0), (1, 0))).astype(np.float32) for axis in (0, 1))
+    return x, y
 
 
 def _length(spline_x: Tensor, spline_y: Tensor) -> Tensor:

@@ -62,8 +62,11 @@ class Style(ABC):
         """Return the lengths (count,), metres, ascending, that so many strokes are to have; None for any."""
 
     @abstractmethod
-    def resize(self, codes: "Tensor", lengths: "Tensor") -> None:
-        """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes."""
+    def resize(self, codes: "Tensor", lengths: "Tensor", own: "Tensor") -> None:
+        """Change codes (N, K) in place, so that their strokes have these lengths (N,), metres, and their shapes.
+
+        own: (N,), metres, the lengths that they have.
+        """
 
     @abstractmethod
     def scaled(self, times: float) -> Self:

@@ -3,12 +3,24 @@
 import torch
 from torch import Tensor
 
+from maulstick.style import _shape
+
 _SHORTEST = 1e-9  # metres: keeps a stroke without length out of roots and denominators
 _FLAT = 1e-3  # of a stroke's mean step, squared: below, turning has no slope
 
 
 def path_length(paths: Tensor) -> Tensor:
     """Return the length (N,) of each path (N, n, 2), metres."""
+    sloped = paths.requires_grad and torch.is_grad_enabled()
+    if sloped or paths.device.type != "cpu" or paths.dtype != torch.float32:
+        return plain_path_length(paths)
+    lengths = paths.new_empty(len(paths))
+    _shape.path_lengths(paths.detach().contiguous().numpy(), lengths.numpy())
+    return lengths
+
+
+def plain_path_length(paths: Tensor) -> Tensor:
+    """Return the same as `path_length`, plainly: on any device, in any precision, with slopes."""
     return _norm(paths.diff(dim=1)).sum(1)
 
 

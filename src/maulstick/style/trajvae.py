@@ -154,7 +154,7 @@ class TrajVAE(Style):
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
         return self.hand.lengths(count)
 
-    def resize(self, codes: Tensor, lengths: Tensor) -> None:
+    def resize(self, codes: Tensor, lengths: Tensor, own: Tensor) -> None:
         """Change codes (N, 64) in place along the slope of their strokes' log length, so that it is these, (N,)."""
         for _ in range(_NEWTON_STEPS):
             with torch.enable_grad():

@@ -1,4 +1,4 @@
-// Squared differences on a pyramid of halved images, and their slope, in one pass down and one up.
+// Squared differences of two images on a pyramid of halved ones, and their slope, in one pass down and one up.
 //
 // A level is the one before, every other row and column of it after a binomial filter of five taps whose edge pixels
 // repeat (Burt and Adelson's pyramid).
@@ -28,69 +28,89 @@ int64_t half(int64_t size) { return (size + 1) / 2; }
 
 int64_t tapped(int64_t i, int64_t k, int64_t size) { return std::clamp<int64_t>(2 * i + k - reach, 0, size - 1); }
 
-// Each pixel that the taps of a halved row or column fall on: visit(halved, tap, whole).
-template <class Visit>
-void each_tap(int64_t size, Visit visit) {
-  for (int64_t i = 0; i < half(size); ++i)
-    for (int64_t k = 0; k <= 2 * reach; ++k) visit(i, k, tapped(i, k, size));
-}
+// Pixels that a row of `width` has with those beyond its edges that taps fall on.
+int64_t widened(int64_t width) { return 2 * half(width) + 2 * reach; }
 
 Level halved(const float* image, int64_t height, int64_t width) {
-  std::vector<float> rows(half(height) * width, 0.0f);
-  each_tap(height, [&](int64_t i, int64_t k, int64_t y) {
-    for (int64_t x = 0; x < width; ++x) rows[i * width + x] += taps[k] * image[y * width + x];
-  });
   Level level{half(height), half(width), {}};
   level.values.resize(level.height * level.width);
-  for (int64_t y = 0; y < level.height; ++y) {
-    const float* row = rows.data() + y * width;
-    for (int64_t i = 0; i < level.width; ++i) {
-      float sum = 0;
-      for (int64_t k = 0; k <= 2 * reach; ++k) sum += taps[k] * row[tapped(i, k, width)];
-      level.values[y * level.width + i] = sum;
-    }
+  std::vector<float> row(widened(width));
+  for (int64_t i = 0; i < level.height; ++i) {
+    const float* rows[2 * reach + 1];
+    for (int64_t k = 0; k <= 2 * reach; ++k) rows[k] = image + tapped(i, k, height) * width;
+    const float *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3], *e = rows[4];
+    float* within = row.data() + reach;
+    for (int64_t x = 0; x < width; ++x)
+      within[x] = taps[0] * a[x] + taps[1] * b[x] + taps[2] * c[x] + taps[3] * d[x] + taps[4] * e[x];
+    std::fill(row.begin(), row.begin() + reach, within[0]);
+    std::fill(row.begin() + reach + width, row.end(), within[width - 1]);
+    const float* at = row.data();
+    float* out = level.values.data() + i * level.width;
+    for (int64_t x = 0; x < level.width; ++x)
+      out[x] = taps[0] * at[2 * x] + taps[1] * at[2 * x + 1] + taps[2] * at[2 * x + 2] + taps[3] * at[2 * x + 3] +
+               taps[4] * at[2 * x + 4];
   }
   return level;
 }
 
 // Adds the slope with respect to a halved image to that with respect to the image, (height, width).
 void add_doubled(const Level& halved, int64_t height, int64_t width, float* slope) {
-  std::vector<float> rows(halved.height * width, 0.0f);
-  for (int64_t y = 0; y < halved.height; ++y) {
-    float* row = rows.data() + y * width;
-    each_tap(width, [&](int64_t i, int64_t k, int64_t x) { row[x] += taps[k] * halved.values[y * halved.width + i]; });
+  std::vector<float> padded(halved.width + 2 * reach, 0.0f), row(widened(width));
+  for (int64_t i = 0; i < halved.height; ++i) {
+    const float* values = halved.values.data() + i * halved.width;
+    std::copy(values, values + halved.width, padded.begin() + reach);
+    const float* at = padded.data();
+    float* within = row.data() + reach;
+    for (int64_t x = 0; x < halved.width + reach; ++x) {
+      row[2 * x] = taps[0] * at[x + 2] + taps[2] * at[x + 1] + taps[4] * at[x];
+      row[2 * x + 1] = taps[1] * at[x + 2] + taps[3] * at[x + 1];
+    }
+    for (int64_t x = 0; x < reach; ++x) within[0] += row[x];
+    for (int64_t x = reach + width; x < int64_t(row.size()); ++x) within[width - 1] += row[x];
+    for (int64_t k = 0; k <= 2 * reach; ++k) {
+      float* out = slope + tapped(i, k, height) * width;
+      for (int64_t x = 0; x < width; ++x) out[x] += taps[k] * within[x];
+    }
   }
-  each_tap(height, [&](int64_t i, int64_t k, int64_t y) {
-    for (int64_t x = 0; x < width; ++x) slope[y * width + x] += taps[k] * rows[i * width + x];
-  });
 }
 
 // Turns values into the slope of weight * mean of their squares, and returns that mean; `count` values in all.
 double squared(float weight, int64_t count, float* values, int64_t size) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; ++i) sum += static_cast<double>(values[i]) * values[i];
+  constexpr int64_t lanes = 8;
+  double sums[lanes] = {};
+  const int64_t whole = size - size % lanes;
+  for (int64_t i = 0; i < whole; i += lanes)
+    for (int64_t lane = 0; lane < lanes; ++lane) sums[lane] += static_cast<double>(values[i + lane]) * values[i + lane];
+  for (int64_t i = whole; i < size; ++i) sums[0] += static_cast<double>(values[i]) * values[i];
   const float twice = 2 * weight / static_cast<float>(count);
   for (int64_t i = 0; i < size; ++i) values[i] *= twice;
+  double sum = 0;
+  for (double each : sums) sum += each;
   return sum / static_cast<double>(count);
 }
 
-// difference: (C, H, W).  weights: (L,), one per level.  slope: (C, H, W) of the result, the weighted sum of the means.
-double mean_squares(Array<const float, 3> difference, Array<const float, 1> weights, Array<float, 3> slope) {
+// canvas, target: (C, H, W).  scale: (H, W), of their difference.  weights: (L,), one per level.
+// pull: (C, H, W), or (0, 0, 0) for none.  slope: (C, H, W), of the result: the weighted sum of the means of squares,
+// and the mean of the pulled difference.
+double mean_squares(Array<const float, 3> canvas, Array<const float, 3> target, Array<const float, 2> scale,
+                    Array<const float, 1> weights, Array<const float, 3> pull, Array<float, 3> slope) {
   nb::gil_scoped_release release;
-  const int64_t channels = difference.shape(0), height = difference.shape(1), width = difference.shape(2);
+  const int64_t channels = canvas.shape(0), height = canvas.shape(1), width = canvas.shape(2), area = height * width;
   const int64_t count = weights.shape(0);
+  const float of_one = 1 / static_cast<float>(channels * area);
   double total = 0;
   for (int64_t channel = 0; channel < channels; ++channel) {
-    const float* image = difference.data() + channel * height * width;
-    float* finest = slope.data() + channel * height * width;
-    std::copy(image, image + height * width, finest);
+    const float *seen = canvas.data() + channel * area, *wanted = target.data() + channel * area, *by = scale.data();
+    float* finest = slope.data() + channel * area;
+    for (int64_t i = 0; i < area; ++i) finest[i] = (seen[i] - wanted[i]) * by[i];
     std::vector<Level> levels;
     for (int64_t l = 1; l < count; ++l)
       levels.push_back(l == 1 ? halved(finest, height, width)
                               : halved(levels.back().values.data(), levels.back().height, levels.back().width));
     const auto add_level = [&](int64_t l, float* values, int64_t rows, int64_t columns) {
       const int64_t size = rows * columns;
-      total += weights(l) * squared(weights(l), channels * size, values, size);
+      if (weights(l) == 0) std::fill(values, values + size, 0.0f);
+      else total += weights(l) * squared(weights(l), channels * size, values, size);
     };
     add_level(0, finest, height, width);
     for (int64_t l = 1; l < count; ++l)
@@ -98,6 +118,17 @@ double mean_squares(Array<const float, 3> difference, Array<const float, 1> weig
     for (int64_t l = count - 1; l > 0; --l) {
       const int64_t rows = l == 1 ? height : levels[l - 2].height, columns = l == 1 ? width : levels[l - 2].width;
       add_doubled(levels[l - 1], rows, columns, l == 1 ? finest : levels[l - 2].values.data());
+    }
+    for (int64_t i = 0; i < area; ++i) finest[i] *= by[i];
+    if (!pull.size()) continue;
+    const float* pulled = pull.data() + channel * area;
+    for (int64_t y = 0; y < height; ++y) {
+      float sum = 0;                         // of a row: short enough for single precision
+      for (int64_t i = y * width; i < (y + 1) * width; ++i) {
+        sum += (seen[i] - wanted[i]) * pulled[i];
+        finest[i] += pulled[i] * of_one;
+      }
+      total += static_cast<double>(sum) * of_one;
     }
   }
   return total;

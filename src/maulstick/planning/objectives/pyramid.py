@@ -1,4 +1,4 @@
-"""Pyramids of halved images (Burt and Adelson 1983), and the mean squares of a difference on their levels."""
+"""Pyramids of halved images (Burt and Adelson 1983), and the mean squares of differences on their levels."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -29,20 +29,27 @@ def halved(image: Tensor) -> Tensor:
     return conv2d(columns, taps[None, None, None, :], stride=(1, 2))[:, 0]
 
 
-def mean_squares(difference: Tensor, weights: Sequence[float]) -> Tensor:
-    """Return the sum over levels of a weight times the mean square of the difference (C, H, W) there, a scalar.
+def mean_squares(
+    canvas: Tensor, target: Tensor, scale: Tensor, weights: Sequence[float], pull: Tensor | None = None
+) -> Tensor:
+    """Return the sum over levels of a weight times the mean square of a scaled difference there, a scalar.
 
-    weights: of each level, the finest first.
+    canvas, target: (C, H, W).  scale: (H, W), which their difference is multiplied by.  weights: of each level, the
+    finest first.  pull: (C, H, W), whose mean product with the difference is added.
     """
-    if difference.device.type == "cpu" and difference.dtype == torch.float32:
-        result: Tensor = _MeanSquares.apply(difference.contiguous(), weights)
+    if canvas.device.type == "cpu" and canvas.dtype == torch.float32:
+        result: Tensor = _MeanSquares.apply(canvas.contiguous(), target, scale, weights, pull)
         return result
-    return plain_mean_squares(difference, weights)
+    return plain_mean_squares(canvas, target, scale, weights, pull)
 
 
-def plain_mean_squares(difference: Tensor, weights: Sequence[float]) -> Tensor:
+def plain_mean_squares(
+    canvas: Tensor, target: Tensor, scale: Tensor, weights: Sequence[float], pull: Tensor | None = None
+) -> Tensor:
     """Return the same as `mean_squares`, plainly: on any device, in any precision."""
-    total = difference.new_zeros(())
+    difference = canvas - target
+    total = difference.new_zeros(()) if pull is None else (difference * pull).mean()
+    difference = difference * scale
     for level, weight in enumerate(weights):
         difference = halved(difference) if level else difference
         total = total + weight * difference.square().mean()
@@ -51,14 +58,18 @@ def plain_mean_squares(difference: Tensor, weights: Sequence[float]) -> Tensor:
 
 class _MeanSquares(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, difference: Tensor, weights: Sequence[float]) -> Tensor:
-        slope = torch.empty_like(difference)
-        value = _pyramid.mean_squares(difference.detach().numpy(), np.array(weights, dtype=np.float32), slope.numpy())
+    def forward(
+        ctx: Any, canvas: Tensor, target: Tensor, scale: Tensor, weights: Sequence[float], pull: Tensor | None
+    ) -> Tensor:
+        slope = torch.empty_like(canvas)
+        pull = canvas.new_empty(0, 0, 0) if pull is None else pull
+        images = [each.detach().contiguous().numpy() for each in (canvas, target, scale, pull)]
+        value = _pyramid.mean_squares(*images[:3], np.array(weights, dtype=np.float32), images[3], slope.numpy())
         ctx.save_for_backward(slope)
-        return difference.new_tensor(value)
+        return canvas.new_tensor(value)
 
     @staticmethod
     @once_differentiable
-    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor, None]:
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
         (slope,) = ctx.saved_tensors
-        return slope * grad_out, None
+        return slope * grad_out, None, None, None, None

@@ -37,7 +37,7 @@ class Tone(Objective):
         weights = [1.0]
         if coarse > 0:
             weights += [coarse * 2.0**level for level in range(1, self._levels)]
-        return mean_squares((canvas - self._target) * self._scale, weights) / sum(weights)
+        return mean_squares(canvas, self._target, self._scale, [weight / sum(weights) for weight in weights])
 
 
 class Halftone(Objective):
@@ -56,11 +56,11 @@ class Halftone(Objective):
         last = levels_of(target) - 1
         first = max(0, min(round(log2(max(spacing, 1))), last))
         self._weights = [0.0] * first + [1 / (last + 1 - first)] * (last + 1 - first)
-        self._relief = torch.zeros_like(target)
+        self._pull = None  # towards contours: where the picture is darker than around it, ink earns
         if picture is not None:
             sigma = _AROUND * picture.shape[1]
             around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
-            self._relief = (picture - torch.from_numpy(around).to(picture)) * weights
+            self._pull = -2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture)) * weights
 
     @property
     def name(self) -> str:
@@ -69,6 +69,4 @@ class Halftone(Objective):
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return the mean squared difference, averaged over the levels, less what contours earn."""
-        squares = mean_squares((canvas - self._target) * self._scale, self._weights)
-        contours = ((canvas - self._target) * self._relief).mean()
-        return squares - 2 * _CONTOURS * contours
+        return mean_squares(canvas, self._target, self._scale, self._weights, self._pull)

@@ -5,6 +5,7 @@
 #include <nanobind/stl/unique_ptr.h>
 
 #include <iterator>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,20 @@ nb::list instruction_sets() {                // fastest first
   for (const char* name : {"avx2", "baseline"})
     if (supported(name)) names.append(name);
   return names;
+}
+
+// Whether all is finite and in its range, as `check_strokes` in arguments.py asks for.
+bool drawable(Array<const float, 3> xy, Array<const float, 2> thickness, Array<const float, 1> c,
+              Array<const float, 1> q, Array<const float, 1> o) {
+  nb::gil_scoped_release release;
+  const auto all = [](const auto& numbers, auto valid) {
+    bool good = true;
+    for (size_t i = 0; i < numbers.size(); ++i) good &= valid(numbers.data()[i]);
+    return good;
+  };
+  const auto finite = [](float x) { return std::abs(x) <= std::numeric_limits<float>::max(); };
+  return all(xy, finite) && all(thickness, finite) && all(c, [&](float x) { return x > 0 && finite(x); }) &&
+         all(q, [](float x) { return x >= 0 && x < 1; }) && all(o, [](float x) { return x > 0 && x <= 1; });
 }
 
 Strokes strokes_of(const Segments& segments, Array<const float, 3> xy, int64_t channels,
@@ -220,6 +235,7 @@ void darkness_backward(const std::string& instructions, int64_t threads, Array<c
 NB_MODULE(_cpu, m) {
   nb::set_leak_warnings(false);              // a graph that is alive when Python ends holds its traces
   m.def("instruction_sets", &instruction_sets);
+  m.def("drawable", &drawable);
   m.def("composite", &composite);
   nb::class_<Traces>(m, "Traces");
   m.def("composite_traced", &composite_traced);

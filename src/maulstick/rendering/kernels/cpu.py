@@ -33,7 +33,7 @@ def darkness(
 ) -> Tensor:
     """Draw each stroke alone on an image of its own, as `reference.darkness` does; float32."""
     points, thickness, falloff, plateau, opacity = plain(points, thickness, falloff, plateau, opacity)
-    check_strokes(points, thickness, falloff, plateau, opacity)
+    _check_strokes(points, thickness, falloff, plateau, opacity)
     check_size(height, width)
     result: Tensor = _Darkness.apply(
         points, thickness, *_one_each(points, falloff, plateau, opacity), height, width, instructions, threads
@@ -58,7 +58,7 @@ def composite(
     canvas, points, thickness, colours, falloff, plateau, opacity = plain(
         canvas, points, thickness, colours, falloff, plateau, opacity
     )
-    check_strokes(points, thickness, falloff, plateau, opacity)
+    _check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
     if trainable is None:
         trainable = torch.ones(points.shape[0], dtype=torch.bool)
@@ -74,6 +74,15 @@ def composite(
         torch.is_grad_enabled(),
     )
     return result
+
+
+def _check_strokes(points: Tensor, *others: Tensor) -> None:
+    """Check as `check_strokes` does, which is asked only where not all is as it should be at a glance."""
+    thickness, *numbers = others
+    fits = points.ndim == 3 and points.shape[1] > 0 and points.shape[2] == 2 and thickness.shape == points.shape[:2]
+    fits = fits and all(x.ndim == 1 and len(x) in (1, len(points)) for x in numbers)
+    if not (fits and _cpu.drawable(*_bare(points, *others))):
+        check_strokes(points, thickness, *numbers)
 
 
 def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:
