@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/faces.py [IMAGE ...] [--seeds N]
 
 image: a photograph with a frontal face that comes along with scikit-image or Matplotlib, 256 pixels high, planned with
-    400 strokes of the nominal round brush, 12 paints and 1,500 steps, by tones alone.
+    400 strokes of the nominal round brush, 12 paints and 500 steps, by tones alone.
 faces: how much more a face counts, as in `maulstick plan --weight faces=0`.
 psnr, ssim: over the whole picture, at the truth, as in `plan.py`.  face_psnr: over the square of the face, as the
     planner finds it.

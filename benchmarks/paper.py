@@ -15,14 +15,21 @@ from collections.abc import Callable
 
 import tables_of_arrangement as arrangement
 import tables_of_brushes as brushes
+import tables_of_easel as easel
 import tables_of_held as held
+import tables_of_likeness as likeness
 import tables_of_plans as plans
 import tables_of_styles as styles
 import tables_of_summary as summary
+import tables_of_terms as terms
 from kept import ROOT
 
 COMMANDS = {
     "plan": ["benchmarks/plan.py"],
+    "horse": ["benchmarks/plan.py", "horse"],
+    "faces": ["benchmarks/faces.py"],
+    "removal": ["benchmarks/removal.py"],
+    "frida": ["experiments/frida_baseline.py"],
     "kernel": ["benchmarks/kernel.py"],
     "scaling": ["benchmarks/plan.py", "--scaling"],
     "startup": ["benchmarks/startup.py"],
@@ -35,10 +42,13 @@ COMMANDS = {
     "brush": ["benchmarks/brush.py", "fit", "photographs"],
     "published": ["benchmarks/published.py"],
     "few_shot": ["benchmarks/style.py", "few_shot"],
+    "kinds": ["benchmarks/style.py", "kinds"],
+    "recognition": ["benchmarks/style.py", "recognition"],
     "splines": ["benchmarks/splines.py"],
     "held": ["benchmarks/held.py"],
     "arrangement": ["benchmarks/arrangement.py", "--quick"],
     "order": ["benchmarks/order.py"],
+    "sim_to_real": ["experiments/sim_to_real.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
 }
 MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -46,6 +56,10 @@ MARKED = re.compile(r"(<!-- measured (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 TABLES: dict[str, Callable[[], str]] = {
     "plan": plans.plan_table,
     "likeness": plans.likeness_table,
+    "horse": terms.horse_table,
+    "faces": terms.faces_table,
+    "removal": terms.removal_table,
+    "frida": terms.frida_table,
     "kernel": plans.kernel_table,
     "scaling": plans.scaling_table,
     "startup": plans.startup_table,
@@ -59,10 +73,13 @@ TABLES: dict[str, Callable[[], str]] = {
     "brush": brushes.brush_table,
     "published": styles.published_table,
     "few_shot": styles.few_shot_table,
+    "kinds": likeness.kinds_table,
+    "recognition": likeness.recognition_table,
     "splines": styles.splines_table,
     "held": held.held_table,
     "arrangement": arrangement.arrangement_table,
     "order": arrangement.order_table,
+    "sim_to_real": easel.sim_to_real_table,
     "summary": summary.summary_table,
 }
 

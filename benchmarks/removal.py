@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/removal.py [--seeds N]
 
-A plan of the astronaut (400 strokes, 256 pixels, 600 steps, tones alone) asks for the cost of each stroke eight times:
+A plan of the astronaut (400 strokes, 256 pixels, 500 steps, tones alone) asks for the cost of each stroke eight times:
 before each of seven relocations, and at its end. Every stroke is then really left out and the rest drawn again; the
 canvas is linear in a stroke's opacity, so the difference is the noise of eight random probes alone.
 
@@ -32,7 +32,6 @@ from maulstick.rendering.traj2stroke import Marks
 from maulstick.storage.arrays import Floats
 from maulstick.style import load_style
 
-STEPS = 600
 MOVED = 0.1  # share of the strokes that one relocation moves
 
 
@@ -76,7 +75,7 @@ def costs_by_leaving_out(view: TargetView, paper: Tensor, marks: Marks, colours:
 
 def calls_of(seed: int) -> list[Call]:
     """Plan, and return all estimates that the planner asked for."""
-    layout, settings, calls = laid_out("astronaut", HEIGHT_PX), PlannerSettings(steps=STEPS, seed=seed), []
+    layout, settings, calls = laid_out("astronaut", HEIGHT_PX), PlannerSettings(seed=seed), []
 
     def watched(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
         estimated = removal_costs(view, paper, marks, colours, generator)

@@ -1,22 +1,23 @@
 """How like a hand its style draws, as one JSON object per line.
 
-    .venv/bin/python benchmarks/style.py                  # all tables but the last two, which plan for an hour
+    .venv/bin/python benchmarks/style.py                  # all tables but the last, which plans for an hour
     .venv/bin/python benchmarks/style.py few_shot         # one of reconstruction, few_shot, kinds, recognition
-    .venv/bin/python benchmarks/style.py plans            # recognition of 25 plans, on two processes
-    .venv/bin/python benchmarks/style.py price            # likeness to the hand against likeness to the picture
+    .venv/bin/python benchmarks/style.py plans            # recognition of 50 plans, on two processes
 
-Reconstruction: RMS distance of corresponding points on held-out strokes, with how many numbers a stroke's code takes.
+Reconstruction: RMS distance of corresponding points on held-out strokes, with how many numbers a stroke's code takes;
+of networks for each of five seeds, which are other strokes that they learn from and another training.
 
 Few-shot likeness: see `few_shot.py`. `floor` is the 20 strokes themselves and `other_people` every other session.
 `normalised` is (energy - floor) / (other_people - floor). Intervals are by bootstrap over sessions, and seeds in them.
 
-Kinds: see `kinds.py`. Recognition, plans and price: see `recognition.py`.
+Kinds: see `kinds.py`. Recognition and plans: see `recognition.py`.
 """
 
 import json
 import sys
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 
 import numpy as np
 import torch
@@ -24,7 +25,7 @@ from few_shot import DRAWN, FEW, Few, Likeness, Session, large, paths_of, pool_w
 from intervals import Floats, interval, mean
 from kinds import curls_awry, curls_by_hand, seven_curls, worst_kind
 from published import CHOSEN, published_vae
-from recognition import plans, price, recognition
+from recognition import plans, recognition
 from recordings import mocap_hands, mouse_hands, wacom_drawings
 
 from maulstick.strokes.strokes import Strokes
@@ -53,17 +54,17 @@ def reconstruction() -> None:
     sessions = mocap_hands()
     for name, strokes in (sessions | wacom_drawings() | mouse_hands()).items():
         _show_errors("gist", name, paths_of(strokes), _by_gist(paths_of(strokes)), shape.GIST)
-    for name, strokes in sessions.items():
-        few, rest = split(strokes, 0, FEW)
+    for (name, strokes), seed in product(sessions.items(), range(SEEDS)):
+        few, rest = split(strokes, seed, FEW)
         held_out = paths_of(rest)
-        style = fine_tune(pretrained(), Hand.of(few), seed=0)
+        style = fine_tune(pretrained(), Hand.of(few), seed=seed)
         with torch.no_grad():
             codes = style.encode(torch.from_numpy(held_out).float())
             again = style.decode(codes).double().numpy()
-        _show_errors("trajvae", name, held_out, again, codes.shape[1])
+        _show_errors("trajvae", name, held_out, again, codes.shape[1], seed)
         others = [paths_of(other) for key, other in sessions.items() if key != name]
-        published = published_vae(others, paths_of(few), CHOSEN[name], 0)
-        _show_errors("paper", name, held_out, published.reconstruct(held_out), 64)
+        published = published_vae(others, paths_of(few), CHOSEN[name], seed)
+        _show_errors("paper", name, held_out, published.reconstruct(held_out), 64, seed)
 
 
 def _by_gist(paths: Floats) -> Floats:
@@ -72,13 +73,14 @@ def _by_gist(paths: Floats) -> Floats:
     return shape.decode(numbers).numpy()
 
 
-def _show_errors(model: str, session: str, paths: Floats, again: Floats, numbers: int) -> None:
+def _show_errors(model: str, session: str, paths: Floats, again: Floats, numbers: int, seed: int = 0) -> None:
     errors = np.sqrt(np.square(again - paths).sum(axis=-1).mean(axis=1)) * 1e3
     median, worst = np.percentile(errors, (50, 95))
     show(
         "reconstruction",
         model=model,
         session=session,
+        seed=seed,
         median_mm=float(median),
         p95_mm=float(worst),
         numbers=numbers,
@@ -216,9 +218,8 @@ TABLES: dict[str, Callable[[], None]] = {
     "kinds": kinds,
     "recognition": lambda: recognition(lambda *drawn: _drawn_by(*drawn, load_hands()), show),
     "plans": partial(plans, show),
-    "price": partial(price, show),
 }
-LONG = ("plans", "price")
+LONG = ("plans",)
 
 
 def main() -> None:

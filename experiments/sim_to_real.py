@@ -1,7 +1,6 @@
 """How near a painting comes to its picture, with a brush that is calibrated, and with replanning on the way as well.
 
     .venv/bin/python experiments/sim_to_real.py [--medium M …] [--picture P …] [--seed S …] [--out FOLDER]
-    .venv/bin/python experiments/sim_to_real.py --table [--out FOLDER]
 
 A simulated easel holds a tool that the planner has never seen (`simulated_tools.py`). For each medium and seed its
 brush is fitted to one sheet of strokes; for each medium, picture and seed two paintings are made of as many strokes:
@@ -10,7 +9,8 @@ brush is fitted to one sheet of strokes; for each medium, picture and seed two p
     replanned    the same plan, with photographs on the way, after each of which what is left is planned again
 
 Distances are the root mean square of CIEDE2000 over the picture's area, in units of a just visible difference, after
-both images were blurred (in sRGB) by a Gaussian of 1 mm. Each row is appended to FOLDER/rows.jsonl, and not made twice:
+both images were blurred (in sRGB) by a Gaussian of 1 mm. Each row is appended to FOLDER/rows.jsonl, and not made twice;
+in the end all are printed:
 
     planned                  from the plan's preview to the picture: a machine without faults
     planned_again            the same after as many steps more as the replanned painting gets, on previews of what is
@@ -21,9 +21,7 @@ both images were blurred (in sRGB) by a Gaussian of 1 mm. Each row is appended t
     last_plan, last_floor    strokes after the last photograph, where they mark: from the replanned painting to what its
                              last plan says, and between two paintings of these strokes on the same sheet
 
-`--table` prints the mean over rows of each medium, and the mean of what replanning changes, relative to calibration
-alone, with its 95 % interval by bootstrap over pairs of the same picture and seed. FOLDER/sim-to-real.jpg shows, of the
-first picture and seed, a row for each medium: picture, plan, calibrated, replanned.
+FOLDER/sim-to-real.jpg shows, of the first picture and seed, for each medium: picture, plan, calibrated, replanned.
 """
 
 import argparse
@@ -61,7 +59,7 @@ SIDE, MOUNT = 0.08, 6e-3
 PIXELS = 112
 """Pixels of the sheet's side while planning."""
 
-STROKES, PAINTS, STEPS, EVERY = 120, 6, 800, 30
+STROKES, PAINTS, STEPS, EVERY = 240, 6, 800, 60
 """Of a plan; and strokes between two photographs."""
 
 BLUR, SCORED = 1e-3, 2000.0
@@ -89,19 +87,14 @@ class Painted:
 
 
 def main() -> None:
-    """Paint what is asked for and is not there yet, or print the table."""
+    """Paint what is asked for and is not there yet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("sim-to-real"))
     parser.add_argument("--medium", choices=sorted(TOOLS), nargs="*", default=sorted(TOOLS))
     parser.add_argument("--picture", nargs="*", default=list(PICTURES), help="names of pictures in skimage.data")
     parser.add_argument("--seed", type=int, nargs="*", default=list(range(5)))
-    parser.add_argument("--table", action="store_true", help="print what the rows say, and paint nothing")
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
-    if asked.table:
-        print_table(rows_in(asked.out))
-        write_plot(asked.out)
-        return
     made = {(row["medium"], row["picture"], row["seed"]) for row in rows_in(asked.out)}
     for seed in asked.seed:
         for medium in asked.medium:
@@ -110,7 +103,9 @@ def main() -> None:
                     row = Study(TOOLS[medium], name, seed, asked.out).row()
                     with (asked.out / "rows.jsonl").open("a") as file:
                         file.write(json.dumps(row) + "\n")
-                    print(json.dumps(row), flush=True)
+    for row in rows_in(asked.out):
+        print(json.dumps(row))
+    write_plot(asked.out)
 
 
 class Study:
@@ -238,30 +233,10 @@ def rows_in(folder: Path) -> list[Row]:
     return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
 
 
-def print_table(rows: list[Row]) -> None:
-    """A line of means per medium, with the change by replanning in per cent and its interval."""
-    numbers = [name for name in rows[0] if name not in ("medium", "picture", "seed")]
-    print("| medium | pairs | " + " | ".join(numbers) + " | change |")
-    print("|---" * (len(numbers) + 3) + "|")
-    for medium in sorted({str(row["medium"]) for row in rows}):
-        ours = [row for row in rows if row["medium"] == medium]
-        means = [np.mean([float(row[name]) for row in ours]) for name in numbers]
-        changes = np.array([float(row["replanned"]) / float(row["calibrated"]) - 1 for row in ours])
-        low, high = 100 * interval(changes)
-        cells = [medium, str(len(ours)), *(f"{mean:.2f}" for mean in means)]
-        print("| " + " | ".join(cells) + f" | {100 * changes.mean():+.1f} % ({low:+.1f} to {high:+.1f}) |")
-
-
 def write_plot(folder: Path) -> None:
     """The strips of the first picture and seed, one below the other."""
     strips = [np.asarray(Pillow.open(path)) for path in sorted(folder.glob(f"*-{PICTURES[0]}-0.png"))]
     Pillow.fromarray(np.concatenate(strips)).save(folder / "sim-to-real.jpg", quality=90)
-
-
-def interval(values: np.ndarray, resamples: int = 10_000) -> np.ndarray:
-    """95 % interval of the mean by bootstrap, (2,)."""
-    picks = np.random.default_rng(0).integers(0, len(values), (resamples, len(values)))
-    return np.quantile(values[picks].mean(axis=1), (0.025, 0.975))
 
 
 if __name__ == "__main__":
