@@ -1,6 +1,7 @@
 """Table of how near paintings on a simulated easel come to their pictures, from rows that were kept."""
 
 import numpy as np
+from intervals import interval, mean
 from kept import rows_of, table
 
 COLUMNS = {
@@ -13,7 +14,6 @@ COLUMNS = {
     "last_plan": "last to plan",
     "last_floor": "last floor",
 }
-RESAMPLES = 10_000
 
 
 def sim_to_real_table() -> str:
@@ -23,8 +23,7 @@ def sim_to_real_table() -> str:
     for medium in sorted({row["medium"] for row in rows}):
         of = [row for row in rows if row["medium"] == medium]
         changes = 100 * np.array([row["replanned"] / row["calibrated"] - 1 for row in of])
-        picks = np.random.default_rng(0).integers(0, len(of), (RESAMPLES, len(of)))
-        low, high = np.quantile(changes[picks].mean(axis=1), (0.025, 0.975))
+        low, high = interval([changes], mean)
         means = [f"{np.mean([row[key] for row in of]):.2f}" for key in COLUMNS]
         lines.append([medium, f"{len(of)}", *means, f"{changes.mean():+.1f} % ({low:+.1f} to {high:+.1f})"])
     return table(["medium", "pairs", *COLUMNS.values(), "change"], lines)
