@@ -19,7 +19,7 @@ def test_a_plan_says_that_its_strokes_give_too_little_ink_and_keeps_the_tones_in
     note = re.search(r"note: 30 strokes of this length give (\d)% of the ink .* ([\d,]+) strokes would", ran.stderr)
     assert note is not None, ran.stderr
     painting = read_painting(tmp_path / "out" / "painting.json")
-    assert len(painting.strokes) == 30, "where ink is short, none is left out"
+    assert 20 < len(painting.strokes) <= 30, "those that lie astray are left out"
     metrics = painting.provenance.metrics
     assert 80 < metrics["darkest"] < metrics["lightest"] <= 100.01
     assert metrics["psnr_blurred"] > 10
@@ -69,7 +69,7 @@ def test_auto_without_one_ink_in_a_hand_says_what_it_is_for(tmp_path: Path, word
 
 @pytest.mark.parametrize("size", [0.5, 0.9])
 def test_a_hand_is_drawn_smaller_as_a_whole(tmp_path: Path, size: float) -> None:
-    ran = paint(tmp_path / "out", *PEN, "--strokes", "40", "--hand-size", str(size))
+    ran = paint(tmp_path / "out", *PEN, "--strokes", "40", "--exact", "--hand-size", str(size))
     assert ran.code == 0, ran.stderr
     painting = read_painting(tmp_path / "out" / "painting.json")
     own = read_style(style_path("contour")).lengths(40).sum().item()

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.planning.objectives import Halftone, Tone
+from maulstick.planning.objectives import Halftone, Tone, pull_of_ink
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
@@ -29,10 +29,13 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     target = torch.from_numpy(np.ascontiguousarray(picture.transpose(2, 0, 1)))
     weights = torch.ones_like(target[0])
     canvas = Canvas(0.06 * picture.shape[1] / picture.shape[0], 0.06, picture.shape[0] / 0.06)
-    tone = Weighted(Halftone(target, weights, 2.0, target) if halftone else Tone(target, weights), 1.0)
-    return PlanningProblem(
-        target, torch.ones_like(target), weights, canvas, (brush,), load_style("free", canvas), (tone,)
-    )
+    paper, style = torch.ones_like(target), load_style("free", canvas)
+    if not halftone:
+        tone = Weighted(Tone(target, weights), 1.0)
+        return PlanningProblem(target, paper, weights, canvas, (brush,), style, (tone,))
+    pull = pull_of_ink(target, paper, torch.zeros(3), target)
+    tone = Weighted(Halftone(target, weights, 2.0, pull), 1.0)
+    return PlanningProblem(target, paper, weights, canvas, (brush,), style, (tone,), pull=pull)
 
 
 def mse(canvas: Tensor, target: Tensor) -> float:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from maulstick.planning import groups
 from maulstick.planning.directions import directions
 from maulstick.planning.groups import place_groups
 from maulstick.planning.placement import Places
@@ -59,6 +60,19 @@ def test_groups_lie_where_ink_is_wanted() -> None:
     density = np.zeros(SIZE)
     density[:, :30] = 1
     assert (placed(48, density)[0].centres[:, 0] < 35).mean() > 0.95
+
+
+def test_fewer_strokes_lie_where_no_ink_is_wanted_than_if_that_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows, columns = np.indices(SIZE) // 18
+    density = ((rows + columns) % 2 == 0).astype(float)
+
+    def astray() -> float:
+        x, y = placed(384, density)[0].centres.astype(int).T
+        return float((density[y.clip(0, SIZE[0] - 1), x.clip(0, SIZE[1] - 1)] == 0).mean())
+
+    usual = astray()
+    monkeypatch.setattr(groups, "_MISPLACED", 0.0)
+    assert usual < 0.8 * astray()
 
 
 def test_three_times_the_ink_has_about_three_times_the_strokes() -> None:

@@ -4,9 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from maulstick.planning.objectives import Halftone, Objective, Tone, halved
+from maulstick.planning.objectives import Halftone, Objective, Tone, halved, pull_of_ink
 
 ROUNDING = 1e-5  # relative, of float32
+BLACK = torch.zeros(3)
 
 progresses = pytest.mark.parametrize("progress", [0.0, 0.3, 0.5, 1.0])
 kinds = pytest.mark.parametrize("spacing", [None, 1.0, 6.0], ids=["tone", "halftone", "sparse halftone"])
@@ -18,7 +19,9 @@ def noise(seed: int, *shape: int) -> Tensor:
 
 def tone(target: Tensor, weights: Tensor | None = None, *, spacing: float | None = None) -> Objective:
     weights = torch.ones_like(target[0]) if weights is None else weights
-    return Tone(target, weights) if spacing is None else Halftone(target, weights, spacing, target)
+    if spacing is None:
+        return Tone(target, weights)
+    return Halftone(target, weights, spacing, pull_of_ink(target, torch.ones_like(target), BLACK, target))
 
 
 @kinds
@@ -101,7 +104,8 @@ def test_contours_earn_most_for_a_line_along_their_dark_side_where_tones_leave_t
     target = torch.ones_like(picture) if blank else picture
 
     def losses(*, contours: bool) -> Tensor:
-        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, picture if contours else None)
+        pull = pull_of_ink(target, torch.ones_like(target), BLACK, picture if contours else None)
+        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, pull)
         lines = 1 - torch.eye(64)[:, None, None, :].expand(64, 3, 64, 64)
         return torch.stack([halftone.loss(canvas, 0.5) for canvas in lines])
 
@@ -109,6 +113,23 @@ def test_contours_earn_most_for_a_line_along_their_dark_side_where_tones_leave_t
     assert earned.argmax() == 32
     assert earned.argmin() == 31
     assert torch.allclose(earned[[20, 45, 60]], earned[5], atol=0.02 * earned.max().item()), "nothing elsewhere"
+
+
+@pytest.mark.parametrize(("paper", "ink"), [(1.0, 0.0), (0.2, 1.0)], ids=["black on white", "white on grey"])
+def test_ink_costs_where_the_sheet_stays_blank_and_nothing_else_pulls_without_contours(
+    paper: float, ink: float
+) -> None:
+    sheet = torch.full((3, 64, 64), paper)
+    target = sheet.clone()
+    target[:, :, 32:] = (paper + ink) / 2
+    pull = pull_of_ink(target, sheet, torch.full((3,), ink))
+    halftone, tones = (Halftone(target, torch.ones(64, 64), 5.0, each) for each in (pull, None))
+    canvas = target.clone()
+    canvas[:, 20, 8:24] = ink  # a line on the blank half
+    assert halftone.loss(canvas, 0.5) > 2 * tones.loss(canvas, 0.5)
+    canvas = target.clone()
+    canvas[:, 20, 40:56] = ink
+    assert halftone.loss(canvas, 0.5) == tones.loss(canvas, 0.5)
 
 
 def test_halftone_does_not_change_as_planning_goes_on() -> None:

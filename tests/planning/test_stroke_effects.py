@@ -1,5 +1,5 @@
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 import torch
@@ -110,6 +110,18 @@ def test_one_estimate_ranks_strokes_much_as_leaving_each_out_does() -> None:
         found = removal_costs(view, paper, marks, colours, seeded(seed))
         ranks = torch.stack([honest.argsort().argsort(), found.argsort().argsort()]).double()
         assert torch.corrcoef(ranks)[0, 1] > 0.6
+
+
+def test_what_a_canvas_is_pulled_to_counts_exactly() -> None:
+    paper, marks, colours, target = overlapping(0)
+    view = view_of(target, pool=5, seed=7)
+    pulled = replace(view, pull=torch.randn(target.shape, generator=seeded(8)))
+    more = removal_costs(pulled, paper, marks, colours, seeded(0))
+    more -= removal_costs(view, paper, marks, colours, seeded(0))
+    rests = [rendered(paper, *without(marks, colours, i)) for i in range(len(colours))]
+    honest = torch.stack([pulled.pulled(rest) for rest in rests]) - pulled.pulled(rendered(paper, marks, colours))
+    assert more.tolist() == pytest.approx(honest.tolist(), abs=100 * ROUNDING)
+    assert honest.abs().max() > 0.1
 
 
 def test_a_stroke_that_shows_nowhere_costs_nothing() -> None:

@@ -34,7 +34,7 @@ INK = 0.05  # of a stroke's ink in mm², from 256 to 1024 pixels and at any plac
 # A plan's likeness to its picture, beside marks that were sampled at 16 by 16 points a pixel.
 TRUE_DECIBELS, TRUE_SSIM = 0.05, 0.002
 PLANNED_DECIBELS = 0.2  # on the planner's own pixels
-FINER_BANDS = 1e-3  # of a colour: float32 rounds a stroke that is moved by a band, also to the other side of a crease
+FINER_BANDS = 1e-4  # of a colour: a stroke's pixels count from its band's edge, which float32 rounds otherwise
 
 # Codes of strokes: there and back again in float64, as a share of the largest number.
 FLOAT64_ROUND_TRIP = 1e-11

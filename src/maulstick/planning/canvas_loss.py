@@ -31,7 +31,7 @@ class CanvasLoss:
         if target is None:
             assert self._surrogate is not None
             target = self._surrogate.proposal
-        return TargetView(target, self._problem.weights, self.pool)
+        return TargetView(target, self._problem.weights, self.pool, self._problem.pull)
 
     def ask(self, canvas: Tensor, step: int, torch_rng: Generator) -> None:
         """Ask networks about a canvas (C, H, W), in those steps in which they are asked."""

@@ -9,6 +9,8 @@ from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement import Arrangement
 
 _TRIED = 48  # places that are tried for a group: more find a better one, and take longer
+_UNWANTED = 0.02  # of the most that is missing: what is less is none
+_MISPLACED = 2.0  # times the mean of what is missing: ink where none is, by eye, or long strokes lie across faces
 _BLUR_IN_SPACINGS = 0.5  # as fine as so many strokes can draw a picture
 _CELLS_IN_BLUR = 2  # side of the cells that ink is counted in
 _REACH_IN_BLURS = 4  # farther than this no ink is blurred
@@ -99,6 +101,8 @@ class _Ink:
         cells = padded.reshape(rows, self._side, columns, self._side).sum(axis=(1, 3))
         self._size = np.array(wanted.shape[::-1])
         self._missing = gaussian_filter(cells, self._sigma, mode="constant")
+        wants = self._missing > _UNWANTED * self._missing.max()
+        self._misplaced = np.where(wants, 0.0, _MISPLACED * self._missing[wants].mean())
 
     def likely(self, count: int, rng: np.random.Generator) -> Floats:
         """Draw places (count, 2), pixels, where much is missing."""
@@ -109,10 +113,15 @@ class _Ink:
         return places
 
     def missing(self, paths: Floats) -> Floats:
-        """Return how much is missing along paths (k, m, n, 2) on average, (k,); off the sheet there is far too much."""
-        found = self._missing[self._cells(paths)]
+        """Return how much is missing along paths (k, m, n, 2) on average, (k,).
+
+        Off the sheet there is far too much, and too much where none was missing at first.
+        """
+        cells = self._cells(paths)
+        found = self._missing[cells] - self._misplaced[cells]
         outside = ((paths < 0) | (paths > self._size)).any(axis=-1)
-        means: Floats = np.where(outside, -np.abs(self._missing).max(), found).mean(axis=(1, 2))
+        worst = -np.abs(self._missing).max() - self._misplaced.max()
+        means: Floats = np.where(outside, worst, found).mean(axis=(1, 2))
         return means
 
     def draw(self, paths: Floats) -> None:

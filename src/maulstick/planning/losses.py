@@ -96,7 +96,7 @@ class Reference:
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
     spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
-    picture: (3, H, W), the target in its own tones, whose contours one ink draws, or None.
+    pull: (3, H, W), of one ink, as `pull_of_ink` returns it.
     weights_of: weights (H, W) of single terms by name, where they differ.
     """
 
@@ -104,7 +104,7 @@ class Reference:
     weights: Tensor
     paper: Tensor
     spacing: float | None
-    picture: Tensor | None = None
+    pull: Tensor | None = None
     weights_of: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
@@ -126,20 +126,19 @@ def losses_of(
     for name, weight in loss_options.weights_of_terms(has_picture=reference.target is not None).items():
         strength = weight * STRENGTHS[name]
         if name in ("tone", "edges"):
-            objectives.append(Weighted(_objective(name, reference, loss_options.contours), strength))
+            objectives.append(Weighted(_objective(name, reference), strength))
         else:
             network_losses.append(Weighted(_network_loss(name, loss_options, reference, network()), strength))
     return tuple(objectives), tuple(network_losses)
 
 
-def _objective(name: str, reference: Reference, contours: bool) -> Objective:
+def _objective(name: str, reference: Reference) -> Objective:
     assert reference.target is not None  # `LossOptions.weights_of_terms` has checked it
     weights = reference.weights_of.get(name, reference.weights)
     if name == "edges":
         return Edges(reference.target, weights)
     if reference.spacing is not None:
-        contoured = reference.picture if contours else None
-        return Halftone(reference.target, weights, reference.spacing, contoured)
+        return Halftone(reference.target, weights, reference.spacing, reference.pull)
     return Tone(reference.target, weights)
 
 

@@ -26,16 +26,23 @@ class TargetView:
     """View of the target (C, H, W), with which a canvas is compared.
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
+    pull: (C, H, W), of one ink, as `pull_of_ink` returns it.
     """
 
     target: Tensor
     weights: Tensor
     pool: int = 1
+    pull: Tensor | None = None
 
     def difference(self, canvas: Tensor) -> Tensor:
         """Return the weighted difference (C, h, w), whose sum of squares is the error."""
         difference = (canvas - self.target) * self.weights.sqrt()
         return avg_pool2d(difference, self.pool, ceil_mode=True) if self.pool > 1 else difference
+
+    def pulled(self, canvas: Tensor) -> Tensor:
+        """Return what the pull of the view adds to the error, a scalar."""
+        assert self.pull is not None
+        return (canvas * self.pull * self.weights).sum() / self.pool**2
 
 
 def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor, generator: Generator) -> Tensor:
@@ -46,8 +53,10 @@ def removal_costs(view: TargetView, paper: Tensor, marks: Marks, colours: Tensor
     """
     marks, colours = _detached(marks), colours.detach()
     opacity = marks.opacity.requires_grad_()
-    difference = view.difference(_painted(paper, marks, colours))
-    slope, curvature = _slope_and_curvature(difference, opacity, generator)
+    canvas = _painted(paper, marks, colours)
+    slope, curvature = _slope_and_curvature(view.difference(canvas), opacity, generator)
+    if view.pull is not None:
+        slope = slope + torch.autograd.grad(view.pulled(canvas), opacity)[0]
     amount = opacity.detach()
     return 0.5 * curvature * amount.square() - slope * amount
 

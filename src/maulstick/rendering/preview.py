@@ -1,9 +1,8 @@
 """Previews of a painting: the marks of its own brushes, drawn along its refined strokes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
-from typing import Self
 
 import torch
 from torch import Tensor
@@ -14,7 +13,7 @@ from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
 from maulstick.rendering.kernels.render import composite
-from maulstick.rendering.traj2stroke import Traj2Stroke
+from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from maulstick.storage.arrays import Image
 
 _LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
@@ -28,7 +27,7 @@ def preview(painting: Painting, canvas: Canvas, strokes: int | None = None) -> I
     strokes: number of strokes that are rendered, from the first; all by default.
     """
     shown = painting.model_copy(update={"strokes": painting.strokes[:strokes]})
-    return _image(_Shown.of(shown).painted(_bare_sheet(painting, canvas), canvas.pixels_per_metre))
+    return _image(_painted(_bare_sheet(painting, canvas), _drawn(shown, canvas.pixels_per_metre)))
 
 
 def growing(painting: Painting, canvas: Canvas, ends: Sequence[int]) -> Iterator[Image]:
@@ -40,7 +39,7 @@ def growing(painting: Painting, canvas: Canvas, ends: Sequence[int]) -> Iterator
     for end in ends:
         if end > begin:
             more = painting.model_copy(update={"strokes": painting.strokes[begin:end]})
-            image, begin = _Shown.of(more).painted(image, canvas.pixels_per_metre), end
+            image, begin = _painted(image, _drawn(more, canvas.pixels_per_metre)), end
         yield _image(image)
 
 
@@ -51,13 +50,12 @@ def truth(painting: Painting, canvas: Canvas) -> Image:
     strokes are painted on pixels that are four times finer each way, and their sRGB values are averaged; the sheet
     itself stays as the canvas shows it. Bands are drawn one after another, so memory stays within a few hundred MB.
     """
-    resolution, shown = _FINER * canvas.pixels_per_metre, _Shown.of(painting)
+    drawn = list(_drawn(painting, _FINER * canvas.pixels_per_metre))
     rows = max(1, _BAND_PX // (_FINER**2 * canvas.width_px))
     bands = []
     for number, bare in enumerate(_bare_sheet(painting, canvas).split(rows, dim=1)):
         finer = bare.repeat_interleave(_FINER, dim=1).repeat_interleave(_FINER, dim=2)
-        top = number * rows / canvas.pixels_per_metre
-        bands.append(avg_pool2d(shown.painted(finer, resolution, top), _FINER))
+        bands.append(avg_pool2d(_painted(finer, drawn, top=number * rows * _FINER), _FINER))
     return _image(torch.cat(bands, dim=1))
 
 
@@ -75,8 +73,10 @@ def preview_of_height(painting: Painting, px: int) -> Image:
 def coverage(painting: Painting, canvas: Canvas) -> Image:
     """Share of the sheet that paint hides at each pixel of the canvas, (height_px, width_px) in [0, 1]."""
     bare = torch.zeros(1, canvas.height_px, canvas.width_px)
-    white = torch.ones(len(painting.strokes), 1)
-    return _image(replace(_Shown.of(painting), colours=white).painted(bare, canvas.pixels_per_metre))[..., 0]
+    white = [
+        replace(each, colours=torch.ones(len(each.colours), 1)) for each in _drawn(painting, canvas.pixels_per_metre)
+    ]
+    return _image(_painted(bare, white))[..., 0]
 
 
 def _bare_sheet(painting: Painting, canvas: Canvas) -> Tensor:
@@ -84,36 +84,37 @@ def _bare_sheet(painting: Painting, canvas: Canvas) -> Tensor:
 
 
 @dataclass(frozen=True)
-class _Shown:
-    """Refined painting, and of each stroke the colour, (N, C), and the mean of the pressures that were given, (N,)."""
+class _Drawn:
+    """Marks of consecutive strokes, and their colours (N, C)."""
 
-    painting: Painting
+    marks: Marks
     colours: Tensor
-    pressures: Tensor
 
-    @classmethod
-    def of(cls, painting: Painting) -> Self:
-        colours = [painting.paints[stroke.paint].colour for stroke in painting.strokes]
-        pressures = [fmean(pressure for _, _, pressure in stroke.trajectory) for stroke in painting.strokes]
-        return cls(refined(painting), torch.tensor(colours).reshape(-1, 3), torch.tensor(pressures))
 
-    def painted(self, onto: Tensor, pixels_per_metre: float, top: float = 0.0) -> Tensor:
-        """Return an image (C, H, W) after all strokes.
+@torch.no_grad()
+def _drawn(painting: Painting, pixels_per_metre: float) -> Iterator[_Drawn]:
+    """Yield the marks of all refined strokes, in painting order."""
+    colours = torch.tensor([painting.paints[stroke.paint].colour for stroke in painting.strokes]).reshape(-1, 3)
+    pressures = torch.tensor([fmean(p for _, _, p in stroke.trajectory) for stroke in painting.strokes])  # as given
+    begin = 0
+    for part in refined(painting).parts():
+        rows = slice(begin, begin := begin + len(part.strokes))
+        brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
+        counts = torch.tensor([len(stroke.trajectory) for stroke in part.strokes])
+        trajectories = torch.tensor(part.trajectories(), dtype=torch.float32)
+        marks = brushes.at_mean_pressure(pressures[rows]).marks(trajectories, pixels_per_metre)
+        yield _Drawn(marks.evened(counts), colours[rows])
 
-        top: metres from the sheet's upper edge to the image's.
-        """
-        image, begin = onto.contiguous(), 0
-        for part in self.painting.parts():
-            rows = slice(begin, begin := begin + len(part.strokes))
-            brushes = Traj2Stroke.of([part.brushes[part.paints[stroke.paint].brush] for stroke in part.strokes])
-            counts = torch.tensor([len(stroke.trajectory) for stroke in part.strokes])
-            trajectories = torch.tensor(part.trajectories() - (0.0, top, 0.0), dtype=torch.float32)
-            with torch.no_grad():
-                brushes = brushes.at_mean_pressure(self.pressures[rows])
-                marks = brushes.marks(trajectories, pixels_per_metre).evened(counts)
-                shape = marks.falloff, marks.plateau, marks.opacity
-                image = composite(image, marks.points, marks.thickness, self.colours[rows], *shape)
-        return image
+
+@torch.no_grad()
+def _painted(onto: Tensor, drawn: Iterable[_Drawn], top: int = 0) -> Tensor:
+    """Return an image (C, H, W) after these marks, where it begins `top` pixels below the sheet's upper edge."""
+    image, down = onto.contiguous(), torch.tensor([0.0, top])
+    for each in drawn:
+        marks = each.marks
+        shape = marks.falloff, marks.plateau, marks.opacity
+        image = composite(image, marks.points - down, marks.thickness, each.colours, *shape)
+    return image
 
 
 def _image(channels_first: Tensor) -> Image:

@@ -223,8 +223,6 @@ def prepare(
         settings, names, kept = again.settings(settings), again.names, again.painting
     locked = [] if kept is None else locked_in(kept)
     tones = None if supply is None else supply.tones(settings.strokes + len(locked))
-    if tones is not None and tones.compressed:  # none can be spared
-        settings = replace(settings, exact=True)
     regions = directing.regions(layout, style, brushes, usual)
     loss_options, network = _losses(options, picture), LoadedOnce(partial(network_of, options))
     problem = problem_of(

@@ -6,6 +6,18 @@ from maulstick.planning.objectives.look import Look
 from maulstick.planning.objectives.objective import NetworkLoss, Objective
 from maulstick.planning.objectives.pyramid import halved
 from maulstick.planning.objectives.text import TextMatch
-from maulstick.planning.objectives.tone import Halftone, Tone
+from maulstick.planning.objectives.tone import Halftone, Tone, pull_of_ink
 
-__all__ = ["Edges", "Halftone", "Likeness", "Look", "NetworkLoss", "Objective", "TextMatch", "Tone", "halved", "sketch"]
+__all__ = [
+    "Edges",
+    "Halftone",
+    "Likeness",
+    "Look",
+    "NetworkLoss",
+    "Objective",
+    "TextMatch",
+    "Tone",
+    "halved",
+    "pull_of_ink",
+    "sketch",
+]

@@ -9,8 +9,10 @@ from torch import Tensor
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.pyramid import levels_of, mean_squares
 
+_NOTHING = 1e-3  # amount of ink below which a place is blank
 _AROUND = 1 / 64  # of the height: a Gaussian's standard deviation, against which a place is dark or light
 _CONTOURS = 0.3  # how much contours count beside tones; chosen by eye on mocap hands: 0.1 hardly shows, 0.5 is outlines
+_BLANK = 0.3  # how much ink costs where the sheet stays blank, by eye: with less, long strokes lie across faces
 
 
 class Tone(Objective):
@@ -40,27 +42,41 @@ class Tone(Objective):
         return mean_squares(canvas, self._target, self._scale, [weight / sum(weights) for weight in weights])
 
 
+def pull_of_ink(target: Tensor, paper: Tensor, ink: Tensor, picture: Tensor | None = None) -> Tensor:
+    """Return which way a canvas of one ink is pulled beside its tones, (C, H, W): a slope of its loss.
+
+    target: (C, H, W).  paper: (C, H, W), under the ink.  ink: (C,).
+    picture: (C, H, W), whose contours count: the target, or what it was in its own tones; none count without it.
+
+    Ink costs where the target is like the paper, or lighter: coarse images hardly see a line there. And ink where the
+    picture is darker than around it earns as much as ink where it is lighter costs, so contours draw lines to them.
+    """
+    full = ink[:, None, None] - paper
+    blank = ((target - paper) * full).sum(dim=0) < _NOTHING * full.square().sum(dim=0)
+    pull = 2 * _BLANK * blank * full
+    if picture is not None:
+        sigma = _AROUND * picture.shape[1]
+        around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
+        pull = pull - 2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture))
+    return pull
+
+
 class Halftone(Objective):
-    """Tone of one ink, whose greys are made of the distance between lines, and contours beside it.
+    """Tone of one ink, whose greys are made of the distance between lines, and what it is pulled to beside it.
 
     target: (C, H, W).  weights: (H, W), how much each pixel counts.  spacing: pixels between lines in usual greys.
-    picture: (C, H, W), whose contours count beside tones: the target, or what it was in its own tones.
+    pull: (C, H, W), as `pull_of_ink` returns it.
 
     Squared differences are those of halved images alone whose pixels hold a line: finer ones tell a line from paper,
-    and would pay for leaving it out. What they could show is asked for otherwise: ink where the picture is darker than
-    around it earns as much as ink where it is lighter costs, so contours draw lines to them and the tone stays.
+    and would pay for leaving it out. What they could show is left to the pull.
     """
 
-    def __init__(self, target: Tensor, weights: Tensor, spacing: float, picture: Tensor | None = None) -> None:
+    def __init__(self, target: Tensor, weights: Tensor, spacing: float, pull: Tensor | None = None) -> None:
         self._target, self._scale = target, weights.sqrt()
         last = levels_of(target) - 1
         first = max(0, min(round(log2(max(spacing, 1))), last))
         self._weights = [0.0] * first + [1 / (last + 1 - first)] * (last + 1 - first)
-        self._pull = None  # towards contours: where the picture is darker than around it, ink earns
-        if picture is not None:
-            sigma = _AROUND * picture.shape[1]
-            around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
-            self._pull = -2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture)) * weights
+        self._pull = None if pull is None else pull * weights
 
     @property
     def name(self) -> str:
@@ -68,5 +84,5 @@ class Halftone(Objective):
         return "tone"
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
-        """Return the mean squared difference, averaged over the levels, less what contours earn."""
+        """Return the mean squared difference, averaged over the levels, and the mean product with the pull."""
         return mean_squares(canvas, self._target, self._scale, self._weights, self._pull)
