@@ -96,6 +96,20 @@ def scaling_table() -> str:
     return table_of(rows_of("scaling"), columns)
 
 
+def large_table() -> str:
+    """How well and how fast many strokes are planned on large canvases."""
+    columns = {
+        "strokes": "{strokes:,}",
+        "pixels high": "{px:,}",
+        "seconds": "{seconds:.0f}",
+        "of the processor": "{processor_seconds:.0f}",
+        "memory": "{peak_mib:,} MiB",
+        "PSNR": "{psnr:.1f} dB",
+        "on the planner's pixels": "{psnr_planned:.1f} dB",
+    }
+    return table_of(rows_of("large"), columns)
+
+
 def clip_size_table() -> str:
     """How long a plan takes with a network of CLIP's size."""
     columns = {
