@@ -1,6 +1,7 @@
 """Tables of how like a hand its style draws, from rows that were kept."""
 
-from kept import rows_of, table
+import numpy as np
+from kept import Row, rows_of, table, with_range
 
 
 def kinds_table() -> str:
@@ -42,3 +43,44 @@ def recognition_table() -> str:
         )
         text += table(["", *sessions], named)
     return text
+
+
+def plans_table() -> str:
+    """Whose strokes those of plans are taken for, and what it costs to hold them to their hand."""
+    titles = {"1.0": "held to its hand, as usual", "inf": "not held"}
+    lines = [
+        [
+            titles[row["max_mean_cost"]],
+            with_interval(row["accuracy"], row["accuracy_interval"]),
+            f"{with_interval(row['psnr'], row['psnr_interval'], 1)} dB",
+            f"{with_interval(row['less'], row['less_interval'])} dB" if any(row["less_interval"]) else "",
+        ]
+        for row in rows_of("plans")
+        if row["name"] == "price"
+    ]
+    return table(["plans", "sheets named rightly", "PSNR", "more than when not held"], lines)
+
+
+def reconstruction_table() -> str:
+    """Errors of codes, medians and 95 % quantiles, mm."""
+    rows = rows_of("reconstruction")
+    models = list(dict.fromkeys(row["model"] for row in rows))
+    mocap = list(dict.fromkeys(row["session"] for row in rows if row["model"] == "trajvae"))
+    gist = {row["session"]: row for row in rows if row["model"] == "gist"}
+    lines = []
+    for session in mocap:
+        each = [[row for row in rows if (row["model"], row["session"]) == (model, session)] for model in models]
+        lines.append([session, *map(_errors, each)])
+    mouse = [row for session, row in gist.items() if session.startswith("mouse")]
+    wacom = [row for session, row in gist.items() if session not in mocap and row not in mouse]
+    for kind, found in (("Wacom", wacom), ("mouse", mouse)):
+        middle = [f"{np.median([row[key] for row in found]):.2f}" for key in ("median_mm", "p95_mm")]
+        lines.append([f"{len(found)} {kind} drawings, the median one", " / ".join(middle), *[""] * (len(models) - 1)])
+    numbers = {row["model"]: row["numbers"] for row in rows}
+    return table(["session", *(f"{model}, {numbers[model]} numbers" for model in models)], lines)
+
+
+def _errors(rows: list[Row]) -> str:
+    """Of one session's seeds the mean, the least and the most, of both quantiles."""
+    both = [[row[key] for row in rows] for key in ("median_mm", "p95_mm")]
+    return " / ".join(with_range(each, 2) if len(each) > 1 else f"{each[0]:.2f}" for each in both)

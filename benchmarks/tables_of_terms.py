@@ -80,3 +80,13 @@ def _to_hands(rows: list[Row], way: str, key: str, digits: int) -> str:
 def _from_to(values: list[float], digits: int) -> str:
     least, most = (f"{value:.{digits}f}" for value in (min(values), max(values)))
     return least if least == most else f"{least} to {most}"
+
+
+def few_calls_table() -> str:
+    """How little is left of a network's loss after so many calls of it."""
+    rows, lines = rows_of("few_calls"), []
+    for title, prefix in {"plain": "plain_", "warm": "warm_", "few calls": ""}.items():
+        calls, seconds, losses = ([row[prefix + key] for row in rows] for key in ("calls", "seconds", "loss"))
+        found = with_range(losses, 3) if len(losses) > 1 else f"{losses[0]:.3f}"
+        lines.append([title, f"{np.mean(calls):,.0f}", found, f"{np.mean(seconds):.0f}"])
+    return table(["", "calls", "loss", "seconds of the processor"], lines)

@@ -13,6 +13,7 @@ from torch import Generator, Tensor
 from torch.nn.functional import normalize
 
 from maulstick.storage.arrays import Floats, Ints
+from maulstick.style.arrangement import _corners
 from maulstick.style.traits import path_length, quantiles
 
 NEAREST = 4
@@ -25,7 +26,6 @@ _DIRECTIONS = 24  # that distributions are compared along, others at each call
 _LEAST = 0.005  # of the median length: nearer centres and lines are as near, and offsets have no direction
 _LEAST_SPREAD = 0.1  # of any number: where all strokes of a hand lie alike
 _CORNERS = 16  # of a line that gaps are measured to, and from every other of them
-_FEW = 4  # corners that are looked at first: mostly one is another stroke's
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _log_distance(offsets: Tensor) -> Tensor:
 def _gaps(points: Tensor) -> Tensor:
     """Return offsets to the nearest line of another stroke from every other corner of each stroke, (N, 8, 2)."""
     ours = points[:, ::2].reshape(-1, 2)
-    stroke, corner = _nearest_corners(points.detach().numpy(), ours.detach().numpy())
+    stroke, corner = _nearest_corners(points.detach().numpy())
     found = []
     for first in (corner - 1, corner):
         first = np.clip(first, 0, _CORNERS - 2)
@@ -155,14 +155,9 @@ def _gaps(points: Tensor) -> Tensor:
     return torch.where(nearer[:, None], one, other).reshape(len(points), -1, 2)
 
 
-def _nearest_corners(points: Floats, ours: Floats) -> tuple[Ints, Ints]:
-    """Return stroke and corner of another stroke of points (N, 16, 2) that is nearest to ours (8 N, 2)."""
-    tree = cKDTree(points.reshape(-1, 2), compact_nodes=False, balanced_tree=False)
-    own = np.arange(len(ours)) // (len(ours) // len(points))
-    nearest = np.full(len(ours), -1)
-    for count in (_FEW, _CORNERS + 1):
-        left = np.flatnonzero(nearest < 0)
-        found = np.asarray(tree.query(ours[left], count)[1])
-        others = found // _CORNERS != own[left, None]
-        nearest[left] = np.where(others.any(axis=1), found[np.arange(len(left)), others.argmax(axis=1)], -1)
+def _nearest_corners(points: Floats) -> tuple[Ints, Ints]:
+    """Return stroke and corner of another stroke that is nearest to every other corner of points (N, 16, 2), (8 N,)."""
+    found = np.empty((len(points), _CORNERS // 2), dtype=np.int64)
+    _corners.nearest(np.ascontiguousarray(points), found)
+    nearest = found.ravel()
     return nearest // _CORNERS, nearest % _CORNERS
