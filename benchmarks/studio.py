@@ -7,10 +7,13 @@ name: `start`: from the command to the link.
     the same browser once more.
 `answer`: from a request for a panel's address to the end of the server's answer, and its size in `bytes`.
 `stop`: from a click on STOP to the server's answer.
+`first_picture`: from a plan that is asked for to the first picture of it, 400 strokes; `ready` is whether its panel was
+    open for ten seconds before, so that a process waits for it.
 `busy` is whether a picture of 1,000 strokes is planned meanwhile, `plans` how many finished ones are there. seconds:
     the median of so many `runs`; worst: the longest of them.
 """
 
+import asyncio
 import json
 import re
 import shutil
@@ -25,12 +28,18 @@ from urllib.request import Request, urlopen
 
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest, demo_picture
+from maulstick.studio.state.folder import Folder
+from maulstick.studio.state.plans import Plans
+
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # the tests are not installed
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.plans_to_paint import put_plan
 
 RUNS = 9
 PLANS, CURVE = 20, 200  # finished plans, and points of the loss curve of each
+READY = 10.0  # seconds
 PANELS = ("/", "/styles", "/plan", "/paints", "/paint", "/survey")
 
 
@@ -89,6 +98,26 @@ def stops(studio: RunningStudio, browser: Browser, busy: bool) -> None:
     page.close()
 
 
+def first_pictures() -> None:
+    for ready in (False, True):
+        tell("first_picture", [asyncio.run(first_picture(ready=ready)) for _ in range(RUNS)], ready=ready)
+
+
+async def first_picture(*, ready: bool) -> float:
+    with TemporaryDirectory() as root, Folder.opened(Path(root) / "studio") as folder:
+        plans = Plans(folder)
+        if ready:
+            plans.be_ready()
+            await asyncio.sleep(READY)
+        started = time.perf_counter()
+        plan = plans.add(PlanRequest(demo_picture(), PlanOptions()))
+        while not plan.seen:
+            await asyncio.sleep(0.01)
+        took = time.perf_counter() - started
+        plans.close()
+        return took
+
+
 def finish_plans(root: Path) -> None:
     """Put finished plans into the folder of a studio, each with a loss curve of two terms."""
     curve = [[step / CURVE, {"tone": 1 / (step + 1), "edges": 0.5 / (step + 1)}] for step in range(CURVE)]
@@ -114,6 +143,7 @@ def planning(studio: RunningStudio, browser: Browser) -> Iterator[None]:
 
 
 if __name__ == "__main__":
+    first_pictures()
     chromium = shutil.which("chromium")
     with TemporaryDirectory() as root, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])

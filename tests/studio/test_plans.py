@@ -4,6 +4,7 @@ import asyncio
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,23 @@ def test_a_plan_becomes_a_painting_with_all_that_the_page_shows_of_it(folder: Fo
     assert made.frames == len(painting.strokes) + 1
     assert order_frame(made.folder, 0).is_file()
     assert [done for done, _ in made.curve] == sorted(done for done, _ in made.curve)
+
+
+def test_a_plan_is_made_by_the_process_that_was_ready_for_it_and_as_it_is_without(folder: Folder) -> None:
+    async def made(*, ready: bool) -> bytes:
+        plans = Plans(folder)
+        if ready:
+            plans.be_ready()
+        waiting = {child.pid for child in active_children()}
+        plan = plans.add(REQUEST)
+        planning = {child.pid for child in active_children()}
+        assert len(planning) == 1
+        assert (planning == waiting) == ready
+        await until(lambda: not plan.is_busy and not plans.doing)
+        assert plan.phase is Phase.PLANNED, plan.why
+        return (plan.folder / "painting.json").read_bytes()
+
+    assert asyncio.run(made(ready=True)) == asyncio.run(made(ready=False))
 
 
 def test_what_may_be_unexpected_of_a_plan_is_said_while_it_is_made_and_in_a_studio_opened_later(folder: Folder) -> None:

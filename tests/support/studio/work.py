@@ -123,3 +123,8 @@ def never_stop(line: Line, *request: object) -> None:
     line.say(Estimate(1, 1.0, 1.0, 0, 1))
     for _ in line.hear():
         pass
+
+
+def say_loaded(line: Line, module: str) -> None:
+    """Say which process this is, and whether it has loaded a module."""
+    line.say((os.getpid(), module in sys.modules))

@@ -22,9 +22,10 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.own_pictures import keep_own, keep_own_in_trash, with_own
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.state.versions import Around
-from maulstick.studio.workers.planner import Begun, Leave, Planned, Step, Stop, Weigh, order_frame
+from maulstick.studio.workers.planner import TAKEN, Begun, Leave, Planned, Step, Stop, Weigh, order_frame
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
+from maulstick.studio.workers.spare import Spare
 
 _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server and a machine have cores left
 _NICENESS = 10  # below the server and a run, whose machine must not wait
@@ -140,6 +141,7 @@ class Plans:
         self.changed = Event[[]]()
         self._folder = folder
         self._processes: dict[str, Process] = {}
+        self._spare = Spare(plan_in_process, *TAKEN, niceness=_NICENESS)
         self.plans: dict[str, Plan] = {}
         for name in folder.names("plans"):
             if (plan := _read_plan(name, folder.of("plans", name))) is not None:
@@ -152,6 +154,11 @@ class Plans:
         if not busy:
             return ""
         return f"planning {self.titles()[busy[0].name]}" if len(busy) == 1 else f"planning {len(busy)} pictures"
+
+    def be_ready(self) -> None:
+        """Let a process load what planning takes, since a plan may come soon; not while others need the cores."""
+        if len(self._processes) < _AT_ONCE:
+            self._spare.be_ready()
 
     def add(self, request: PlanRequest, title: str = "", around: Around | None = None) -> Plan:
         """Add a plan, and begin it at once or when others are finished.
@@ -244,6 +251,7 @@ class Plans:
 
     def close(self) -> None:
         """Let all plans in the making store what they have, and end their processes."""
+        self._spare.close()
         for plan in self.plans.values():
             if plan.phase is Phase.WAITING:
                 plan.phase = Phase.STOPPED
@@ -287,9 +295,7 @@ class Plans:
             self._next()
 
         request = with_own(plan.request, plan.folder)
-        self._processes[plan.name] = Process(
-            plan_in_process, request, plan.folder, hear=hear, ended=ended, niceness=_NICENESS
-        )
+        self._processes[plan.name] = self._spare.begin(request, plan.folder, hear=hear, ended=ended)
         plan.begin()
 
 

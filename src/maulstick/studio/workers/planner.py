@@ -27,6 +27,15 @@ _STEP_PERIOD = 0.25  # seconds between two messages: fluent on the page, and che
 _FRAMES, _FRAME_PX = 48, 640  # pictures of the order of strokes, one per step of a slider; pixels of the longer side
 _PATIENCE = 30.0  # seconds that the process of a killed studio gets to store its plan
 
+TAKEN = (
+    "maulstick.jobs.plan.checkpoints",
+    "maulstick.jobs.plan.results",
+    "maulstick.jobs.plan.tries",
+    "maulstick.planning.planner",
+    "maulstick.rendering.preview",
+)
+"""Modules that planning takes, and that take seconds to load."""
+
 TARGET = "target.jpg"
 """File in a plan's folder: the picture as it lies on the sheet, where there is one."""
 

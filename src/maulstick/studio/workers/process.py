@@ -95,6 +95,7 @@ class Process:
         ended: Callable[[], None],
         niceness: int = 0,
     ) -> None:
+        self.report_to(hear, ended)
         ours, theirs = _SPAWN.Pipe()
         self._connection, self._loop = ours, asyncio.get_running_loop()
         self._forgotten = False
@@ -107,7 +108,11 @@ class Process:
         self._words: SimpleQueue[memoryview | None] = SimpleQueue()
         self._ended = threading.Event()
         threading.Thread(target=self._speak, daemon=True).start()
-        threading.Thread(target=self._listen, args=(hear, ended), daemon=True).start()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def report_to(self, hear: Callable[[Any], None], ended: Callable[[], None]) -> None:
+        """Call these from now on, in place of those that the process was begun with."""
+        self._hear, self._over = hear, ended
 
     def forget(self) -> None:
         """Call neither `hear` nor `ended` any more, whatever is on its way."""
@@ -130,21 +135,27 @@ class Process:
             with suppress(OSError):  # it is over
                 self._connection.send_bytes(word)
 
-    def _listen(self, hear: Callable[[Any], None], ended: Callable[[], None]) -> None:
+    def _listen(self) -> None:
         said = False
         try:
             while True:
                 word = self._connection.recv()
                 said = isinstance(word, Failed)
-                self._call(hear, word)
+                self._call(self._take, word)
         except (EOFError, OSError):
             while self._process.exitcode is None:  # starting another process may take the exit status away meanwhile
                 self._process.join()
         self._ended.set()
         self._words.put(None)
         if self._process.exitcode and not said:
-            self._call(hear, Failed("the work was killed, most likely for want of memory; try again with less"))
-        self._call(ended)
+            self._call(self._take, Failed("the work was killed, most likely for want of memory; try again with less"))
+        self._call(self._end)
+
+    def _take(self, word: object) -> None:
+        self._hear(word)  # whoever is told by then
+
+    def _end(self) -> None:
+        self._over()
 
     def _call(self, function: Callable[..., None], *arguments: object) -> None:
         def call() -> None:

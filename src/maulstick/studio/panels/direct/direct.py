@@ -44,6 +44,7 @@ _KEYS = {
 
 def build(studio: Studio, name: str) -> None:
     """Build the panel of the plan of that name."""
+    studio.plans.be_ready()
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
     try:

@@ -15,6 +15,7 @@ _CLOSER = Path(__file__).with_name("closer.css")
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
+    studio.plans.be_ready()
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
     with ui.element().classes("desk plan-desk") as desk:
