@@ -11,7 +11,7 @@ from torch import Tensor
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
-from maulstick.planning.objectives import Halftone, Tone, pull_of_ink
+from maulstick.planning.objectives import Halftone, Tone, towards_contours
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
@@ -33,7 +33,7 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     if not halftone:
         tone = Weighted(Tone(target, weights), 1.0)
         return PlanningProblem(target, paper, weights, canvas, (brush,), style, (tone,))
-    pull = pull_of_ink(target, paper, torch.zeros(3), target)
+    pull = towards_contours(target)
     tone = Weighted(Halftone(target, weights, 2.0, pull), 1.0)
     return PlanningProblem(target, paper, weights, canvas, (brush,), style, (tone,), pull=pull)
 

@@ -4,10 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from maulstick.planning.objectives import Halftone, Objective, Tone, halved, pull_of_ink
+from maulstick.planning.objectives import Halftone, Objective, Tone, away_from_lights, halved, towards_contours
 
 ROUNDING = 1e-5  # relative, of float32
-BLACK = torch.zeros(3)
 
 progresses = pytest.mark.parametrize("progress", [0.0, 0.3, 0.5, 1.0])
 kinds = pytest.mark.parametrize("spacing", [None, 1.0, 6.0], ids=["tone", "halftone", "sparse halftone"])
@@ -19,9 +18,7 @@ def noise(seed: int, *shape: int) -> Tensor:
 
 def tone(target: Tensor, weights: Tensor | None = None, *, spacing: float | None = None) -> Objective:
     weights = torch.ones_like(target[0]) if weights is None else weights
-    if spacing is None:
-        return Tone(target, weights)
-    return Halftone(target, weights, spacing, pull_of_ink(target, torch.ones_like(target), BLACK, target))
+    return Tone(target, weights) if spacing is None else Halftone(target, weights, spacing, towards_contours(target))
 
 
 @kinds
@@ -104,8 +101,7 @@ def test_contours_earn_most_for_a_line_along_their_dark_side_where_tones_leave_t
     target = torch.ones_like(picture) if blank else picture
 
     def losses(*, contours: bool) -> Tensor:
-        pull = pull_of_ink(target, torch.ones_like(target), BLACK, picture if contours else None)
-        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, pull)
+        halftone = Halftone(target, torch.ones_like(target[0]), 5.0, towards_contours(picture) if contours else None)
         lines = 1 - torch.eye(64)[:, None, None, :].expand(64, 3, 64, 64)
         return torch.stack([halftone.loss(canvas, 0.5) for canvas in lines])
 
@@ -116,20 +112,23 @@ def test_contours_earn_most_for_a_line_along_their_dark_side_where_tones_leave_t
 
 
 @pytest.mark.parametrize(("paper", "ink"), [(1.0, 0.0), (0.2, 1.0)], ids=["black on white", "white on grey"])
-def test_ink_costs_where_the_sheet_stays_blank_and_nothing_else_pulls_without_contours(
-    paper: float, ink: float
-) -> None:
+def test_ink_costs_in_lights_that_are_left_blank_most_where_the_picture_is_lightest(paper: float, ink: float) -> None:
     sheet = torch.full((3, 64, 64), paper)
-    target = sheet.clone()
-    target[:, :, 32:] = (paper + ink) / 2
-    pull = pull_of_ink(target, sheet, torch.full((3,), ink))
-    halftone, tones = (Halftone(target, torch.ones(64, 64), 5.0, each) for each in (pull, None))
-    canvas = target.clone()
-    canvas[:, 20, 8:24] = ink  # a line on the blank half
-    assert halftone.loss(canvas, 0.5) > 2 * tones.loss(canvas, 0.5)
-    canvas = target.clone()
-    canvas[:, 20, 40:56] = ink
-    assert halftone.loss(canvas, 0.5) == tones.loss(canvas, 0.5)
+    picture, target = sheet.clone(), sheet.clone()
+    picture[:, 20:40], picture[:, 40:] = 0.8 * paper + 0.2 * ink, 0.2 * paper + 0.8 * ink
+    target[:, 40:] = picture[:, 40:]
+    pull = away_from_lights(target, picture, sheet, torch.full((3,), ink))
+    with_lights, without = (Halftone(target, torch.ones(64, 64), 5.0, each) for each in (pull, None))
+
+    def cost_of_a_line(y: int) -> float:
+        canvas = target.clone()
+        canvas[:, y, 8:24] = ink
+        return (with_lights.loss(canvas, 0.5) - without.loss(canvas, 0.5)).item()
+
+    bare, light, dark = map(cost_of_a_line, (10, 30, 50))
+    assert light == pytest.approx(0.8 * bare, rel=1e-3)
+    assert bare > 0
+    assert dark == 0
 
 
 def test_halftone_does_not_change_as_planning_goes_on() -> None:

@@ -17,7 +17,7 @@ from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
 from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
-from maulstick.planning.objectives import pull_of_ink
+from maulstick.planning.objectives import away_from_lights, towards_contours
 from maulstick.planning.placement import ink_density
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
@@ -76,10 +76,12 @@ def problem_of(
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
             target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
     spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
-    pull = None
-    if target is not None and options.one_ink:
-        contoured = picture if loss_options.contours else None
-        pull = pull_of_ink(target, paper, torch.tensor(options.palette[0]).to(paper), contoured)
+    pulls = []
+    if options.one_ink and picture is not None and loss_options.contours:
+        pulls.append(towards_contours(picture))
+    if options.one_ink and picture is not None and target is not None and tones is not None and tones.compressed:
+        pulls.append(away_from_lights(target, picture, paper, torch.tensor(options.palette[0]).to(paper)))
+    pull = sum(pulls[1:], pulls[0]) if pulls else None
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, pull, weights_of)
     return PlanningProblem(
         target,

@@ -96,7 +96,7 @@ class Reference:
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
     spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
-    pull: (3, H, W), of one ink, as `pull_of_ink` returns it.
+    pull: (3, H, W), of one ink, as `Halftone` takes it.
     weights_of: weights (H, W) of single terms by name, where they differ.
     """
 

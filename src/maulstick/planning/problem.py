@@ -108,7 +108,7 @@ class PlanningProblem:
     room: the part of the canvas that ink must not leave, None for all of it.
     regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
     guides: directions of strokes that are said; None where the picture alone says them.
-    pull: (3, H, W), which way a canvas of one ink is pulled beside its tones, as `pull_of_ink` returns it.
+    pull: (3, H, W), of one ink, as `Halftone` takes it.
     """
 
     target: Tensor | None

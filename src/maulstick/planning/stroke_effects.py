@@ -26,7 +26,7 @@ class TargetView:
     """View of the target (C, H, W), with which a canvas is compared.
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
-    pull: (C, H, W), of one ink, as `pull_of_ink` returns it.
+    pull: (C, H, W), of one ink, as `Halftone` takes it.
     """
 
     target: Tensor

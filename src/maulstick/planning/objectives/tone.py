@@ -12,7 +12,7 @@ from maulstick.planning.objectives.pyramid import levels_of, mean_squares
 _NOTHING = 1e-3  # amount of ink below which a place is blank
 _AROUND = 1 / 64  # of the height: a Gaussian's standard deviation, against which a place is dark or light
 _CONTOURS = 0.3  # how much contours count beside tones; chosen by eye on mocap hands: 0.1 hardly shows, 0.5 is outlines
-_BLANK = 0.3  # how much ink costs where the sheet stays blank, by eye: with less, long strokes lie across faces
+_LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
 
 
 class Tone(Objective):
@@ -42,30 +42,34 @@ class Tone(Objective):
         return mean_squares(canvas, self._target, self._scale, [weight / sum(weights) for weight in weights])
 
 
-def pull_of_ink(target: Tensor, paper: Tensor, ink: Tensor, picture: Tensor | None = None) -> Tensor:
-    """Return which way a canvas of one ink is pulled beside its tones, (C, H, W): a slope of its loss.
+def towards_contours(picture: Tensor) -> Tensor:
+    """Return the slope (C, H, W) of a canvas that is pulled to the contours of a picture (C, H, W) in its own tones.
 
-    target: (C, H, W).  paper: (C, H, W), under the ink.  ink: (C,).
-    picture: (C, H, W), whose contours count: the target, or what it was in its own tones; none count without it.
+    Ink where the picture is darker than around it earns as much as ink where it is lighter costs, so contours draw
+    lines to them and the tone stays.
+    """
+    sigma = _AROUND * picture.shape[1]
+    around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
+    return -2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture))
 
-    Ink costs where the target is like the paper, or lighter: coarse images hardly see a line there. And ink where the
-    picture is darker than around it earns as much as ink where it is lighter costs, so contours draw lines to them.
+
+def away_from_lights(target: Tensor, picture: Tensor, paper: Tensor, ink: Tensor) -> Tensor:
+    """Return the slope (C, H, W) of a canvas whose ink costs where the target (C, H, W) leaves lights blank.
+
+    picture: (C, H, W), the target in its own tones: the lighter it is, the more ink costs.  paper: (C, H, W), under the
+    ink.  ink: (C,).  Images that are blurred to tones hardly see a line there.
     """
     full = ink[:, None, None] - paper
-    blank = ((target - paper) * full).sum(dim=0) < _NOTHING * full.square().sum(dim=0)
-    pull = 2 * _BLANK * blank * full
-    if picture is not None:
-        sigma = _AROUND * picture.shape[1]
-        around = gaussian_filter(picture.cpu().numpy(), (0, sigma, sigma))
-        pull = pull - 2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture))
-    return pull
+    whole = full.square().sum(dim=0).clamp(min=1e-9)
+    wanted, own = (((image - paper) * full).sum(dim=0) / whole for image in (target, picture))
+    return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own.clamp(0, 1)) * full
 
 
 class Halftone(Objective):
     """Tone of one ink, whose greys are made of the distance between lines, and what it is pulled to beside it.
 
     target: (C, H, W).  weights: (H, W), how much each pixel counts.  spacing: pixels between lines in usual greys.
-    pull: (C, H, W), as `pull_of_ink` returns it.
+    pull: (C, H, W), the slope of what counts beside, as `towards_contours` and `away_from_lights` return it.
 
     Squared differences are those of halved images alone whose pixels hold a line: finer ones tell a line from paper,
     and would pay for leaving it out. What they could show is left to the pull.
