@@ -1,0 +1,100 @@
+from dataclasses import replace
+
+import pytest
+import torch
+from torch import Tensor
+from torch.nn.functional import avg_pool2d
+
+from maulstick.painting.brush import Brush
+from maulstick.planning.coarse import coarser, coarsest, finer
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress
+from maulstick.planning.stroke_canvas import StrokeCanvas
+from maulstick.storage.arrays import Image as Picture
+from tests.planning.conftest import mse, options, problem_for
+from tests.support.nominal import nominal
+from tests.support.planning.network_losses import Shifted
+from tests.support.tolerances import FLOAT32_VALUE
+
+FEW = PlannerSettings(strokes=4, paints=4)
+APART = 0.03  # metres: so far apart lie four strokes on the canvas of the tests
+
+
+@pytest.fixture(scope="module")
+def problem(portrait: Picture, round_brush: Brush) -> PlanningProblem:
+    return problem_for(portrait[:47, :59], round_brush)
+
+
+@pytest.fixture(scope="module")
+def planned(problem: PlanningProblem) -> list[PlanProgress]:
+    """Progress after every step of a plan."""
+    steps: list[PlanProgress] = []
+
+    def watch(progress: PlanProgress) -> bool:
+        steps.append(progress)
+        return True
+
+    plan(problem, options(strokes=12, steps=20), watch)
+    return steps
+
+
+def in_squares(image: Tensor, side: int) -> bool:
+    """Return whether all pixels of each square of an image (C, H, W) are the same."""
+    return torch.equal(finer(image[:, ::side, ::side], side, image), image)
+
+
+def is_coarse(image: Tensor) -> bool:
+    """Return whether an image (C, H, W) is one of squares of more than one pixel."""
+    return any(in_squares(image, side) for side in range(2, 12))
+
+
+def test_a_canvas_on_coarse_pixels_is_nearly_the_average_of_the_fine_one(problem: PlanningProblem) -> None:
+    strokes = plan(problem, options(strokes=12, steps=10)).strokes
+    with torch.no_grad():
+        fine, coarse = (StrokeCanvas(strokes, problem).render(side=side) for side in (1, 3))
+    assert coarse.shape == fine.shape
+    assert in_squares(coarse, 3)
+    averaged = finer(coarser(fine, 3), 3, fine)
+    assert mse(coarse, averaged) < 0.02 * mse(averaged, problem.paper)
+
+
+def test_beside_a_picture_squares_have_the_slope_of_coarse_pixels_beside_a_coarse_picture() -> None:
+    picture = torch.rand(3, 12, 9, generator=torch.Generator().manual_seed(0))
+    coarse = torch.full((3, 4, 3), 0.5, requires_grad=True)
+    slopes = [
+        torch.autograd.grad((image - other).square().mean(), coarse)[0]
+        for image, other in ((finer(coarse, 3, picture), picture), (coarse, avg_pool2d(picture, 3)))
+    ]
+    assert torch.allclose(slopes[0], slopes[1], atol=FLOAT32_VALUE)
+
+
+def test_squares_are_a_third_of_the_room_of_a_stroke_and_no_broader_than_a_mark(problem: PlanningProblem) -> None:
+    scale, pen = problem.canvas.pixels_per_metre, nominal("fineliner")
+    assert coarsest(problem, FEW, APART) == round(min(APART / 3, 2 * problem.brushes[0].widest) * scale) > 1
+    assert coarsest(replace(problem, brushes=(pen,)), FEW, APART) == max(1, round(2 * pen.widest * scale))
+    assert coarsest(problem, FEW, APART / 100) == 1
+
+
+def test_one_ink_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(problem: PlanningProblem) -> None:
+    assert problem.target is not None
+    assert coarsest(problem, replace(FEW, paints=None), APART) == 1
+    assert coarsest(replace(problem, network_losses=(Weighted(Shifted(problem.target), 1.0),)), FEW, APART) == 1
+
+
+def test_a_plan_is_drawn_on_coarse_pixels_for_its_first_two_fifths(
+    problem: PlanningProblem, planned: list[PlanProgress]
+) -> None:
+    assert [is_coarse(step.canvas) for step in planned] == [step.done < 0.4 for step in planned]
+    assert {step.canvas.shape for step in planned} == {problem.paper.shape}
+
+
+def test_a_plan_that_is_to_end_is_drawn_finely_at_once(problem: PlanningProblem) -> None:
+    coarse: list[bool] = []
+
+    def watch(progress: PlanProgress) -> bool:
+        coarse.append(is_coarse(progress.canvas))
+        return len(coarse) < 3
+
+    plan(problem, options(strokes=12), watch)
+    assert coarse[:4] == [True, True, True, False]
