@@ -60,12 +60,13 @@ def watch(progress):
 
 plan(problem_of(layout, (brush,), style, options, LossOptions()), options, watch)
 middle = lambda times: 1e3 * sorted(times)[len(times) // 2]
-print(json.dumps([middle([b - a for a, b in zip(steps[40:], steps[41:])]), middle(kernels[41:])]))
+fine = len(steps) // 2  # the first half is drawn on coarse pixels
+print(json.dumps([middle([b - a for a, b in zip(steps[fine:], steps[fine + 1 :])]), middle(kernels[fine + 1 :])]))
 """
 
 
 def step_costs(others: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """Yield a row for each source and case: medians of the middle steps of plans that take turns."""
+    """Yield a row for each source and case: medians of the later half of the steps, of plans that take turns."""
     sources = {"here": ROOT} | {checkout.name: checkout.resolve() for checkout in others}
     times: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for _ in range(TURNS):

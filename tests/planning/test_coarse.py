@@ -44,9 +44,9 @@ def in_squares(image: Tensor, side: int) -> bool:
     return torch.equal(finer(image[:, ::side, ::side], side, image), image)
 
 
-def is_coarse(image: Tensor) -> bool:
-    """Return whether an image (C, H, W) is one of squares of more than one pixel."""
-    return any(in_squares(image, side) for side in range(2, 12))
+def side_of(image: Tensor) -> int:
+    """Return the side in pixels of the largest squares that an image (C, H, W) is made of."""
+    return next(side for side in range(12, 0, -1) if in_squares(image, side))
 
 
 def test_a_canvas_on_coarse_pixels_is_nearly_the_average_of_the_fine_one(problem: PlanningProblem) -> None:
@@ -82,19 +82,22 @@ def test_one_ink_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(proble
     assert coarsest(replace(problem, network_losses=(Weighted(Shifted(problem.target), 1.0),)), FEW, APART) == 1
 
 
-def test_a_plan_is_drawn_on_coarse_pixels_for_its_first_two_fifths(
+def test_a_plan_is_drawn_on_coarse_pixels_at_first_and_then_on_half_as_large_ones(
     problem: PlanningProblem, planned: list[PlanProgress]
 ) -> None:
-    assert [is_coarse(step.canvas) for step in planned] == [step.done < 0.4 for step in planned]
+    first, *_ = sides = [side_of(step.canvas) for step in planned]
+    assert first >= 4
+    assert sides == [first if step.done < 0.3 else first // 2 if step.done < 0.5 else 1 for step in planned]
     assert {step.canvas.shape for step in planned} == {problem.paper.shape}
 
 
 def test_a_plan_that_is_to_end_is_drawn_finely_at_once(problem: PlanningProblem) -> None:
-    coarse: list[bool] = []
+    sides: list[int] = []
 
     def watch(progress: PlanProgress) -> bool:
-        coarse.append(is_coarse(progress.canvas))
-        return len(coarse) < 3
+        sides.append(side_of(progress.canvas))
+        return len(sides) < 3
 
     plan(problem, options(strokes=12), watch)
-    assert coarse[:4] == [True, True, True, False]
+    assert sides[2] > 1
+    assert sides[3] == 1

@@ -130,7 +130,10 @@ class _Planning:
     @property
     def _side(self) -> int:
         """Pixels, each way, of the squares that are drawn as one for now."""
-        return self._coarsest if self._progress < self._schedule.coarse else 1
+        coarse, half = self._schedule.coarse
+        if self._progress < coarse:
+            return self._coarsest
+        return max(1, self._coarsest // 2) if self._progress < half else 1
 
     def hurry(self) -> None:
         """Let the plan end after a few more steps."""
