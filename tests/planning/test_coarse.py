@@ -7,6 +7,7 @@ from torch.nn.functional import avg_pool2d
 
 from maulstick.painting.brush import Brush
 from maulstick.planning.coarse import coarser, coarsest, finer
+from maulstick.planning.objectives import Edges
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.result import PlanProgress
@@ -76,9 +77,11 @@ def test_squares_are_a_third_of_the_room_of_a_stroke_and_no_broader_than_a_mark(
     assert coarsest(problem, FEW, APART / 100) == 1
 
 
-def test_one_ink_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(problem: PlanningProblem) -> None:
+def test_one_ink_edges_and_what_networks_see_are_drawn_on_the_canvas_own_pixels(problem: PlanningProblem) -> None:
     assert problem.target is not None
     assert coarsest(problem, replace(FEW, paints=None), APART) == 1
+    edges = Weighted(Edges(problem.target, problem.weights), 0.01)
+    assert coarsest(replace(problem, objectives=(*problem.objectives, edges)), FEW, APART) == 1
     assert coarsest(replace(problem, network_losses=(Weighted(Shifted(problem.target), 1.0),)), FEW, APART) == 1
 
 

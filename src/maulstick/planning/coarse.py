@@ -6,6 +6,7 @@ Strokes cost time for each pixel of their marks, and while they move far their p
 from torch import Tensor
 from torch.nn.functional import avg_pool2d
 
+from maulstick.planning.objectives import Edges
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 
 _APART = 3  # coarse pixels between strokes: with two, details come too late to be found
@@ -14,10 +15,11 @@ _APART = 3  # coarse pixels between strokes: with two, details come too late to 
 def coarsest(problem: PlanningProblem, options: PlannerSettings, spacing: float) -> int:
     """Return the side of the squares that are drawn as one at first, in pixels; spacing: metres between strokes.
 
-    No square is broader than the broadest mark. Greys of one ink are made of lines, and networks see single pixels:
-    for these it is 1.
+    No square is broader than the broadest mark. Greys of one ink are made of lines, networks see single pixels, and
+    squares have edges of their own: for these it is 1.
     """
-    if options.one_ink or problem.network_losses:
+    sees_edges = any(isinstance(each.term, Edges) for each in problem.objectives)
+    if options.one_ink or problem.network_losses or sees_edges:
         return 1
     side = min(spacing / _APART, 2 * problem.brushes[0].widest)
     return max(1, round(side * problem.canvas.pixels_per_metre))
