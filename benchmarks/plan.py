@@ -17,7 +17,8 @@ stray: strokes more than half of whose path lies where the picture is bare paper
     and `_interval`, that of the mean (95 %, Student's t). After several images stand the means of each name, with
     intervals by bootstrap over images and seeds, and `gain`: how much higher its psnr is than that of `paper`, paired.
 --large: 4,000 strokes of the astronaut at 768 pixels, and 10,000 at 1536.
---scaling: what a step costs.  covered_mpx: how many pixels the marks cover, each mark by itself, in millions.
+--scaling: what a step costs on the canvas' own pixels.
+    covered_mpx: how many pixels the marks cover, each mark by itself, in millions.
     step_ms: of the whole step, the middle one of several.  ns_a_pixel: that for each pixel covered and of the canvas.
 --step-cost: what a step costs beside its kernels; see `step_cost.py`.
     kernel_ms: of the renderer alone, forward and backward.  ratio: of both.
@@ -63,7 +64,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 from few_calls import few_calls
 from frida import anywhere
 
-PUBLISHED = Schedule(sorts=(), relocations=(), quantise=0.9, grouped=False)
+PUBLISHED = Schedule(coarse=(0.0, 0.0), sorts=(), relocations=(), quantise=0.9, grouped=False)
 TONES, LIKENESS = LossOptions(), LossOptions(weights={"likeness": 1.0})
 SEEN = 2 / 255
 SUMMED_UP = ("seconds", "processor_seconds", "psnr", "psnr_planned", "ssim")
@@ -152,7 +153,7 @@ def scaling(strokes: int, px: int) -> Row:
         return True
 
     try:
-        plan(problem, options, watch, schedule=Schedule(sorts=(0.0,), relocations=()))
+        plan(problem, options, watch, schedule=Schedule(coarse=(0.0, 0.0), sorts=(0.0,), relocations=()))
     except StopIteration as stopped:
         state = stopped.value.state()
     step = float(np.median(np.diff(times[5:])))

@@ -278,7 +278,8 @@ def test_strokes_begin_where_they_are_told_to(problem: PlanningProblem, planned:
 
     count = len(planned.strokes)
     before = {name: tensor.clone() for name, tensor in planned.strokes.each().items()}
-    plan(problem, options(strokes=count, steps=3), watch, start=planned.strokes)
+    finely = Schedule(coarse=(0.0, 0.0))
+    plan(problem, options(strokes=count, steps=3), watch, schedule=finely, start=planned.strokes)
     free = PlanResult(planned.strokes, planned.strokes.colours, torch.arange(count))
     expected = rendered(problem, free)
     order = np.argsort(-lightness(planned.strokes.colours.double().numpy()), kind="stable")

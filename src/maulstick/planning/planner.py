@@ -15,6 +15,7 @@ from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.canvas_loss import CanvasLoss
+from maulstick.planning.coarse import coarser, coarsest
 from maulstick.planning.descent import Descent
 from maulstick.planning.improvements import needed, repaint
 from maulstick.planning.initialise import Initialiser
@@ -113,6 +114,7 @@ class _Planning:
         self._stroke_canvas = StrokeCanvas(strokes, problem, in_groups=self._arranging is not None)
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
+        self._coarsest = coarsest(problem, options, self._spacing)
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
         lightest = torch.tensor([brush.lightest for brush in problem.brushes])
         self._descent = Descent(strokes, self._spacing, lightest, turning)
@@ -124,6 +126,14 @@ class _Planning:
     def done(self) -> bool:
         """Whether no step is left."""
         return self._progress >= 1 - self._stride / 2
+
+    @property
+    def _side(self) -> int:
+        """Pixels, each way, of the squares that are drawn as one for now."""
+        coarse, half = self._schedule.coarse
+        if self._progress < coarse:
+            return self._coarsest
+        return max(1, self._coarsest // 2) if self._progress < half else 1
 
     def hurry(self) -> None:
         """Let the plan end after a few more steps."""
@@ -182,7 +192,7 @@ class _Planning:
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
         """Take a step with all strokes; return the loss before it, its parts, and the canvas."""
         strokes = self._stroke_canvas.strokes
-        canvas = self._stroke_canvas.render()
+        canvas = self._stroke_canvas.render(side=self._side)
         self._loss.ask(canvas, self._steps, self._torch_rng)
         loss, parts = self._loss.of(canvas, now)
         if self._arranging is not None:
@@ -201,10 +211,10 @@ class _Planning:
 
         Of several brushes each takes the one that serves best there.
         """
-        costs, view = self._removal_costs(), self._loss.view
+        costs, view = self._removal_costs(self._side), self._loss.view
         useless = torch.argsort(costs, stable=True)[: max(1, int(_RELOCATED_SHARE * len(costs)))]
         with torch.no_grad():
-            density = self._initialiser.missing(view, self._stroke_canvas.render())
+            density = self._initialiser.missing(view, self._stroke_canvas.render(side=self._side))
         left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, useless, False)
         own = self._stroke_canvas.strokes[left]
         for rows, there in self._initialiser.by_pool(useless, self._stroke_canvas.strokes, density):
@@ -215,12 +225,11 @@ class _Planning:
                 strokes = best_brushes(self._problem, view, own, candidates, self._torch_rng)
             self._descent.replace(rows, strokes)
 
-    def _removal_costs(self) -> Tensor:
-        """Return an estimate of the cost of removing each stroke, (N,), by row."""
-        marks, colours = self._stroke_canvas.drawn()
-        return self._stroke_canvas.by_row(
-            removal_costs(self._loss.view, self._problem.paper, marks, colours, self._torch_rng)
-        )
+    def _removal_costs(self, side: int = 1) -> Tensor:
+        """Return an estimate of the cost of removing each stroke, (N,), by row; side: as in `StrokeCanvas.render`."""
+        marks, colours = self._stroke_canvas.drawn(side)
+        view, paper = self._loss.view.coarser(side), coarser(self._problem.paper, side)
+        return self._stroke_canvas.by_row(removal_costs(view, paper, marks, colours, self._torch_rng))
 
     def _quantise_colours(self) -> None:
         """Turn free colours into paints: mixed ones, which go on adapting, or those of the palette."""

@@ -14,6 +14,7 @@ from maulstick.planning.state import State
 class PlanProgress:
     """Progress after a step: the share of planning that is done, the loss, its parts by name, and the canvas (C, H, W).
 
+    canvas: at first in squares of the same colour, the coarse pixels that it is drawn on.
     state: returns all that planning needs to go on from here; must be called before the next step.
     """
 

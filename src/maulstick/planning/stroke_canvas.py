@@ -8,6 +8,7 @@ from torch import Tensor
 
 from maulstick.colour.palette import nearest_paint
 from maulstick.ordering.layers import by_paint, light_to_dark
+from maulstick.planning.coarse import coarser, finer
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.room import cut_marks, move_into
@@ -62,11 +63,14 @@ class StrokeCanvas:
         """Brushes (N + M,), by row."""
         return torch.cat([self.strokes.brush_of, self._neighbours.brush_of])
 
-    def drawn(self) -> tuple[Marks, Tensor]:
-        """Return marks and colours of all N + M strokes in painting order, on the device of the paper."""
+    def drawn(self, side: int = 1) -> tuple[Marks, Tensor]:
+        """Return marks and colours of all N + M strokes in painting order, on the device of the paper.
+
+        side: pixels of the canvas, each way, that are one of the marks' pixels.
+        """
         own, order = self.strokes.trajectories(self.style), torch.from_numpy(self._order)
         trajectories = torch.cat([own, self._neighbours.trajectories]).index_select(0, order)
-        resolution = self._canvas.pixels_per_metre
+        resolution = self._canvas.pixels_per_metre / side
         marks = self._brushes_of(self._brush_of[order]).marks(trajectories, resolution)
         if self._room is not None:
             marks = cut_marks(self._room, marks, resolution)
@@ -81,9 +85,12 @@ class StrokeCanvas:
             self._ordered = numbers, brushes
         return brushes
 
-    def render(self, wanted: Bools | None = None) -> Tensor:
-        """Return the canvas (C, H, W) with all strokes, or with only those of the N that are `wanted`, (N,)."""
-        marks, colours = self.drawn()
+    def render(self, wanted: Bools | None = None, *, side: int = 1) -> Tensor:
+        """Return the canvas (C, H, W) with all strokes, or with only those of the N that are `wanted`, (N,).
+
+        side: pixels, each way, of the squares that are drawn as one, each the average over its area.
+        """
+        marks, colours = self.drawn(side)
         own = torch.from_numpy(self._own)
         if wanted is not None:
             shown = torch.ones_like(own)
@@ -92,7 +99,9 @@ class StrokeCanvas:
             colours, own = colours[shown], own[shown]
         profile = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
-        return composite(self.paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
+        paper = coarser(self.paper, side)
+        canvas = composite(paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
+        return finer(canvas, side, self.paper)
 
     def keep_inside(self) -> None:
         """Move each stroke by the least that keeps its path on the canvas, its mark in the room, it in its region.

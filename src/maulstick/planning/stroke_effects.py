@@ -6,11 +6,13 @@ random signs estimate its curvature. `benchmarks/removal.py` measures how well: 
 """
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import torch
 from torch import Generator, Tensor
 from torch.nn.functional import avg_pool2d
 
+from maulstick.planning.coarse import coarser
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks
 
@@ -33,6 +35,12 @@ class TargetView:
     weights: Tensor
     pool: int = 1
     pull: Tensor | None = None
+
+    def coarser(self, side: int) -> Self:
+        """Return the same view of squares of `side` pixels that are drawn as one."""
+        target, weights = coarser(self.target, side), coarser(self.weights[None], side)[0]
+        pull = None if self.pull is None else coarser(self.pull, side)
+        return replace(self, target=target, weights=weights, pool=max(1, self.pool // side), pull=pull)
 
     def difference(self, canvas: Tensor) -> Tensor:
         """Return the weighted difference (C, h, w), whose sum of squares is the error."""
