@@ -125,15 +125,16 @@ def replanned(
     bare, drawing = lay_out_for(picture, painting.sheet, finest, fit, pixels, margin), options.get("drawing", "both")
     with_lines = drawing == "both"
     supply = InkSupply.of(bare, finest, style, palette[0], with_lines=with_lines) if settings.one_ink else None
-    device = choose_device("auto").device
+    asked = options.get("strokes")  # tones are those of all, also where some were left out in the end
+    count = max(len(painting.strokes), asked if isinstance(asked, int) else 0)
     problem = problem_of(
         layout,
         brushes,
         style,
         settings,
         LossOptions(weights=weights, contours=drawing != "tones"),
-        device=device,
-        tones=None if supply is None else supply.tones(len(painting.strokes)),
+        device=choose_device("auto").device,
+        tones=None if supply is None else supply.tones(count),
         bare=bare.under,
     )
     problem = replace(problem, neighbours=neighbours_of(locked, painting, brushes))
