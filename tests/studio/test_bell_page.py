@@ -52,6 +52,7 @@ def test_a_person_who_asks_is_told_what_a_machine_waits_for_and_its_end(
     expect(refused.get_by_role("button", name=_LABEL)).to_be_hidden()
 
     tab.reload()
+    tab.wait_for_selector(".panel h1")
     expect(bell).to_have_attribute("aria-pressed", "true")
     choose(tab, "Machine", PENS)
     tab.get_by_role("button", name="Start painting").click()

@@ -7,6 +7,7 @@ from nicegui import html, ui
 
 from maulstick.studio.panels.plan.cards import PlanCards
 from maulstick.studio.panels.plan.form import PlanForm
+from maulstick.studio.state.plans import LOADED
 from maulstick.studio.state.studio import Studio
 
 _STYLE = Path(__file__).with_name("plan.css")
@@ -15,7 +16,7 @@ _CLOSER = Path(__file__).with_name("closer.css")
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
-    studio.plans.be_ready()
+    ui.timer(LOADED, studio.plans.be_ready, once=True)
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
     with ui.element().classes("desk plan-desk") as desk:
