@@ -17,7 +17,7 @@ from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
 from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
-from maulstick.planning.objectives import away_from_lights, towards_contours
+from maulstick.planning.objectives import towards_contours
 from maulstick.planning.placement import ink_density
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
@@ -76,12 +76,7 @@ def problem_of(
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
             target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
     spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
-    pulls = []
-    if options.one_ink and picture is not None and loss_options.contours:
-        pulls.append(towards_contours(picture))
-    if options.one_ink and picture is not None and target is not None and tones is not None and tones.compressed:
-        pulls.append(away_from_lights(target, picture, paper, torch.tensor(options.palette[0]).to(paper)))
-    pull = sum(pulls[1:], pulls[0]) if pulls else None
+    pull = _pull(target, picture, paper, tones, options, contours=loss_options.contours)
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, pull, weights_of)
     return PlanningProblem(
         target,
@@ -95,6 +90,24 @@ def problem_of(
         regions=regions,
         pull=pull,
     )
+
+
+def _pull(
+    target: torch.Tensor | None,
+    picture: torch.Tensor | None,
+    paper: torch.Tensor,
+    tones: Tones | None,
+    options: PlannerSettings,
+    *,
+    contours: bool,
+) -> torch.Tensor | None:
+    """Return the slope of what counts beside the tones of one ink, as `Halftone` takes it, where anything does."""
+    if target is None or picture is None or not options.one_ink:
+        return None
+    lights = None if tones is None else tones.away_from_lights(target, picture, paper, options.palette[0])
+    if not contours:
+        return lights
+    return towards_contours(picture) if lights is None else towards_contours(picture) + lights
 
 
 def _spacing(

@@ -25,6 +25,7 @@ _SAMPLES = 64  # strokes whose ink is measured: their lengths are the hand's qua
 _MOST = 0.95  # share of a place that ink may be asked to hide: the last white between lines takes endless strokes
 _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1 - exp(-ink); 0: they never cross
 _NOTHING = 1e-3  # amount below which a place is paper
+_LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
 _GLANCE = 2e-3  # metres: standard deviation of a Gaussian, within which an eye sees lines at once, as a tone
 _LEVELS = 512  # amounts that are told apart while tones are chosen
@@ -60,8 +61,19 @@ class Tones:
         if not self.compressed:
             return target
         full = torch.tensor(ink).to(paper)[:, None, None] - paper
-        amount = ((target - paper) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)
-        return paper + (self.contrast * (amount.clamp(0, 1) - self.veil)).clamp(0, 1) * full
+        return paper + (self.contrast * (_amount(target, paper, full) - self.veil)).clamp(0, 1) * full
+
+    def away_from_lights(self, target: Tensor, picture: Tensor, paper: Tensor, ink: Colour) -> Tensor | None:
+        """Return the slope (C, H, W) of a canvas whose ink costs in lights left blank, or None where these leave none.
+
+        target: (C, H, W), in these tones.  picture: (C, H, W), in its own: the lighter it is, the more ink costs.
+        paper: (C, H, W), under the ink.  Images that are blurred to tones hardly see a line there.
+        """
+        if not self.compressed:
+            return None
+        full = torch.tensor(ink).to(paper)[:, None, None] - paper
+        wanted, own = (_amount(image, paper, full) for image in (target, picture))
+        return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * full
 
 
 @dataclass(frozen=True)
@@ -129,6 +141,11 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.enough:,} strokes would reach them"
         )
+
+
+def _amount(image: Tensor, paper: Tensor, full: Tensor) -> Tensor:
+    """Return how much of the way from the paper to the ink, `full` (C, H, W), an image is, (H, W) in [0, 1]."""
+    return (((image - paper) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)).clamp(0, 1)
 
 
 @one_torch_thread()

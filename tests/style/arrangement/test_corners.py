@@ -17,7 +17,7 @@ def nearest(lines: Floats, corners: int = CORNERS // 2) -> Ints:
 
 
 def check(lines: Floats, corners: int = CORNERS // 2) -> None:
-    """Compare with looking at all pairs; of corners that are as near the first counts."""
+    """Compare with looking at all pairs."""
     count, each, _ = lines.shape
     points = lines.reshape(-1, 2)
     ours = lines[:, :: each // corners].reshape(-1, 2)
@@ -57,3 +57,11 @@ def test_two_heaps_far_apart_are_searched_as_one_is() -> None:
 def test_lines_that_are_one_point_have_each_other(where: float) -> None:
     found = nearest(np.full((3, CORNERS, 2), where))
     assert found // CORNERS == pytest.approx(np.array([1, 0, 0])[:, None].repeat(CORNERS // 2, axis=1))
+
+
+@pytest.mark.parametrize("where", [np.nan, np.inf])
+def test_a_corner_that_is_nowhere_is_refused(where: float) -> None:
+    lines = np.random.default_rng(0).random((3, CORNERS, 2))
+    lines[1, 7, 1] = where
+    with pytest.raises(ValueError, match="a corner of a line is nowhere"):
+        nearest(lines)

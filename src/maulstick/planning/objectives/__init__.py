@@ -6,7 +6,7 @@ from maulstick.planning.objectives.look import Look
 from maulstick.planning.objectives.objective import NetworkLoss, Objective
 from maulstick.planning.objectives.pyramid import halved
 from maulstick.planning.objectives.text import TextMatch
-from maulstick.planning.objectives.tone import Halftone, Tone, away_from_lights, towards_contours
+from maulstick.planning.objectives.tone import Halftone, Tone, towards_contours
 
 __all__ = [
     "Edges",
@@ -17,7 +17,6 @@ __all__ = [
     "Objective",
     "TextMatch",
     "Tone",
-    "away_from_lights",
     "halved",
     "sketch",
     "towards_contours",

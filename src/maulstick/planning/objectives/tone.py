@@ -9,10 +9,8 @@ from torch import Tensor
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.pyramid import levels_of, mean_squares
 
-_NOTHING = 1e-3  # amount of ink below which a place is blank
 _AROUND = 1 / 64  # of the height: a Gaussian's standard deviation, against which a place is dark or light
 _CONTOURS = 0.3  # how much contours count beside tones; chosen by eye on mocap hands: 0.1 hardly shows, 0.5 is outlines
-_LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
 
 
 class Tone(Objective):
@@ -53,23 +51,11 @@ def towards_contours(picture: Tensor) -> Tensor:
     return -2 * _CONTOURS * (picture - torch.from_numpy(around).to(picture))
 
 
-def away_from_lights(target: Tensor, picture: Tensor, paper: Tensor, ink: Tensor) -> Tensor:
-    """Return the slope (C, H, W) of a canvas whose ink costs where the target (C, H, W) leaves lights blank.
-
-    picture: (C, H, W), the target in its own tones: the lighter it is, the more ink costs.  paper: (C, H, W), under the
-    ink.  ink: (C,).  Images that are blurred to tones hardly see a line there.
-    """
-    full = ink[:, None, None] - paper
-    whole = full.square().sum(dim=0).clamp(min=1e-9)
-    wanted, own = (((image - paper) * full).sum(dim=0) / whole for image in (target, picture))
-    return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own.clamp(0, 1)) * full
-
-
 class Halftone(Objective):
     """Tone of one ink, whose greys are made of the distance between lines, and what it is pulled to beside it.
 
     target: (C, H, W).  weights: (H, W), how much each pixel counts.  spacing: pixels between lines in usual greys.
-    pull: (C, H, W), the slope of what counts beside, as `towards_contours` and `away_from_lights` return it.
+    pull: (C, H, W), the slope of what counts beside, as `towards_contours` and `Tones.away_from_lights` return it.
 
     Squared differences are those of halved images alone whose pixels hold a line: finer ones tell a line from paper,
     and would pay for leaving it out. What they could show is left to the pull.

@@ -27,9 +27,9 @@ from maulstick.studio.server.survey_pages import survey_pages
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.file_chooser import uploads
+from maulstick.studio.workers.kept import SETTLED
 from maulstick.survey.serve import listening
 
-_FIRST_PAGE = 3.0  # seconds for the first page to load, before the desk warms up beside it
 _GRACE = 3  # seconds for pages to close
 _FAVICON = Path(__file__).with_name("favicon.svg")
 
@@ -122,7 +122,7 @@ def _announce(root: Path, door: Door) -> None:
 
 async def _warm(studio: Studio) -> None:
     """Warm up the desk, once the first page has loaded."""
-    await asyncio.sleep(_FIRST_PAGE)
+    await asyncio.sleep(SETTLED)
     with suppress(MaulstickError):
         await studio.desk.warm_up()
 

@@ -27,9 +27,6 @@ from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
 from maulstick.studio.workers.spare import Spare
 
-LOADED = 3.0
-"""Seconds for a page to load and settle, before a process gets ready for a plan beside it."""
-
 _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server and a machine have cores left
 _NICENESS = 10  # below the server and a run, whose machine must not wait
 _PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
@@ -159,7 +156,10 @@ class Plans:
         return f"planning {self.titles()[busy[0].name]}" if len(busy) == 1 else f"planning {len(busy)} pictures"
 
     def be_ready(self) -> None:
-        """Let a process load what planning takes, since a plan may come soon; not while others need the cores."""
+        """Let a process load what planning takes, since a plan may come soon; not while others need the cores.
+
+        Called again and again while a panel is open on which plans begin.
+        """
         if len(self._processes) < _AT_ONCE:
             self._spare.be_ready()
 

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any, ParamSpec, TypeVar, final
 
 from maulstick.errors import MaulstickError, needs_torch
+from maulstick.studio.workers.kept import Kept
 from maulstick.studio.workers.process import Failed, Line, Process
 
 P = ParamSpec("P")
@@ -42,16 +43,15 @@ class _Refused:
 
 
 @final
-class Desk:
+class Desk(Kept):
     """Queue of short tasks: one at a time, each with a time limit, in a process that is kept for the next one.
 
     idle: seconds without a task after which the process is let go; the next task waits while another one starts.
     """
 
     def __init__(self, idle: float = _IDLE) -> None:
-        self._free, self._idle = asyncio.Lock(), idle
-        self._letting_go: asyncio.TimerHandle | None = None
-        self._process: Process | None = None
+        super().__init__(idle)
+        self._free = asyncio.Lock()
         self._answer: asyncio.Future[Any] | None = None
 
     async def do(self, function: Callable[P, Result], *arguments: P.args, **named: P.kwargs) -> Result:
@@ -60,7 +60,7 @@ class Desk:
         Raises MaulstickError where the function does, and where it takes too long.
         """
         async with self._free:
-            self._keep()
+            self._stay()
             process = self._process or self._begin()
             self._answer = answer = asyncio.get_running_loop().create_future()
             process.tell(_Task(function, arguments, named))
@@ -74,26 +74,12 @@ class Desk:
             except asyncio.CancelledError:  # the next task must not get the answer of this one
                 self.close()
                 raise
-            self._letting_go = asyncio.get_running_loop().call_later(self._idle, self.close)
+            self._let_go_when_idle()
             return result
 
     async def warm_up(self) -> None:
         """Load the modules now that the first task would wait for."""
         await self.do(_load_usual)
-
-    def close(self) -> None:
-        """End the process; the next task starts another."""
-        self._keep()
-        if self._process is not None:
-            self._process.forget()
-            self._process.kill()
-            self._process = None
-
-    def _keep(self) -> None:
-        """Forget that the process was to be let go."""
-        if self._letting_go is not None:
-            self._letting_go.cancel()
-            self._letting_go = None
 
     def _begin(self) -> Process:
         self._process = Process(_work, hear=self._reply, ended=self._end, niceness=_NICENESS)

@@ -1,17 +1,17 @@
 """Spare: a process that has loaded what its work takes before there is any, so that nobody waits for that."""
 
-import asyncio
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any, final
 
+from maulstick.studio.workers.kept import Kept
 from maulstick.studio.workers.process import Line, Process
 
 _IDLE = 300.0  # seconds without a call after which the process, which holds some 400 MB, is let go
 
 
 @final
-class Spare:
+class Spare(Kept):
     """A process for some work that may come soon.
 
     work: as `Process` has it.  modules: names of those that it takes seconds to load.  niceness: of the process.
@@ -19,9 +19,8 @@ class Spare:
     """
 
     def __init__(self, work: Callable[..., None], *modules: str, niceness: int = 0, idle: float = _IDLE) -> None:
-        self._work, self._modules, self._niceness, self._idle = work, modules, niceness, idle
-        self._process: Process | None = None
-        self._letting_go: asyncio.TimerHandle | None = None
+        super().__init__(idle)
+        self._work, self._modules, self._niceness = work, modules, niceness
 
     @property
     def is_ready(self) -> bool:
@@ -30,36 +29,22 @@ class Spare:
 
     def be_ready(self) -> None:
         """Let a process wait for work, if none does."""
-        self._keep()
+        self._stay()
         if self._process is None:
             self._process = Process(
                 _wait, self._work, self._modules, hear=_pass_over, ended=self._forget, niceness=self._niceness
             )
-        self._letting_go = asyncio.get_running_loop().call_later(self._idle, self.close)
+        self._let_go_when_idle()
 
     def begin(self, *arguments: object, hear: Callable[[Any], None], ended: Callable[[], None]) -> Process:
         """Return a process that does the work, as `Process` describes: the one that waits, or else a new one."""
-        self._keep()
+        self._stay()
         process, self._process = self._process, None
         if process is None:
             return Process(self._work, *arguments, hear=hear, ended=ended, niceness=self._niceness)
         process.report_to(hear, ended)
         process.tell(arguments)
         return process
-
-    def close(self) -> None:
-        """End the process that waits."""
-        self._keep()
-        if self._process is not None:
-            self._process.forget()
-            self._process.kill()
-            self._process = None
-
-    def _keep(self) -> None:
-        """Forget that the process was to be let go."""
-        if self._letting_go is not None:
-            self._letting_go.cancel()
-            self._letting_go = None
 
     def _forget(self) -> None:
         self._process = None

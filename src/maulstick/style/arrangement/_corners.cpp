@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 namespace nb = nanobind;
@@ -26,6 +27,8 @@ struct Grid {
   Grid(const double* points, int64_t count) : points(points) {
     double right = left = points[0], bottom = top = points[1];
     for (int64_t i = 0; i < count; ++i) {
+      if (!std::isfinite(points[2 * i]) || !std::isfinite(points[2 * i + 1]))
+        throw std::invalid_argument("a corner of a line is nowhere");
       left = std::min(left, points[2 * i]), right = std::max(right, points[2 * i]);
       top = std::min(top, points[2 * i + 1]), bottom = std::max(bottom, points[2 * i + 1]);
     }

@@ -13,11 +13,12 @@ from maulstick.studio.panels.direct.photograph import ask_for_photograph
 from maulstick.studio.panels.direct.places import Places
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.state.directing import Directing
-from maulstick.studio.state.plans import LOADED, Plan
+from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.wording import error_text
+from maulstick.studio.workers.kept import SETTLED
 from maulstick.studio.workers.planner import TARGET
 from maulstick.studio.workers.stroke_marks import ShownSheet
 
@@ -44,7 +45,7 @@ _KEYS = {
 
 def build(studio: Studio, name: str) -> None:
     """Build the panel of the plan of that name."""
-    ui.timer(LOADED, studio.plans.be_ready, once=True)
+    ui.timer(SETTLED, studio.plans.be_ready, immediate=False)
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
     try:

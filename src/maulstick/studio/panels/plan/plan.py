@@ -7,8 +7,8 @@ from nicegui import html, ui
 
 from maulstick.studio.panels.plan.cards import PlanCards
 from maulstick.studio.panels.plan.form import PlanForm
-from maulstick.studio.state.plans import LOADED
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.workers.kept import SETTLED
 
 _STYLE = Path(__file__).with_name("plan.css")
 _CLOSER = Path(__file__).with_name("closer.css")
@@ -16,7 +16,7 @@ _CLOSER = Path(__file__).with_name("closer.css")
 
 def build(studio: Studio, query: Mapping[str, str]) -> None:
     """Build the panel. query: `style` is chosen first."""
-    ui.timer(LOADED, studio.plans.be_ready, once=True)
+    ui.timer(SETTLED, studio.plans.be_ready, immediate=False)
     ui.add_css(_STYLE)
     ui.add_css(_CLOSER)
     with ui.element().classes("desk plan-desk") as desk:
