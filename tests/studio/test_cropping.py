@@ -55,6 +55,8 @@ def test_a_picture_is_cut_by_a_mouse_a_finger_and_keys_and_in_the_shape_of_the_s
     tab.get_by_text("Correct the picture").click()
     picture = tab.get_by_alt_text("The picture as it is corrected")
     expect(picture).to_be_visible()
+    tab.wait_for_function("picture => picture.complete && picture.naturalWidth", arg=picture.element_handle())
+    tab.get_by_label("Upper left corner").hover()  # once it rests: the part of the page unfolds
     box = picture.bounding_box()
     assert box is not None
 

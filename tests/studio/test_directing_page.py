@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from maulstick.painting.painting import read_painting
 from maulstick.robot.journal import Journal, journal_of
@@ -150,6 +150,7 @@ def test_strokes_and_places_are_directed_undone_after_a_reload_planned_around_an
     take_up("r", "region")
     drag((5, 5), (35, 5), (35, 38), (5, 38), (5, 5))
     expect(view).to_have_attribute("data-regions", "1")
+    expect(tab.get_by_label("Name")).to_have_value("Region")
     tab.get_by_label("Name").fill("Gesicht")
     tab.get_by_label("Name").press("Enter")
     places = tab.get_by_role("list", name="Regions and guides")
@@ -209,6 +210,24 @@ def test_strokes_and_places_are_directed_undone_after_a_reload_planned_around_an
     tab.get_by_role("button", name="Start painting").click()
     expect(tab.locator(".outcome")).to_have_text("coast, version 2 is painted.")
     assert Journal.read(journal_of(version / "painting.json")).painted == {stroke.id for stroke in again.strokes}
+
+
+def test_what_is_moved_while_an_act_is_still_on_its_way_is_moved_afterwards(
+    coast: Path, studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab = page("/plan/coast")
+    view = tab.get_by_role("group", name="The strokes of coast")
+    sharp(view, 0)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    held: list[Route] = []
+    tab.route("**/strokes/coast/1?*", lambda route: held.append(route))
+    with tab.expect_request("**/strokes/coast/1?*"):
+        view.press("l")
+    view.press("ArrowLeft")
+    held[0].continue_()
+    sharp(view, 2)
 
 
 def test_the_rest_is_planned_over_a_photograph_of_the_sheet(

@@ -1,5 +1,6 @@
 """What a person says of places on the canvas: kept among the acts on strokes, undone and redone with them."""
 
+import asyncio
 import itertools
 from pathlib import Path
 
@@ -111,6 +112,20 @@ def test_what_is_brushed_with_one_importance_is_one_region(tmp_path: Path) -> No
     assert [each.importance for each in regions] == [3, 2, 3]
     assert len(regions[0].area) == 2, "two dabs"
     assert geometry_of(regions[0].area).area == pytest.approx(2 * (4e-5 + np.pi * 4e-6), rel=0.02)
+
+
+def test_what_is_said_twice_at_once_is_said_one_after_the_other(tmp_path: Path) -> None:
+    put_plan(tmp_path, "six", SIX)
+
+    async def act(directing: Directing) -> None:
+        said = directing.saying
+        await asyncio.gather(*(said.emphasise([x, 0.01, x, 0.02], 0.004, 3) for x in (0.01, 0.02)))
+        await asyncio.gather(*(said.change(said.now.regions[0].id, name="Gesicht") for _ in range(2)))
+
+    directing = acting(tmp_path, act)
+    (region,) = directing.saying.now.regions
+    assert len(region.area) == 2, "two dabs"
+    assert directing.version == 3, "a name that it has already is no act"
 
 
 def test_a_line_that_crosses_itself_encloses_each_of_its_parts_within_the_sheet(tmp_path: Path) -> None:

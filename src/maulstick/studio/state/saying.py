@@ -64,14 +64,12 @@ class Saying:
         """
         if not 0 < width <= _BROADEST:
             raise InputError.of_range("the width of the brush", f"{1e3 * width:g} mm", f"up to {1e3 * _BROADEST:g} mm")
-        before = next((region for region in self.now.regions if region.is_only(importance)), None)
-        area = await self._desk.do(brushed, self._painting, _spots(points), width, before.area if before else ())
-        if before is None:
-            return await self._add(
-                lambda said: _region(said, _IMPORTANT, area, importance=importance, brushed=True),
-            )
-        await self.change(before.id, area=area)
-        return before.id
+        async with self._acts.turn:
+            before = next((region for region in self.now.regions if region.is_only(importance)), None)
+            area = await self._desk.do(brushed, self._painting, _spots(points), width, before.area if before else ())
+            if before is None:
+                return self._put(_region(self.now, _IMPORTANT, area, importance=importance, brushed=True))
+            return self._put(PutRegion(region=_checked({**dict(before), "area": area})))
 
     async def guide(self, points: Sequence[float]) -> int:
         """Say a guide along a line; return its id. points: x, y in metres of each; raises as `guide`."""
@@ -85,11 +83,12 @@ class Saying:
         """
         if "name" in fields:
             fields["name"] = clean_title(str(fields["name"]))
-        region = next((each for each in self.now.regions if each.id == id), None)
-        if region is None:
-            raise InputError("that region is taken out; look at the list once more")
-        if region.model_dump() | fields != region.model_dump():
-            await self._add(lambda _: PutRegion(region=_checked({**dict(region), **fields})))
+        async with self._acts.turn:
+            region = next((each for each in self.now.regions if each.id == id), None)
+            if region is None:
+                raise InputError("that region is taken out; look at the list once more")
+            if (changed := _checked({**dict(region), **fields})) != region:
+                self._put(PutRegion(region=changed))
 
     async def take_out(self, id: int) -> None:
         """Take out the region or the guide with this id. Raises InputError where it is taken out already."""
@@ -115,10 +114,12 @@ class Saying:
 
     async def _add(self, act_on: Callable[[Said], SaidAct]) -> int:
         async with self._acts.turn:
-            said = self.now
-            act = act_on(said)
-            said.after(act)
-            self._acts.add(SAID, SAID_ACT.dump_json(act).decode())
+            return self._put(act_on(self.now))
+
+    def _put(self, act: SaidAct) -> int:
+        """Do an act in its turn; return the id of what it is about."""
+        self.now.after(act)
+        self._acts.add(SAID, SAID_ACT.dump_json(act).decode())
         match act:
             case PutRegion(region=region):
                 return region.id

@@ -78,7 +78,7 @@ export class Stage {
       if (message.layer === "view") this.drawn();
       if (message.layer === "view" && this.settles) this.sent = null;
       if (message.layer === "loupe") this.loupe.paint(message);
-      if (message.layer === "chosen" && this.settles) this.settle();
+      if (message.layer === "chosen" && this.settles) this.arrive();
       if (message.layer === "chosen") this.root.toggleAttribute("data-chosen", this.chosen.ids.length > 0);
       this.repaint();
     }
@@ -96,7 +96,10 @@ export class Stage {
   taken({ strokes, areOthers }) {
     Object.assign(this.root.dataset, { strokes, acts: this.known });
     this.settles = areOthers;
-    if (!areOthers) return this.giveUp();
+    if (!areOthers) {
+      this.sent = null;
+      return this.arrive();
+    }
     this.root.removeAttribute("data-sharp");
     this.drawing = true;
   }
@@ -166,6 +169,12 @@ export class Stage {
 
   chooseNone() {
     this.choose({ ids: [] });
+  }
+
+  // The server has done what it was told; how far something was moved since, it is told later.
+  arrive() {
+    this.settles = false;
+    if (this.shift.isSent) this.settle();
   }
 
   // What is chosen lies where the server has it.
