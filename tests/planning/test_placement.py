@@ -3,10 +3,11 @@ import math
 import numpy as np
 import pytest
 import torch
+from scipy.ndimage import gaussian_filter
 from skimage.feature import structure_tensor, structure_tensor_eigenvalues
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.placement import Places, detail, edges, find_places, ink_density, start_strokes
+from maulstick.planning.placement import Places, blurred_at, detail, edges, find_places, ink_density, start_strokes
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
 from maulstick.storage.arrays import Image as Picture
@@ -257,3 +258,14 @@ def test_edges_are_those_of_the_structure_tensor_of_scikit_image(portrait: Pictu
     along = np.stack([np.sin(angles), np.cos(angles)])  # row and column: the slope is least along an edge
     least = rr * along[0] ** 2 + 2 * rc * along[0] * along[1] + cc * along[1] ** 2
     assert least == pytest.approx(eigenvalues[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("sigma", [0, 0.05, 1.3, 9.0])
+@pytest.mark.parametrize("shape", [(3, 40, 50), (2, 5, 7), (1, 1, 3)])
+def test_blurring_at_some_pixels_is_blurring_all_of_them(sigma: float, shape: tuple[int, int, int]) -> None:
+    rng = np.random.default_rng(0)
+    images, points = rng.random(shape), rng.uniform((0, 0), shape[:0:-1], (30, 2))
+    column, row = points.astype(int).T
+    for beyond, mode in (("edge", "nearest"), ("symmetric", "reflect")):
+        blurred = np.stack([gaussian_filter(image, sigma, mode=mode) for image in images])
+        assert blurred_at(images, points, sigma, beyond) == pytest.approx(blurred[:, row, column], abs=1e-12)
