@@ -121,16 +121,15 @@ def test_plans_of_today_are_printed_and_never_made_again(
     bench: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "measured").mkdir()
+    monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
     [kept, *_] = bench.arrangement.cases("today", True)
     figures = {"energy": 0.5, "energy_judging": 0.25, "taken_for": kept.hand}
     people = [
         asdict(case) | figures | {"others_energy": 1.0, "others_energy_judging": 1.0}
         for case in bench.arrangement.cases("people", True)
-        if case.hand in bench.drawings.HANDS
     ]
     lines = [json.dumps(row) for row in [*people, asdict(kept) | figures]]
     (tmp_path / "measured" / "arrangement.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
     for module in (bench.arrangement, bench.kept):
         monkeypatch.setattr(module, "ROOT", tmp_path)
     monkeypatch.setattr(sys, "argv", ["arrangement.py", "today", "--quick"])

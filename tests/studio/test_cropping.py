@@ -56,6 +56,8 @@ def test_a_picture_is_cut_by_a_mouse_a_finger_and_keys_and_in_the_shape_of_the_s
     picture = tab.get_by_alt_text("The picture as it is corrected")
     expect(picture).to_be_visible()
     tab.wait_for_function("picture => picture.complete && picture.naturalWidth", arg=picture.element_handle())
+    told = tab.locator(".sketch .hint")
+    expect(told).to_contain_text("6% of the picture is cut off")
     tab.get_by_label("Upper left corner").hover()  # once it rests: the part of the page unfolds
     box = picture.bounding_box()
     assert box is not None
@@ -85,6 +87,8 @@ def test_a_picture_is_cut_by_a_mouse_a_finger_and_keys_and_in_the_shape_of_the_s
     tab.mouse.move(x + box["width"] / 4, y + box["height"] / 5, steps=5)
     tab.mouse.up()
     expect_kept(0.25, 0.2, 1, 1)
+    expect(told).to_have_text("A sheet of 200 by 160 mm.")  # a shorter text, so that all below it has moved
+    tab.get_by_label("Right edge").hover()
     x, y = middle("Right edge")
     finger = tab.context.new_cdp_session(tab)
     for kind, there in (("touchStart", x), ("touchMove", x - box["width"] / 10), ("touchEnd", None)):
@@ -99,7 +103,6 @@ def test_a_picture_is_cut_by_a_mouse_a_finger_and_keys_and_in_the_shape_of_the_s
     assert faults_by_axe(tab) == {}
 
     tab.get_by_role("checkbox", name="Keep the sheet's shape").click()
-    told = tab.locator(".sketch .hint")
     expect(told).to_have_text("A sheet of 200 by 160 mm.")  # and nothing is cut off, nor bare
     x, y = middle("Lower right corner")
     tab.mouse.move(x, y)
