@@ -20,6 +20,7 @@ def test_a_plan_is_asked_for_with_paper_a_look_and_the_tubes_of_the_studio_and_a
     tab.get_by_label("Colour of the paper").fill("#f0e6d2")
     tab.get_by_label("With the look of").click()
     tab.get_by_role("option", name="portrait").click()
+    expect(tab.get_by_role("listbox")).to_have_count(0)
     tab.get_by_role("checkbox", name="Only the paints of your tubes").click()
     tab.get_by_label("Tries, the best one is kept").fill("3")
     tab.get_by_label("Strokes", exact=True).fill("40")
