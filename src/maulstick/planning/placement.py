@@ -97,6 +97,7 @@ def _structure(target: Floats) -> Floats:
 
 
 def _directions(rr: Floats, rc: Floats, cc: Floats) -> tuple[Floats, Floats]:
+    """Return what `edges` does, of a structure tensor that is blurred."""
     return 0.5 * np.arctan2(2 * rc, cc - rr) + np.pi / 2, np.hypot(cc - rr, 2 * rc) / (rr + cc + 1e-6)
 
 

@@ -69,7 +69,8 @@ class Saying:
             area = await self._desk.do(brushed, self._painting, _spots(points), width, before.area if before else ())
             if before is None:
                 return self._put(_region(self.now, _IMPORTANT, area, importance=importance, brushed=True))
-            return self._put(PutRegion(region=_checked({**dict(before), "area": area})))
+            self._say_of(before, area=area)
+            return before.id
 
     async def guide(self, points: Sequence[float]) -> int:
         """Say a guide along a line; return its id. points: x, y in metres of each; raises as `guide`."""
@@ -87,8 +88,7 @@ class Saying:
             region = next((each for each in self.now.regions if each.id == id), None)
             if region is None:
                 raise InputError("that region is taken out; look at the list once more")
-            if (changed := _checked({**dict(region), **fields})) != region:
-                self._put(PutRegion(region=changed))
+            self._say_of(region, **fields)
 
     async def take_out(self, id: int) -> None:
         """Take out the region or the guide with this id. Raises InputError where it is taken out already."""
@@ -115,6 +115,11 @@ class Saying:
     async def _add(self, act_on: Callable[[Said], SaidAct]) -> int:
         async with self._acts.turn:
             return self._put(act_on(self.now))
+
+    def _say_of(self, region: SaidRegion, **fields: Any) -> None:
+        """Say something else of a region in its turn; what is said already is no act."""
+        if (changed := _checked({**dict(region), **fields})) != region:
+            self._put(PutRegion(region=changed))
 
     def _put(self, act: SaidAct) -> int:
         """Do an act in its turn; return the id of what it is about."""
