@@ -58,6 +58,7 @@ _STOP = """<script>
 </script>"""
 
 _STYLE = Path(__file__).with_name("studio.css")
+_IN_ORDER = Path(__file__).with_name("in_order.js").read_text()
 
 
 class _Panels(ui.sub_pages):
@@ -78,6 +79,7 @@ def page(studio: Studio, door: Door) -> None:
     """Build the page. door: the way in for other machines."""
     ui.on_exception(_tell)
     ui.add_css(_STYLE)
+    ui.add_head_html(f"<script>{_IN_ORDER}</script>")
     ui.colors(primary="#8c3d26", secondary="#5b6770", accent="#2f6690", negative="#b3261e", positive="#3c7a3f")
     with ui.header().classes("frame"):
         ui.label("Maulstick").classes("name")
