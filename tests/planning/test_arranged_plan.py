@@ -14,6 +14,7 @@ from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Region, Regions
 from maulstick.planning.result import PlanProgress, PlanResult
+from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
@@ -108,10 +109,14 @@ def test_without_arranging_and_with_paints_a_plan_is_that_of_a_hand_of_unknown_p
     assert same(plan(problem, settings), plan(replace(problem, style=unplaced()), settings))
 
 
-def test_strokes_to_start_with_are_not_arranged(problem: PlanningProblem, planned: PlanResult) -> None:
-    settings = replace(INK, strokes=len(planned.strokes), steps=5)
-    both = [plan(replace(problem, style=style), settings, start=planned.strokes) for style in (HAND, unplaced())]
-    assert same(*both)
+def test_strokes_that_are_planned_again_stay_arranged_and_new_ones_come_in_groups(
+    problem: PlanningProblem, planned: PlanResult
+) -> None:
+    kept = planned.strokes[torch.arange(len(planned.strokes) - 8)]
+    arranged, alone = (
+        plan(problem, replace(INK, arrange=arrange), schedule=REPLAN, start=kept).strokes for arrange in (1.0, 0.0)
+    )
+    assert far(arranged) < 0.7 * far(alone)
 
 
 @pytest.mark.parametrize("strokes", [1, 4, 5, 6, 61])

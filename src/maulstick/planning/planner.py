@@ -89,19 +89,17 @@ class _Planning:
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         hands = self._style.hands if isinstance(self._style, RegionalStyle) else (self._style,)
         known = any(hand.arrangement is not None for hand in hands)
-        arranged = options.one_ink and options.arrange > 0 and start is None and known
+        arranged = options.one_ink and options.arrange > 0 and known
         self._initialiser = Initialiser(problem, options, arranged, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
-        self._arranging = None
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
         self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
         if start is None:
             start, self._spacing = self._initialiser.first()
-            if arranged:
-                self._arranging = Arranging(problem, start, self._spacing, options.arrange)
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
+        self._arranging = Arranging(problem, start, self._spacing, options.arrange) if arranged else None
         trained = {
             "codes": True,
             "centres": True,

@@ -120,8 +120,16 @@ def replanned(
     layout = lay_out_for(picture, sheet, finest, fit, pixels, margin)
     palette = tuple(dict.fromkeys(paint.colour for paint in painting.paints))
     exact = options.get("exact") is True
-    seed = painting.provenance.seed
-    settings = PlannerSettings(len(left), exact=exact, paints=None, palette=palette, steps=steps, seed=seed)
+    seed, arrange = painting.provenance.seed, options.get("arrange")
+    settings = PlannerSettings(
+        len(left),
+        exact=exact,
+        paints=None,
+        palette=palette,
+        steps=steps,
+        seed=seed,
+        arrange=arrange if isinstance(arrange, int | float) else PlannerSettings.arrange,
+    )
     bare, drawing = lay_out_for(picture, painting.sheet, finest, fit, pixels, margin), options.get("drawing", "both")
     with_lines = drawing == "both"
     supply = InkSupply.of(bare, finest, style, palette[0], with_lines=with_lines) if settings.one_ink else None
