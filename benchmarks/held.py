@@ -1,6 +1,6 @@
 """Whether a plan's strokes are still the hand's: eleven hands, three brushes, one ink or twelve paints.
 
-    .venv/bin/python benchmarks/held.py                # 66 rows, and 54 of three hands with other pictures and seeds
+    .venv/bin/python benchmarks/held.py                # 66 rows, and 108 of three hands with other pictures and seeds
     .venv/bin/python benchmarks/held.py lia hatching   # the rows of these hands
 
 Strokes of the finished painting are compared with all strokes that the style was fitted on; dots are left out.

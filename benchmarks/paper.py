@@ -85,6 +85,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "plans": likeness.plans_table,
     "splines": styles.splines_table,
     "held": held.held_table,
+    "held_elsewhere": held.held_elsewhere_table,
     "arrangement": arrangement.arrangement_table,
     "order": arrangement.order_table,
     "sim_to_real": easel.sim_to_real_table,
