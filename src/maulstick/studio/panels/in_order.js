@@ -16,7 +16,7 @@
     },
   });
   Object.defineProperty(window, "did_handshake", {
-    get: () => true, // so that events are sent at once, and wait above
+    get: () => socket !== undefined, // so that events are sent once there is a socket, and wait above
     set: (done) => {
       isConnected = done;
       if (done) for (const message of waiting.splice(0)) socket.emit(...message);
