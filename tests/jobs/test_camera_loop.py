@@ -14,7 +14,9 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting, write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
-from maulstick.planning.problem import PlanningProblem
+from maulstick.planning.planner import plan
+from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.result import PlanResult
 from maulstick.rendering.preview import preview
 from maulstick.style import load_style
 from tests.support.nominal import nominal
@@ -69,6 +71,24 @@ def test_a_plan_of_an_exact_number_of_strokes_keeps_that_number(again: Painting)
 
 def test_planning_again_is_the_same_each_time(again: Painting) -> None:
     assert replanned(planned(), PAINTED, WHITE, picture(), steps=QUICK) == again
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_strokes_are_planned_again_arranged_as_far_as_the_plan_was(
+    monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    shares: list[float] = []
+
+    def seen(problem: PlanningProblem, settings: PlannerSettings, **given: Any) -> PlanResult:
+        shares.append(settings.arrange)
+        return plan(problem, settings, **given)
+
+    monkeypatch.setattr(camera_loop, "plan", seen)
+    before = planned()
+    options = {**before.provenance.options, "arrange": share}
+    painting = before.model_copy(update={"provenance": before.provenance.model_copy(update={"options": options})})
+    replanned(painting, PAINTED, WHITE, picture(), steps=1)
+    assert shares == [share]
 
 
 def test_what_was_planned_again_can_be_written_read_and_planned_again(again: Painting, tmp_path: Path) -> None:

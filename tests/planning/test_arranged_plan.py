@@ -109,9 +109,15 @@ def test_without_arranging_and_with_paints_a_plan_is_that_of_a_hand_of_unknown_p
     assert same(plan(problem, settings), plan(replace(problem, style=unplaced()), settings))
 
 
-def test_strokes_that_are_planned_again_stay_arranged_and_new_ones_come_in_groups(
+def test_without_arranging_strokes_to_start_with_are_planned_as_of_a_hand_of_unknown_places(
     problem: PlanningProblem, planned: PlanResult
 ) -> None:
+    settings = replace(INK, strokes=len(planned.strokes), steps=5, arrange=0.0)
+    both = [plan(replace(problem, style=style), settings, start=planned.strokes) for style in (HAND, unplaced())]
+    assert same(*both)
+
+
+def test_strokes_that_are_planned_again_stay_arranged(problem: PlanningProblem, planned: PlanResult) -> None:
     kept = planned.strokes[torch.arange(len(planned.strokes) - 8)]
     arranged, alone = (
         plan(problem, replace(INK, arrange=arrange), schedule=REPLAN, start=kept).strokes for arrange in (1.0, 0.0)

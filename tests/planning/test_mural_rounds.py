@@ -120,6 +120,21 @@ def test_a_window_is_made_when_it_is_asked_for_and_none_once_planning_is_to_end(
     assert asked == [0, 2]
 
 
+def test_a_window_arranges_nothing_since_it_does_not_see_all_strokes() -> None:
+    shares: list[float] = []
+
+    def seeing(
+        planner: WindowPlanner, windows: Iterator[Window], watch: WatchWindow
+    ) -> Iterator[tuple[int, PlanResult]]:
+        for window in windows:
+            shares.append(window.settings.arrange)
+            yield window.index, planner.plan(window, partial(watch, window.index))
+
+    assert SETTINGS.arrange == 1
+    plan_strip(seeing)
+    assert set(shares) == {0}
+
+
 def test_a_mural_goes_on_from_no_other_plan(states: list[State], planned: PlanResult) -> None:
     other = {name: array for name, array in states[5].items() if name != "windows_done"}
     with pytest.raises(InputError, match="what there is to go on from is no plan of the same request; plan anew"):
