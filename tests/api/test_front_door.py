@@ -203,8 +203,9 @@ def test_options_are_defaults_that_single_ones_differ_from() -> None:
 
 def test_several_brushes_are_named_or_given(painting: ms.Painting) -> None:
     brushes = [ms.load_brush("fineliner"), ms.load_brush("marker")]
-    named, given = (ms.plan(demo_picture(), brush=brush, **QUICK) for brush in ("marker,fineliner", brushes))
-    assert given.strokes == named.strokes
+    ways = ("marker,fineliner", ["fineliner", "marker"], brushes)
+    named, listed, given = (ms.plan(demo_picture(), brush=brush, **QUICK) for brush in ways)
+    assert given.strokes == listed.strokes == named.strokes
     assert given.provenance.options["brush"] == "marker,fineliner"
     with pytest.raises(InputError, match="the brush marker is named twice"):
         ms.plan(demo_picture(), brush=[brushes[1], brushes[1]], **QUICK)

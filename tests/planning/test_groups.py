@@ -3,7 +3,7 @@ import pytest
 
 from maulstick.planning import groups
 from maulstick.planning.directions import directions
-from maulstick.planning.groups import place_groups
+from maulstick.planning.groups import choose_groups, place_groups
 from maulstick.planning.placement import Places
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.style.arrangement import Arrangement
@@ -27,7 +27,9 @@ def placed(
     target = np.ones((3, *SIZE)) if target is None else target
     room = (SIZE[0] * SIZE[1] / count) ** 0.5
     lines = directions(target, room, arranged().leaning)
-    return place_groups(target, lines, density, count, arranged(), room, SCALE, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    chosen = choose_groups(arranged(), count, rng)
+    return place_groups(target, lines, density, arranged(), chosen, room, SCALE, rng)
 
 
 def test_every_group_lies_as_the_hand_drew_it() -> None:

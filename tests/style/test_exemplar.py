@@ -131,6 +131,21 @@ def test_the_longest_sample_goes_where_there_is_most_room_and_keeps_its_length()
     assert torch.equal(pressure[room.argsort()], press_anyway[order])
 
 
+def test_a_stroke_of_the_hand_is_nearest_to_itself() -> None:
+    paths = torch.from_numpy(STYLE.hand.paths)
+    for drawn_paths in (paths, paths.float()):
+        assert STYLE.nearest(drawn_paths).tolist() == list(range(len(paths)))
+
+
+def test_strokes_are_drawn_around_those_of_the_hand_that_are_asked_for_and_the_longest_has_most_room() -> None:
+    room, rows = torch.tensor([0.5, 0.001, 3.0, 0.01]), torch.tensor([7, 7, 2, 2])
+    codes, pressure = STYLE.sample_for(room, torch_rng(3), rows)
+    around, press_around = STYLE.sample_around(rows, torch_rng(3))
+    order = around[:, 0].argsort()
+    assert torch.equal(codes[room.argsort()], around[order])
+    assert torch.equal(pressure[room.argsort()], press_around[order])
+
+
 def test_no_strokes_are_no_codes_and_cost_nothing() -> None:
     codes, pressure = STYLE.sample(0, torch_rng())
     assert STYLE.decode(codes).shape == (0, 32, 2)

@@ -84,3 +84,14 @@ def test_few_and_equal_codes_have_samples(count: int) -> None:
     centres = torch.ones(count, DIMENSIONS).double()
     codes, _ = drawn(around(centres), 10, torch_rng())
     assert (codes - 1).abs().max() < FLOAT64_ROUND_TRIP
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_most_samples_are_found_to_be_drawn_around_what_they_were(dtype: torch.dtype) -> None:
+    centres = crowd(40)
+    bandwidths = torch.tensor([2.0] + [0.1] * (DIMENSIONS - 1), dtype=torch.float64)
+    neighbours = Neighbours(centres, bandwidths, torch.ones(DIMENSIONS, dtype=torch.float64))
+    codes, of = drawn(neighbours, 500, torch_rng())
+    assert (neighbours.nearest(codes.to(dtype)) == of).double().mean() > 0.98
+    plain = torch.cdist(codes, centres).argmin(dim=1)
+    assert (plain == of).double().mean() < 0.75

@@ -121,6 +121,17 @@ def test_the_longest_stroke_goes_where_there_is_most_room() -> None:
     assert pressure_knots.shape == (4, 4)
 
 
+def test_strokes_are_drawn_around_those_of_the_hand_that_are_asked_for() -> None:
+    rows = torch.arange(12) % 3
+    sampled, _ = STYLE.sample_for(torch.linspace(0.01, 0.05, 12), torch.Generator().manual_seed(0), rows)
+    around, _ = STYLE.sample_around(rows, torch.Generator().manual_seed(0))
+    assert torch.equal(sampled.sort(dim=0).values, around.sort(dim=0).values)
+
+
+def test_a_stroke_of_the_hand_is_nearest_to_itself() -> None:
+    assert STYLE.nearest(torch.from_numpy(ROUND.paths)).tolist() == list(range(len(ROUND)))
+
+
 def test_a_stroke_costs_what_it_costs_in_an_exemplar_of_the_same_hand() -> None:
     code, pressure_knots = STYLE.sample(12, torch.Generator().manual_seed(0))
     hands = PooledHands(*(NETWORK[f"hands.{name}"].double().numpy() for name in ("covariance", "residual")))

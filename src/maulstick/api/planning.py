@@ -17,7 +17,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting import painting as records
-from maulstick.painting.brush import Brush, in_painting_order, names_of
+from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
 from maulstick.painting.metrics import Metrics
 from maulstick.painting.picture import READ_PX, Picture, image_of
 from maulstick.planning.result import PlanProgress
@@ -34,7 +34,7 @@ def plan(
     picture: Picture | None = None,
     *,
     style: str | Style | None = None,
-    brush: str | Brush | Sequence[Brush] | None = None,
+    brush: str | Brush | Sequence[str | Brush] | None = None,
     again: records.Painting | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress | None = None,
@@ -70,7 +70,8 @@ def plan(
     if isinstance(brush, str):
         changes["brush"] = brush
     elif brush is not None:
-        brushes = in_painting_order([brush] if isinstance(brush, Brush) else brush)
+        several = [brush] if isinstance(brush, Brush) else brush
+        brushes = in_painting_order(load_brush(each) if isinstance(each, str) else each for each in several)
         changes["brush"] = names_of(brushes)
     path = Path(picture) if isinstance(picture, str | Path) else None
     image = None if picture is None or path is not None else image_of(picture)

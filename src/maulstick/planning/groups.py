@@ -1,5 +1,7 @@
 """Groups of a hand's strokes, placed one after another where the picture misses most ink, along its edges."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
@@ -20,23 +22,24 @@ def place_groups(
     target: Floats,
     lines: Complexes,
     density: Floats,
-    count: int,
     arrangement: Arrangement,
+    groups: Sequence[Ints],
     room: float,
     scale: float,
     rng: np.random.Generator,
 ) -> tuple[Places, Ints]:
-    """Place groups of a hand, `count` strokes in all, by the density (H, W) along lines (H, W) of a target (C, H, W).
+    """Place groups of a hand by the density (H, W) along lines (H, W) of a target (C, H, W).
 
-    Return the places, and the rows of the hand's strokes that they are like, (N,). All groups of the hand are used
-    before one is used again; the longest are placed first. Each is laid where its lines miss most of what the density
-    wants, turned along the lines there; where there are none it lies as the hand drew it.
+    Return the places, and the rows of the hand's strokes that they are like, (N,). The longest groups are placed first.
+    Each is laid where its lines miss most of what the density wants, turned along the lines there; where there are none
+    it lies as the hand drew it.
 
-    lines: as `directions` returns them.  room: distance between strokes, pixels.  scale: pixels per metre.
+    lines: as `directions` returns them.  groups: rows of the hand's strokes that lie together.
+    room: distance between strokes, pixels.  scale: pixels per metre.
     """
     height, width = density.shape
     paths = arrangement.paths * scale
-    chosen = sorted(_choose(arrangement, count, rng), key=lambda rows: -path_lengths(paths[rows]).sum())
+    chosen = sorted(groups, key=lambda rows: -path_lengths(paths[rows]).sum())
     wanted = density + 1e-9  # an empty density counts as an even one
     ink = _Ink(wanted * (path_lengths(paths[np.concatenate(chosen)]).sum() / wanted.sum()), _BLUR_IN_SPACINGS * room)
     centres, turns = [], []
@@ -54,14 +57,14 @@ def place_groups(
     places = Places(
         where,
         arrangement.angles[strokes] + np.concatenate(turns),
-        np.full(count, room),
+        np.full(len(where), room),
         colours_at(target, where, edge_size(room, height, width)),
     )
     return places, strokes
 
 
-def _choose(arrangement: Arrangement, count: int, rng: np.random.Generator) -> list[Ints]:
-    """Draw groups of `count` strokes in all, each once before one is drawn again; the last is cut to fit."""
+def choose_groups(arrangement: Arrangement, count: int, rng: np.random.Generator) -> list[Ints]:
+    """Draw groups of a hand, of `count` strokes in all, each once before one is drawn again; the last is cut to fit."""
     chosen: list[Ints] = []
     left = count
     while left:

@@ -9,7 +9,7 @@ from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
 from maulstick.planning.directions import directions
-from maulstick.planning.groups import place_groups
+from maulstick.planning.groups import choose_groups, place_groups
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
     HALF_WIDTH_IN_SPACINGS,
@@ -28,7 +28,6 @@ from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Floats
 from maulstick.style import Style
-from maulstick.style.arrangement import Arrangement
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
 _FINER = 0.3  # size of a brush's first strokes beside those of the broader one before, whose details they are
@@ -134,10 +133,17 @@ class Initialiser:
                 spacing.append(places.spacing)
         return joined(layers), float(np.median(np.concatenate(spacing))) / self._problem.canvas.pixels_per_metre
 
-    def candidates(self, target: Tensor, density: Floats, count: int, room: float) -> list[StrokeParameters]:
-        """Return `count` strokes of each brush, all at the same places; arguments as those of `strokes`."""
-        places = self._places(target, density, count, room)
-        return [self._with_brush(number, places) for number in range(len(self._problem.brushes))]
+    def moved(self, strokes: StrokeParameters, target: Tensor, density: Floats, room: float) -> list[StrokeParameters]:
+        """Return others in place of some strokes, each alone: of each brush, at the same places; else as `strokes`.
+
+        In one ink they are around the hand's strokes that those before are most like. Most of these are long, and if
+        others of any length took their place, the hand's lengths would make the rest longer than their shapes are.
+        """
+        like = self._problem.style.decode(strokes.codes).detach() if self._options.one_ink else None
+        if self._arranged:
+            return [self._in_groups(target, density, len(strokes), like)]
+        places = self._places(target, density, len(strokes), room)
+        return [self._with_brush(number, places, like) for number in range(len(self._problem.brushes))]
 
     def _shares(self, count: int, density: Floats) -> list[tuple[int, Floats]]:
         """Return how many of the strokes each brush is given, and the density (H, W) where it may be.
@@ -165,59 +171,71 @@ class Initialiser:
         centres = scale * regions.moved_into(tuple(wanted.tolist()), places.centres / scale)
         return replace(places, centres=centres, colours=colours_at(as_array(target), centres, _COLOUR_PX))
 
-    def _with_brush(self, number: int, places: Places) -> StrokeParameters:
-        """Return strokes of the brush of that number at the places, each by the hand of its region, along guides."""
+    def _with_brush(self, number: int, places: Places, like: Tensor | None = None) -> StrokeParameters:
+        """Return strokes of the brush of that number at the places, each by the hand of its region, along guides.
+
+        like: as in `start_strokes`.
+        """
         problem, scale = self._problem, self._problem.canvas.pixels_per_metre
         finer = replace(places, spacing=_FINER**number * places.spacing)
         if problem.guides is not None:
             finer = problem.guides.turned(finer)
         if problem.regions is None:
-            strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng)
+            strokes = start_strokes(finer, problem.style, problem.brushes[number], scale, self._torch_rng, like)
         else:
-            strokes = self._of_regions(problem.regions, finer, problem.brushes[number])
+            strokes = self._of_regions(problem.regions, finer, problem.brushes[number], like)
         strokes.brush_of.fill_(number)
         return strokes
 
-    def _of_regions(self, regions: Regions, places: Places, brush: Brush) -> StrokeParameters:
+    def _of_regions(self, regions: Regions, places: Places, brush: Brush, like: Tensor | None) -> StrokeParameters:
         """Return strokes at the places, each by the hand of its region."""
         scale, parts, order = self._problem.canvas.pixels_per_metre, [], []
         region_of = regions.at(torch.from_numpy(places.centres / scale)).numpy()
         for number in np.unique(region_of).tolist():
             rows, region = np.flatnonzero(region_of == number), regions.said[number]
             own = Places(**{name: array[rows] for name, array in vars(places).items()})
-            strokes = start_strokes(own, region.hand, brush, scale, self._torch_rng)
+            strokes = start_strokes(
+                own, region.hand, brush, scale, self._torch_rng, None if like is None else like[rows]
+            )
             parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
             order.append(rows)
         return joined(parts)[torch.from_numpy(np.concatenate(order).argsort())]
 
-    def _in_groups(self, target: Tensor, density: Floats, count: int) -> StrokeParameters:
-        """Return `count` strokes as `strokes` does, in groups of the hand, or of the hand of each region."""
+    def _in_groups(self, target: Tensor, density: Floats, count: int, like: Tensor | None = None) -> StrokeParameters:
+        """Return `count` strokes as `strokes` does, in groups of the hand, or of the hand of each region.
+
+        like: as in `start_strokes`, of strokes that lie alone instead.
+        """
         regions, style = self._problem.regions, self._problem.style
         if regions is None:
-            assert style.arrangement is not None
-            return self._groups_of(style, style.arrangement, target, density, count)
+            return self._groups_of(style, target, density, count, like)
         ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel() + 1e-9, len(regions.said)))
         counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
+        likes = [None] * len(counts) if like is None else like.split(counts)
         parts = []
-        for number, (region, own) in enumerate(zip(regions.said, counts, strict=True)):
-            there, arrangement = density * (regions.labels == number), region.hand.arrangement
-            if own and arrangement is None:
-                parts.append(self._with_brush(0, self._places(target, there, own, np.inf)))
-            elif own and arrangement is not None:
-                strokes = self._groups_of(region.hand, arrangement, target, there, own)
+        for number, (region, own, own_like) in enumerate(zip(regions.said, counts, likes, strict=True)):
+            there = density * (regions.labels == number)
+            if own and region.hand.arrangement is None:
+                parts.append(self._with_brush(0, self._places(target, there, own, np.inf), own_like))
+            elif own:
+                strokes = self._groups_of(region.hand, target, there, own, own_like)
                 parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
         return joined(parts)
 
     def _groups_of(
-        self, hand: Style, arrangement: Arrangement, target: Tensor, density: Floats, count: int
+        self, hand: Style, target: Tensor, density: Floats, count: int, like: Tensor | None
     ) -> StrokeParameters:
-        """Return `count` strokes in groups of a hand, with its own codes."""
+        """Return `count` strokes of a hand, with its own codes, in groups, or each alone, `like` others."""
+        arrangement = hand.arrangement
+        assert arrangement is not None
         scale, image = self._problem.canvas.pixels_per_metre, as_array(target)
         room = self._usual_spacing * scale
         lines = directions(image, room, arrangement.leaning)
         if self._problem.guides is not None:
             lines = self._problem.guides.over(lines)
-        places, rows = place_groups(image, lines, density, count, arrangement, room, scale, self._rng)
+        alone = None if like is None else hand.nearest(like)
+        groups = choose_groups(arrangement, count, self._rng) if alone is None else list(alone[:, None].numpy())
+        places, rows = place_groups(image, lines, density, arrangement, groups, room, scale, self._rng)
         codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
         return strokes_at(places, codes, knots, self._problem.brushes[0], scale)
 

@@ -128,10 +128,19 @@ def at_pixels(points: Floats, width: int, height: int) -> tuple[Ints, Ints]:
 
 
 def start_strokes(
-    places: Places, style: Style, brush: Brush, pixels_per_metre: float, generator: Generator
+    places: Places,
+    style: Style,
+    brush: Brush,
+    pixels_per_metre: float,
+    generator: Generator,
+    like: torch.Tensor | None = None,
 ) -> StrokeParameters:
-    """Return strokes of the style at the places, of the length that the style allows for the room there."""
-    codes, knots = style.sample_for(_tensor(_LENGTH_IN_SPACINGS * places.spacing / pixels_per_metre), generator)
+    """Return strokes of the style at the places, of the length that the style allows for the room there.
+
+    like: standardised paths (N, n, 2), metres, each of which one stroke is like, as far as the style has any like it.
+    """
+    room = _tensor(_LENGTH_IN_SPACINGS * places.spacing / pixels_per_metre)
+    codes, knots = style.sample_for(room, generator, None if like is None else style.nearest(like))
     return strokes_at(places, codes, knots, brush, pixels_per_metre)
 
 

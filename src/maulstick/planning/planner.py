@@ -24,7 +24,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.room import surface_of
-from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
+from maulstick.planning.schedule import GIVEN_PAINTS, ONE_INK, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import coverage, recolouring_costs, removal_costs
@@ -54,7 +54,7 @@ def plan(
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; those that are left out are drawn from the picture.
-    schedule: `Schedule()`, or for paints that are given `GIVEN_PAINTS`, when left out.
+    schedule: `Schedule()`, for one ink `ONE_INK`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `PlanProgress.state` returned in an earlier run of the same problem; planning goes on from there.
     Raises InputError for more strokes to start with than are planned, and a state of another plan.
     """
@@ -62,7 +62,8 @@ def plan(
         allowed = f"at most the {options.strokes} that are asked for"
         raise InputError.of_range("the number of strokes to start with", len(start), allowed)
     keep_freed_memory()
-    schedule = schedule or (Schedule() if options.paints is not None or options.one_ink else GIVEN_PAINTS)
+    mixed = Schedule() if options.paints is not None else GIVEN_PAINTS
+    schedule = schedule or (ONE_INK if options.one_ink else mixed)
     planning = _Planning(problem, options, schedule, start)
     if resume is not None:
         try:
@@ -216,12 +217,10 @@ class _Planning:
         left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, useless, False)
         own = self._stroke_canvas.strokes[left]
         for rows, there in self._initialiser.by_pool(useless, self._stroke_canvas.strokes, density):
-            if len(self._problem.brushes) == 1:
-                strokes = self._initialiser.pooled(view.target, there, len(rows), self._spacing)[0]
-            else:
-                candidates = self._initialiser.candidates(view.target, there, len(rows), self._spacing)
-                strokes = best_brushes(self._problem, view, own, candidates, self._torch_rng)
-            self._descent.replace(rows, strokes)
+            moved = self._initialiser.moved(self._stroke_canvas.strokes[rows], view.target, there, self._spacing)
+            if len(moved) > 1:
+                moved = [best_brushes(self._problem, view, own, moved, self._torch_rng)]
+            self._descent.replace(rows, moved[0])
 
     def _removal_costs(self, side: int = 1) -> Tensor:
         """Return an estimate of the cost of removing each stroke, (N,), by row; side: as in `StrokeCanvas.render`."""

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 
 from maulstick.planning.adam import Adam
-from maulstick.planning.groups import place_groups
+from maulstick.planning.groups import choose_groups, place_groups
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import place
 from maulstick.style import Style
@@ -22,8 +22,9 @@ def spread(style: Style, arrangement: Arrangement, width: float, height: float, 
     count, scale = len(arrangement.paths), _PX / max(width, height)
     sheet = np.ones((max(1, round(height * scale)), max(1, round(width * scale))))
     no_lines = np.zeros(sheet.shape, dtype=complex)
+    groups = choose_groups(arrangement, count, rng)
     places, rows = place_groups(
-        sheet[None], no_lines, sheet, count, arrangement, (sheet.size / count) ** 0.5, scale, rng
+        sheet[None], no_lines, sheet, arrangement, groups, (sheet.size / count) ** 0.5, scale, rng
     )
     paths = style.decode(style.sample_around(torch.from_numpy(rows), torch_rng)[0]).detach().double()
     centres, angles = torch.from_numpy(places.centres / scale), torch.from_numpy(places.angles)

@@ -203,11 +203,17 @@ class Exemplar(Style):
         codes = torch.cat([drawn[:, :GIST], residuals], dim=1) / self._units
         return codes.float(), self.hand.sample_pressure(rows, generator)
 
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 63) and (k, 4); the longest gets the place with most room."""
-        codes, pressure_knots = self.sample(len(lengths), generator)
+        rows = self.hand.choose(len(lengths), generator) if rows is None else rows
+        codes, pressure_knots = self.sample_around(rows, generator)
         chosen = by_length(codes[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
+
+    def nearest(self, paths: Tensor) -> Tensor:
+        """Rows (N,) of the hand's strokes most like standardised paths (N, 32, 2), metres."""
+        seen = gist_and_roughness(*shape.parts(shape.encode(paths.double())))
+        return self._neighbours.nearest(seen / self._usual)
 
     def scaled(self, times: float) -> Self:
         """Return the style of the same hand that draws so many times as large; codes mean what they meant."""

@@ -93,12 +93,15 @@ class FreeStyle(Style):
         """Draw as many strokes as `rows` (k,): there is no hand that they could be around."""
         return self.sample(len(rows), generator)
 
+    def nearest(self, paths: Tensor) -> None:
+        """Return None: there is no hand whose strokes they could be like."""
+
     @property
     def arrangement(self) -> None:
         """Return None: there is no hand that arranges strokes."""
         return None
 
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw gently bent strokes of these lengths (k,) within the limits, metres, each of constant pressure."""
         k = len(lengths)
         along = torch.linspace(0, 1, CONTROL_POINTS)[1:-1]

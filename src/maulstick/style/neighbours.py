@@ -39,6 +39,11 @@ class Neighbours:
         differences = shares @ self.centres - shares.sum(1, keepdim=True) * middle
         return middle + self.bandwidths * differences
 
+    def nearest(self, codes: Tensor) -> Tensor:
+        """Return the strokes (N,) that codes (N, d) were most likely drawn around: distances are in bandwidths."""
+        apart = torch.cdist(codes.to(self.centres) / self.bandwidths, self.centres / self.bandwidths)
+        return apart.argmin(dim=1)
+
     @cached_property
     def _means(self) -> Tensor:
         """Mean (M, d) of the strokes near each, and of itself as far as they are few."""

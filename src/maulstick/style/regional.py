@@ -79,12 +79,16 @@ class RegionalStyle(Style):
         codes, knots = self.hands[0].sample(k, generator)
         return self.codes_in(0, codes), knots
 
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw codes (k, K) and pressure knots (k, 4) of the first hand, given the room at each place, (k,) metres."""
-        codes, knots = self.hands[0].sample_for(lengths, generator)
+        codes, knots = self.hands[0].sample_for(lengths, generator, rows)
         return self.codes_in(0, codes), knots
 
     def sample_around(self, rows: Tensor, generator: Generator) -> NoReturn:
+        """Raise NotImplementedError: each hand is asked by itself."""
+        raise NotImplementedError
+
+    def nearest(self, paths: Tensor) -> NoReturn:
         """Raise NotImplementedError: each hand is asked by itself."""
         raise NotImplementedError
 

@@ -44,17 +44,26 @@ class Style(ABC):
     def sample_around(self, rows: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
         """Draw codes (k, K) and pressure knots (k, 4) of one stroke around each of the hand's strokes `rows`, (k,)."""
 
+    @abstractmethod
+    def nearest(self, paths: "Tensor") -> "Tensor | None":
+        """Return the rows (N,) of the hand's strokes most like standardised paths (N, n, 2), metres.
+
+        None where there is no hand.
+        """
+
     @property
     @abstractmethod
     def arrangement(self) -> "Arrangement | None":
         """How the hand arranges its strokes, whose `rows` its groups are of; None where that is unknown."""
 
     @abstractmethod
-    def sample_for(self, lengths: "Tensor", generator: "Generator") -> "tuple[Tensor, Tensor]":
+    def sample_for(
+        self, lengths: "Tensor", generator: "Generator", rows: "Tensor | None" = None
+    ) -> "tuple[Tensor, Tensor]":
         """Draw codes (k, K) and pressure knots (k, 4) of one stroke per place, given the room there, (k,) metres.
 
         The free style fills the room; a hand keeps its own lengths, and its longest stroke goes where there is most
-        room.
+        room.  rows: (k,), the hand's strokes that they are drawn around; any of them when left out.
         """
 
     @abstractmethod

@@ -144,11 +144,16 @@ class TrajVAE(Style):
         """Draw a stroke around each of the hand's strokes `rows` (k,), codes (k, 64) and pressure knots (k, 4)."""
         return self._neighbours.sample(rows, generator).float(), self.hand.sample_pressure(rows, generator)
 
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """Draw one stroke per place, (k, 64) and (k, 4); the longest gets the place with most room."""
-        codes, pressure_knots = self.sample(len(lengths), generator)
+        rows = self.hand.choose(len(lengths), generator) if rows is None else rows
+        codes, pressure_knots = self.sample_around(rows, generator)
         chosen = by_length(numbers_of(self.weights, codes)[:, 0], lengths)
         return codes[chosen], pressure_knots[chosen]
+
+    def nearest(self, paths: Tensor) -> Tensor:
+        """Rows (N,) of the hand's strokes most like standardised paths (N, 32, 2), metres."""
+        return self._neighbours.nearest(self.encode(paths))
 
     def lengths(self, count: int) -> Tensor:
         """Lengths (count,), metres, ascending: the quantiles of the hand's."""
