@@ -65,10 +65,14 @@ def test_one_half_judges_and_copies_are_sought_in_the_other(bench: Any, hands: d
     assert (of_learned["copied_groups"], of_judging["copied_groups"]) == (1, 0)
 
 
-def test_quick_plans_are_among_all_plans(bench: Any) -> None:
-    quick, every = (list(bench.arrangement.cases("arranged", short)) for short in (True, False))
-    assert (len(quick), len(every), len(set(every))) == (8, 256, 256)
+def test_quick_and_first_plans_are_among_all_plans(bench: Any) -> None:
+    quick, first, every = (
+        list(bench.arrangement.cases("arranged", **part)) for part in ({"quick": True}, {"first": True}, {})
+    )
+    assert (len(quick), len(first), len(every), len(set(every))) == (8, 32, 256, 256)
     assert set(quick) < set(every)
+    assert first == every[:32]
+    assert {case.hand for case in first} == set(bench.drawings.HANDS)
     assert not {case.hand for case in quick} & set(bench.drawings.TUNE_NOTHING)
 
 
@@ -91,7 +95,7 @@ def test_an_interrupted_table_goes_on_where_it_stopped(
 ) -> None:
     (tmp_path / "measured").mkdir()
     monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
-    stops = [case for row in ("people", "held") for case in bench.arrangement.cases(row, True)][20:21]
+    stops = [case for row in ("people", "held") for case in bench.arrangement.cases(row, quick=True)][20:21]
 
     def measured(case: Any, judge: object) -> dict[str, object]:
         if case in stops:
@@ -122,11 +126,11 @@ def test_plans_of_today_are_printed_and_never_made_again(
 ) -> None:
     (tmp_path / "measured").mkdir()
     monkeypatch.setattr(bench.arrangement, "drawings", lambda: dict.fromkeys(bench.drawings.HANDS))
-    [kept, *_] = bench.arrangement.cases("today", True)
+    [kept, *_] = bench.arrangement.cases("today", quick=True)
     figures = {"energy": 0.5, "energy_judging": 0.25, "taken_for": kept.hand}
     people = [
         asdict(case) | figures | {"others_energy": 1.0, "others_energy_judging": 1.0}
-        for case in bench.arrangement.cases("people", True)
+        for case in bench.arrangement.cases("people", quick=True)
     ]
     lines = [json.dumps(row) for row in [*people, asdict(kept) | figures]]
     (tmp_path / "measured" / "arrangement.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
