@@ -24,6 +24,7 @@ from photographs import IMAGES
 STYLES = ("free", "loops", "hatching")
 PLANNED = """
 import json, sys, time
+from inspect import signature
 sys.path.insert(0, sys.argv[1])
 from photographs import BRUSH, laid_out
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of
@@ -36,11 +37,13 @@ row = json.loads(sys.argv[2])
 layout = laid_out(row["image"], 256)
 style = load_style(row["style"], layout.canvas)
 options = PlannerSettings(strokes=400, steps=row["steps"], seed=row["seed"])
-problem = problem_of(layout, (BRUSH,), style, options, LossOptions())
+# A checkout from before there were several brushes takes one.
+brush = (BRUSH,) if "brushes" in signature(problem_of).parameters else BRUSH
+problem = problem_of(layout, brush, style, options, LossOptions())
 started = time.process_time()
 planned = plan(problem, options)
 spent = time.process_time() - started
-metrics = metrics_of(as_painting(planned, layout, (BRUSH,), style, provenance_of(options)), layout)
+metrics = metrics_of(as_painting(planned, layout, brush, style, provenance_of(options)), layout)
 print(json.dumps(row | {"psnr": round(metrics.psnr, 3), "ssim": round(metrics.ssim, 4), "seconds": round(spent, 1)}))
 """
 

@@ -75,7 +75,7 @@ class Bezier(Style):
         """Of any length, bend and pressure alike; the pressure is even."""
         return _codes(torch.rand(k, 2, generator=generator)), _even(torch.rand(k, 1, generator=generator))
 
-    def sample_for(self, lengths: Tensor, generator: Generator) -> tuple[Tensor, Tensor]:
+    def sample_for(self, lengths: Tensor, generator: Generator, rows: Tensor | None = None) -> tuple[Tensor, Tensor]:
         """As `sample`, the longest where there is most room."""
         codes, pressure_knots = self.sample(len(lengths), generator)
         chosen = by_length(codes[:, 0], lengths)
@@ -84,6 +84,9 @@ class Bezier(Style):
     def sample_around(self, rows: Tensor, generator: Generator) -> NoReturn:
         """Raise NotImplementedError: there are no strokes of a hand."""
         raise NotImplementedError
+
+    def nearest(self, paths: Tensor) -> None:
+        """Return None: there are no strokes of a hand that they could be like."""
 
     @property
     def arrangement(self) -> None:
