@@ -65,14 +65,14 @@ def test_one_half_judges_and_copies_are_sought_in_the_other(bench: Any, hands: d
     assert (of_learned["copied_groups"], of_judging["copied_groups"]) == (1, 0)
 
 
-def test_quick_and_first_plans_are_among_all_plans(bench: Any) -> None:
-    quick, first, every = (
-        list(bench.arrangement.cases("arranged", **part)) for part in ({"quick": True}, {"first": True}, {})
+def test_quick_plans_and_those_of_fewer_photographs_are_among_all_plans(bench: Any) -> None:
+    quick, fewer, every = (
+        list(bench.arrangement.cases("arranged", **part)) for part in ({"quick": True}, {"photographs": 2}, {})
     )
-    assert (len(quick), len(first), len(every), len(set(every))) == (8, 32, 256, 256)
+    assert (len(quick), len(fewer), len(every), len(set(every))) == (8, 64, 256, 256)
     assert set(quick) < set(every)
-    assert first == every[:32]
-    assert {case.hand for case in first} == set(bench.drawings.HANDS)
+    assert fewer == every[:64]
+    assert {case.hand for case in fewer} == set(bench.drawings.HANDS)
     assert not {case.hand for case in quick} & set(bench.drawings.TUNE_NOTHING)
 
 
