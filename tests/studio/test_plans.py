@@ -21,7 +21,7 @@ from maulstick.studio.state.gallery import keep_picture, picture_of
 from maulstick.studio.state.plans import Phase, Plan, Plans
 from maulstick.studio.workers.planner import TARGET, order_frame
 
-_PATIENCE = 120.0  # seconds, for a machine that does much else
+_PATIENCE = 240.0  # seconds: plans run at a low priority, and wait where a machine does much else
 LONG = 100_000  # steps, more than a test waits for
 OPTIONS = PlanOptions(weights={"tone": 1.0}, size="80x80mm", strokes=20, paints=3, steps=20, px=48)
 REQUEST = PlanRequest(Path(data_dir) / "astronaut.png", OPTIONS)
