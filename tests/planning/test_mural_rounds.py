@@ -13,7 +13,7 @@ from maulstick.errors import InputError
 from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.planner import plan_mural
-from maulstick.planning.mural.window import WatchWindow, Window, WindowPlanner
+from maulstick.planning.mural.window import PlanWindows, WatchWindow, Window, WindowPlanner, in_turn
 from maulstick.planning.mural.windows import Mural
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.result import PlanProgress, PlanResult
@@ -103,36 +103,32 @@ def test_windows_that_were_planned_at_the_same_time_go_on_one_after_another(plan
         assert same(plan_strip(resume=state), planned)
 
 
-def test_a_window_is_made_when_it_is_asked_for_and_none_once_planning_is_to_end() -> None:
-    asked: list[int] = []
+def noting(asked: list[Window]) -> PlanWindows:
+    """Return `in_turn` that notes each window as it is asked for."""
 
-    def asking(
-        planner: WindowPlanner, windows: Iterator[Window], watch: WatchWindow
-    ) -> Iterator[tuple[int, PlanResult]]:
+    def noted(windows: Iterator[Window]) -> Iterator[Window]:
         for window in windows:
-            asked.append(window.index)
-            yield window.index, planner.plan(window, partial(watch, window.index))
+            asked.append(window)
+            yield window
+
+    return lambda planner, windows, watch: in_turn(planner, noted(windows), watch)
+
+
+def test_a_window_is_made_when_it_is_asked_for_and_none_once_planning_is_to_end() -> None:
+    asked: list[Window] = []
 
     def stop_in_second(progress: PlanProgress) -> bool:
         return len(asked) < 2
 
-    plan_strip(asking, stop_in_second)
-    assert asked == [0, 2]
+    plan_strip(noting(asked), stop_in_second)
+    assert [window.index for window in asked] == [0, 2]
 
 
 def test_a_window_arranges_nothing_since_it_does_not_see_all_strokes() -> None:
-    shares: list[float] = []
-
-    def seeing(
-        planner: WindowPlanner, windows: Iterator[Window], watch: WatchWindow
-    ) -> Iterator[tuple[int, PlanResult]]:
-        for window in windows:
-            shares.append(window.settings.arrange)
-            yield window.index, planner.plan(window, partial(watch, window.index))
-
+    asked: list[Window] = []
     assert SETTINGS.arrange == 1
-    plan_strip(seeing)
-    assert set(shares) == {0}
+    plan_strip(noting(asked))
+    assert {window.settings.arrange for window in asked} == {0}
 
 
 def test_a_mural_goes_on_from_no_other_plan(states: list[State], planned: PlanResult) -> None:

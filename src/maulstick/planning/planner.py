@@ -62,8 +62,8 @@ def plan(
         allowed = f"at most the {options.strokes} that are asked for"
         raise InputError.of_range("the number of strokes to start with", len(start), allowed)
     keep_freed_memory()
-    mixed = Schedule() if options.paints is not None else GIVEN_PAINTS
-    schedule = schedule or (ONE_INK if options.one_ink else mixed)
+    in_paints = Schedule() if options.paints is not None else GIVEN_PAINTS
+    schedule = schedule or (ONE_INK if options.one_ink else in_paints)
     planning = _Planning(problem, options, schedule, start)
     if resume is not None:
         try:
