@@ -116,6 +116,16 @@ def studio(tmp_path: Path) -> Iterator[RunningStudio]:
     assert "Traceback" not in running.output, running.output
 
 
+_HAS_FAILED = pytest.StashKey[bool]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    report = yield
+    item.stash[_HAS_FAILED] = item.stash.get(_HAS_FAILED, False) or report.failed
+    return report
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "browser" in getattr(item, "fixturenames", ()):
@@ -143,10 +153,11 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page]]:
+def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest) -> Iterator[Callable[..., Page]]:
     """Open the studio in a new browser context: ``page("/styles", color_scheme="dark")``.
 
-    What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not.
+    What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not. Of a test
+    that fails the report tells what these pages showed.
     """
     contexts: list[BrowserContext] = []
     wrong: list[str] = []
@@ -165,6 +176,9 @@ def page(studio: RunningStudio, browser: Browser) -> Iterator[Callable[..., Page
         return opened
 
     yield open_page
+    if request.node.stash[_HAS_FAILED]:
+        for shown in (each for context in contexts for each in context.pages):
+            print(f"{shown.url} showed at the end:", shown.locator("body").aria_snapshot(), sep="\n")
     for context in contexts:
         context.close()
     assert [text for text in wrong if not (studio.was_killed and _OF_A_DEAD_SERVER.search(text))] == []
