@@ -12,10 +12,11 @@ from maulstick.planning import style_price
 from maulstick.planning.objectives import Objective
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, start_strokes
-from maulstick.planning.planner import plan
+from maulstick.planning.planner import plan, set_back
 from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
+from maulstick.planning.state import State
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
@@ -235,6 +236,33 @@ def test_a_plan_that_is_stopped_when_it_ends_is_the_whole_plan(problem: Planning
         return count < QUICK.steps
 
     assert same(plan(problem, QUICK, watch), planned)
+
+
+@pytest.mark.parametrize("paints", [5, None])
+def test_a_plan_that_is_set_back_late_comes_nearer_to_another_aim(
+    portrait: Picture, round_brush: Brush, paints: int | None
+) -> None:
+    palette = ((0.0, 0.0, 0.0),) if paints else ((0.1, 0.1, 0.1), (0.5, 0.3, 0.2), (0.9, 0.8, 0.7))
+    wanted = options(strokes=40, steps=60, paints=paints, palette=palette)
+    problem, other = problem_for(portrait, round_brush), problem_for(portrait[::-1].copy(), round_brush)
+    states: list[State] = []
+
+    def keep(progress: PlanProgress) -> bool:
+        if progress.done >= 0.9 and not states:
+            states.append(progress.state())
+        return True
+
+    plan(problem, wanted, keep)
+    reached, steps = {}, {}
+    for name, state in (("late", states[0]), ("set back", set_back(states[0]))):
+        losses: list[float] = []
+        plan(other, wanted, lambda progress, losses=losses: losses.append(progress.loss) or True, resume=state)  # type: ignore[misc]
+        reached[name], steps[name] = losses[-1], len(losses)
+    assert steps["set back"] == 30
+    assert steps["late"] < 6
+    assert reached["set back"] < 0.9 * reached["late"]
+    early = {**states[0], "progress": np.array([0.2, *states[0]["progress"][1:]])}
+    assert set_back(early)["progress"].tolist() == early["progress"].tolist()
 
 
 def test_an_error_of_the_watch_stops_planning(problem: PlanningProblem) -> None:

@@ -113,6 +113,32 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     assert changes_in(kept.folder) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
 
 
+def test_a_version_in_which_other_things_matter_goes_on_from_the_painting(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+
+    async def act() -> Plan:
+        with Folder.opened(tmp_path) as folder:
+            studio = Studio(folder)
+            try:
+                await studio.directing("coast").edit({"kind": "lock", "strokes": [planned.strokes[0].id]})
+                version = await studio.version_of("coast", weights={"tone": 0.5, "edges": 1.5, "likeness": 0.0})
+                await until(lambda: not version.is_busy)
+            finally:
+                await studio.close()
+        return version
+
+    version = asyncio.run(act())
+    assert version.why == ""
+    assert changes_in(version.folder) == (
+        "1 stroke locked; planned again, “Light and dark” at 0.5 instead of 1, “Outlines” at 1.5 instead of 0."
+    )
+    painting = read_painting(version.folder / "painting.json")
+    assert painting.provenance.options["weights"] == {"tone": 0.5, "edges": 1.5}
+    assert [stroke.id for stroke in painting.strokes if stroke.locked] == [planned.strokes[0].id]
+    assert read_painting(file) == planned, "what it came from is as it was"
+
+
 def test_regions_of_the_command_line_stay_until_some_are_painted(tmp_path: Path) -> None:
     options = PlanOptions(regions=tmp_path / "map.png", say=tmp_path / "map.toml")
     request = PlanRequest(None, options)

@@ -38,6 +38,7 @@ _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, s
 _TURNING_OF_GROUPS = 0.2  # of the usual rate: strokes lie side by side already, and would turn out of their hatching
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
+_SET_BACK = 0.5  # share of the plan that counts as over at most where weights change: rates are half of the largest
 
 
 @one_torch_thread()
@@ -74,6 +75,13 @@ def plan(
         if not watch(planning.advance()):
             planning.hurry()
     return planning.finish()
+
+
+def set_back(state: State) -> State:
+    """Return a state of `plan` from which strokes can follow other weights: late in a plan they hardly move."""
+    progress = state["progress"].copy()
+    progress[0] = min(progress[0], _SET_BACK)
+    return {**state, "progress": progress}
 
 
 class _Planning:
@@ -140,7 +148,7 @@ class _Planning:
             self._progress = _HURRY_FROM
         self._stride = max(self._stride, (1 - self._progress) / _HURRY_STEPS)
         self._relocated = len(self._schedule.relocations)
-        self._repainted = sum(share < self._progress for share in self._schedule.repaints)
+        self._repainted = self._repaints_before(self._progress)
 
     def advance(self) -> PlanProgress:
         """Do what the schedule has for now, take a step, and return the progress."""
@@ -180,7 +188,8 @@ class _Planning:
     def restore(self, state: State) -> None:
         """Go on from a state that `state` returned."""
         self._progress, self._stride, self._style_price.weight, *counts = state["progress"].tolist()
-        self._steps, self._sorted, self._relocated, self._repainted = (int(count) for count in counts)
+        self._steps, self._sorted, self._relocated, repainted = (int(count) for count in counts)
+        self._repainted = min(repainted, self._repaints_before(self._progress))  # fewer where it was set back
         self._stroke_canvas.restore(state)
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
@@ -263,6 +272,9 @@ class _Planning:
             pinned = torch.tensor(self._options.pinned).reshape(-1, 3)
             self._descent.add_paints(paints.requires_grad_(), (paints[:, None] == pinned[None]).all(dim=2).any(dim=1))
         return paints
+
+    def _repaints_before(self, progress: float) -> int:
+        return sum(share < progress for share in self._schedule.repaints)
 
     def finish(self) -> PlanResult:
         """Return the plan in painting order, without useless strokes unless the number is to be exact."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from maulstick.jobs.plan.prepare import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
+from maulstick.planning.planner import set_back
 from maulstick.planning.result import PlanProgress
 from maulstick.planning.state import State, read_state, write_state
 
@@ -35,7 +36,8 @@ def plan_with(
 
     The file, which also holds the request, stays. Once `watch` returns False it is no longer written, so that going on
     from there does not hurry.
-    reweighed: called after every step; returns new weights of the terms to go on with, or None.
+    reweighed: called after every step; returns new weights of the terms to go on with, or None. Late in a plan more
+    steps follow, so that strokes can suit them.
     Raises InputError for weights that cannot be used.
     """
     file = state_file(out, prepared.settings.seed)
@@ -60,6 +62,7 @@ def plan_with(
             planned = prepared.plan(keep, state)
             break
         except _Reweighed as change:
-            prepared, state = prepared.weighed(change.weights), change.state
+            state = change.state if prepared.mural is not None else set_back(change.state)
+            prepared = prepared.weighed(change.weights)
             request = replace(request, options=replace(request.options, weights=dict(change.weights)))
     return prepared.painting(planned)

@@ -123,6 +123,8 @@ class Plan:
         """Take a step of its process."""
         now = time.monotonic()
         began, done = self._began = self._began or (now, step.done)
+        if self.curve and step.done < self.curve[-1][0]:  # more steps follow, for other weights
+            began, done = self._began = now, step.done
         if step.done > done:
             self.left = (now - began) * (1 - step.done) / (step.done - done)
         while self.curve and self.curve[-1][0] >= step.done:  # of steps that are taken again
@@ -208,11 +210,12 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, while a plan is made; those of several tries stay comparable."""
-        if plan.phase is Phase.PLANNING and plan.request.tries == 1:
+        """Change the weights of the terms, by name, until a plan is made; those of several tries stay comparable."""
+        if plan.phase in (Phase.WAITING, Phase.PLANNING) and plan.request.tries == 1:
             plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
             plan.write_request()
-            self._processes[plan.name].tell(Weigh(weights))
+            if plan.phase is Phase.PLANNING:
+                self._processes[plan.name].tell(Weigh(weights))
             plan.stepped.emit()
 
     def titles(self) -> dict[str, str]:

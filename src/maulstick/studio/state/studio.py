@@ -1,6 +1,7 @@
 """State that all pages show: one studio, however many pages are open."""
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
 from typing import final
 
@@ -26,6 +27,7 @@ from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
 from maulstick.studio.state.version_words import version_in_words
 from maulstick.studio.state.versions import Around, painted_of, version_title, without_own_places
+from maulstick.studio.state.weighing import weights_in_words, weights_of
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.planner import TARGET
 
@@ -82,11 +84,14 @@ class Studio:
             self._directed[name] = Directing(plan.folder / "painting.json", self.desk)
         return self._directed[name]
 
-    async def version_of(self, name: str, *, is_kept: bool = False, photograph: str = "") -> Plan:
+    async def version_of(
+        self, name: str, *, is_kept: bool = False, photograph: str = "", weights: dict[str, float] | None = None
+    ) -> Plan:
         """Make a version of the plan of that name: planned again around what a person has locked, changed and said.
 
         is_kept: whether it is the painting as it is now instead, with nothing planned.  photograph: name of a picture
-        of the sheet, over which it is planned without the strokes that are painted, or "". Returns the new plan.
+        of the sheet, over which it is planned without the strokes that are painted, or "".  weights: of all terms,
+        where others are to matter. Returns the new plan.
         Raises InputError where there is no finished plan or no guide to follow, OutputError where there is no room.
         """
         directing, plan = self.directing(name), self.plans.of(name)
@@ -99,6 +104,9 @@ class Studio:
         painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
         under = self.gallery.path(photograph) if photograph else None
         done = "planned again" if under is None else _OVER
+        if weights is not None:
+            done += f", {weights_in_words(weights_of(request), weights)}"
+            request = replace(request, options=replace(request.options, weights=weights))
         if unseen := said.unseen(files):
             done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
         strokes, hands = await directing.changes(), self.styles.titles()

@@ -9,7 +9,8 @@ from nicegui import events, html, ui
 class Slider:
     """Slider from `least` to `most`, in steps, below its label.
 
-    on_change: called after a person lets go of the slider, or also while they move it where `live` is true.
+    on_change: called, and awaited, after a person lets go of the slider, or also while they move it where `live` is
+    true.
     """
 
     def __init__(
@@ -39,8 +40,13 @@ class Slider:
         slider = f"document.getElementById('{self._range.html_id}')"  # none where it is in a menu that is closed
         ui.run_javascript(f"setTimeout(() => {{ const slider = {slider}; if (slider) slider.value = {value}; }})")
 
-    def _moved(self, event: events.GenericEventArguments) -> None:
+    def focus(self) -> None:
+        """Give the slider the focus, which moves it into sight."""
+        ui.run_javascript(f"setTimeout(() => document.getElementById('{self._range.html_id}')?.focus())")
+
+    def _moved(self, event: events.GenericEventArguments) -> object:
         sent = event.args
-        if isinstance(sent, int | float) and isfinite(sent):
-            self.value = min(max(float(sent), self._least), self._most)
-            self._on_change()
+        if not (isinstance(sent, int | float) and isfinite(sent)):
+            return None
+        self.value = min(max(float(sent), self._least), self._most)
+        return self._on_change()  # which NiceGUI awaits where it is a coroutine

@@ -13,7 +13,7 @@ from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.note import NoteLine
-from maulstick.studio.panels.plan.weights import PlanWeights
+from maulstick.studio.panels.plan.weights import PlanWeights, Reweigh
 from maulstick.studio.state.plans import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import checked_title, file_name
@@ -35,10 +35,16 @@ class PlanCard:
     """Card on the page that follows one plan.
 
     again: called with the plan where it is to be planned again.  fold: where its card is to be small.
+    reweigh: where other things are to matter once it is finished.
     """
 
     def __init__(
-        self, studio: Studio, plan: Plan, again: Callable[[Plan], object], fold: Callable[[Plan], object]
+        self,
+        studio: Studio,
+        plan: Plan,
+        again: Callable[[Plan], object],
+        fold: Callable[[Plan], object],
+        reweigh: Reweigh,
     ) -> None:
         self.plan, self._studio, self._again = plan, studio, again
         self._card = html.article().classes("sheet plan")
@@ -61,7 +67,7 @@ class PlanCard:
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()
-            self._weights = PlanWeights(studio, plan)
+            self.weights = PlanWeights(studio, plan, reweigh)
             with ui.element().classes("line"):
                 self._buttons()
         self._frames = 0
@@ -94,8 +100,8 @@ class PlanCard:
         self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
-        self._weights.visible = plan.phase is Phase.PLANNING and plan.request.tries == 1
-        self._weights.follow()
+        self.weights.visible = finished or (plan.phase is Phase.PLANNING and plan.request.tries == 1)
+        self.weights.follow()
         if finished and self._frames != plan.frames:
             self._frames = plan.frames
             self._until.set(self._frames - 1, most=self._frames - 1)

@@ -8,6 +8,7 @@ from maulstick.studio.panels.plan.card import PlanCard, outcome
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import label_of
+from maulstick.studio.state.weighing import weights_of
 from maulstick.studio.widgets.showing import focus, shown_by
 from maulstick.studio.workers.planner import order_frame
 
@@ -54,7 +55,7 @@ class PlanCards:
         if plan.name in self._small:
             self._small.pop(plan.name).delete()
         if plan.name not in self._large:
-            self._large[plan.name] = PlanCard(self._studio, plan, self._again, self._fold)
+            self._large[plan.name] = PlanCard(self._studio, plan, self._again, self._fold, self._reweigh)
             self._large[plan.name].come_first()
         self._large[plan.name].show()
 
@@ -76,6 +77,14 @@ class PlanCards:
         self._opened[plan.name] = False
         self._show()
         self._small[plan.name].focus()
+
+    async def _reweigh(self, plan: Plan, weights: dict[str, float]) -> Plan:
+        """Make a version in which other things matter, and let its sliders take over from those of the plan."""
+        self._opened[plan.name] = True  # to be compared with
+        before = weights_of(plan.request)
+        version = await self._studio.version_of(plan.name, weights=weights)
+        self._large[version.name].weights.open_at(next(name for name in weights if weights[name] != before[name]))
+        return version
 
 
 class _SmallCard:

@@ -21,10 +21,11 @@ from maulstick.studio.panels.plan.more import MoreChoices
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.presets import PresetChoice
 from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
-from maulstick.studio.panels.plan.weights import PICTURE_TERMS, check_weights, weight_sliders
+from maulstick.studio.panels.plan.weights import weight_sliders
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.weighing import PICTURE_TERMS, check_weights
 from maulstick.studio.widgets.brushes import USUAL_PEN, draws_one_width, is_pen
 from maulstick.studio.widgets.showing import shown_by
 from maulstick.studio.widgets.slider import Slider

@@ -5,7 +5,7 @@ from math import log
 
 from nicegui import html, ui
 
-from maulstick.studio.panels.plan.weights import TERM_LABELS
+from maulstick.studio.state.weighing import TERM_LABELS
 
 _COLOURS = ("var(--mark)", "var(--focus)", "#5f8a3a", "#b98220", "#7a4f95", "#6a6257")
 _WIDE, _HIGH = 300, 60  # units of the drawing, which is stretched to the width of its card

@@ -1,25 +1,16 @@
-"""Sliders for the weights of the loss, before and during planning."""
+"""Sliders for the weights of the loss, before, during and after planning."""
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
-from maulstick.errors import InputError
 from maulstick.studio.state.plans import Plan
 from maulstick.studio.state.studio import Studio
+from maulstick.studio.state.weighing import TERM_LABELS, check_weights, weights_of
 from maulstick.studio.widgets.slider import Slider
 
-TERM_LABELS = {
-    "tone": "Light and dark",
-    "edges": "Outlines",
-    "likeness": "What can be recognised",
-    "sketch": "Like a sketch of it",
-    "text": "The words",
-}
-"""Labels of the terms of the loss, by name."""
-
-PICTURE_TERMS = ("tone", "edges", "likeness", "sketch")
-"""Names of the terms that compare the canvas with a picture."""
+Reweigh = Callable[[Plan, dict[str, float]], Awaitable[Plan]]
+"""Makes a version of a finished plan with other weights, and shows it."""
 
 _MOST_WEIGHT, _STEP = 3.0, 0.25  # three times the usual weight of 1; steps that a finger can hit
 
@@ -29,37 +20,47 @@ def weight_sliders(weights: dict[str, float], on_change: Callable[[], object] = 
     return {name: Slider(TERM_LABELS[name], _MOST_WEIGHT, _STEP, weight, on_change) for name, weight in weights.items()}
 
 
-def check_weights(weights: dict[str, float]) -> dict[str, float]:
-    """Return the weights as they are. Raises InputError where all are 0."""
-    if not any(weights.values()):
-        raise InputError("nothing matters any more, so any painting would do; move one of the sliders up")
-    return weights
-
-
 class PlanWeights(ui.expansion):
-    """Sliders whose weights a plan takes while it is made."""
+    """Sliders whose weights a plan takes while it is made, and a version of it once it is finished."""
 
-    def __init__(self, studio: Studio, plan: Plan) -> None:
+    def __init__(self, studio: Studio, plan: Plan, reweigh: Reweigh) -> None:
         super().__init__("What matters")
-        self._studio, self._plan, self._shown_weights = studio, plan, plan.request.options.weights
-        terms = (
-            *(PICTURE_TERMS if plan.request.picture is not None else ()),
-            *(("text",) if plan.request.options.text else ()),
-        )
-        usual = {"tone": 1.0, "text": 1.0}
+        self._studio, self._plan, self._reweigh = studio, plan, reweigh
+        self._shown_weights, self._makes_version = plan.request.options.weights, False
         with self:
-            weights = {name: plan.request.options.weights.get(name, usual.get(name, 0.0)) for name in terms}
-            self._sliders = weight_sliders(weights, self._weigh)
+            self._sliders = weight_sliders(weights_of(plan.request), self._weigh)
 
     def follow(self) -> None:
         """Show the plan's present weights, which another page may have changed."""
         weights = self._plan.request.options.weights
-        if weights is self._shown_weights:  # or a slider would slip from under a person's finger
-            return
-        self._shown_weights = weights
-        for name, slider in self._sliders.items():
-            slider.set(weights.get(name, slider.value))
+        if weights is not self._shown_weights:  # or a slider would slip from under a person's finger
+            self._shown_weights = weights
+            self._show()
 
-    def _weigh(self) -> None:
-        weights = check_weights({name: slider.value for name, slider in self._sliders.items()})
-        self._studio.plans.weigh(self._plan, weights)
+    def open_at(self, term: str) -> None:
+        """Open, with the focus on the slider of a term."""
+        self.open()
+        self._sliders[term].focus()
+
+    def _show(self) -> None:
+        weights = weights_of(self._plan.request)
+        for name, slider in self._sliders.items():
+            slider.set(weights[name])
+
+    def _weights(self) -> dict[str, float]:
+        return {name: slider.value for name, slider in self._sliders.items()}
+
+    async def _weigh(self) -> None:
+        weights = check_weights(self._weights())
+        if self._plan.is_busy:
+            self._studio.plans.weigh(self._plan, weights)
+        elif not self._makes_version and weights != weights_of(self._plan.request):
+            self._makes_version = True
+            try:
+                version = await self._reweigh(self._plan, weights)
+            finally:
+                self._makes_version = False
+            if (moved_on := self._weights()) != weights and any(moved_on.values()):
+                self._studio.plans.weigh(version, moved_on)
+            self._show()
+            self.close()
