@@ -92,8 +92,12 @@ def edges(target: Floats, sigma: float) -> tuple[Floats, Floats]:
 
 def _structure(target: Floats) -> Floats:
     """Return the structure tensor of a target (C, H, W), not blurred yet: rows squared, by columns, columns squared."""
-    r, c = (np.stack([sobel(channel, axis, mode="nearest") for channel in target]) for axis in (0, 1))
-    return np.stack([slopes.sum(axis=0) for slopes in (r * r, r * c, c * c)])
+    structure = np.zeros((3, *target.shape[1:]))
+    for channel in target:
+        r, c = (sobel(channel, axis, mode="nearest") for axis in (0, 1))
+        for total, one, other in zip(structure, (r, r, c), (r, c, c), strict=True):
+            total += one * other
+    return structure
 
 
 def _directions(rr: Floats, rc: Floats, cc: Floats) -> tuple[Floats, Floats]:

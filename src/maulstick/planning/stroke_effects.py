@@ -118,8 +118,8 @@ def _slope_and_curvature(difference: Tensor, numbers: Tensor, generator: Generat
     slope = backward(2 * difference.detach())
     curvature = torch.zeros_like(slope)
     for _ in range(_PROBES):
-        signs = torch.randint(0, 2, difference.shape, generator=generator).to(difference) * 2 - 1
-        curvature += 2 * backward(signs).square() / _PROBES
+        signs = torch.randint(0, 2, difference.shape, generator=generator, dtype=torch.float32).mul_(2).sub_(1)
+        curvature += 2 * backward(signs.to(difference)).square() / _PROBES
     return slope, curvature
 
 
