@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from maulstick.studio.panels.bell import Moment, News, news_between
-from maulstick.studio.state.plans import Phase
+from maulstick.studio.state.plan import Phase
 from maulstick.studio.state.run import State
 
 PAINTS, ASKS = State("painting", "dog"), State("painting", "dog", question="put in black", question_number=3)

@@ -18,7 +18,8 @@ from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.painting.painting import read_painting
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import keep_picture, picture_of
-from maulstick.studio.state.plans import Phase, Plan, Plans
+from maulstick.studio.state.plan import Phase, Plan
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.workers.planner import TARGET, order_frame
 
 _PATIENCE = 240.0  # seconds: plans run at a low priority, and wait where a machine does much else

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from maulstick.studio.panels.tab_title import news_of
-from maulstick.studio.state.plans import Phase
+from maulstick.studio.state.plan import Phase
 from maulstick.studio.state.run import State
 from maulstick.studio.workers.messages import RunProgress
 

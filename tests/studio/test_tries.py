@@ -10,7 +10,8 @@ from maulstick.jobs.plan.request import state_files
 from maulstick.painting.painting import read_painting
 from maulstick.studio.panels.plan.card import outcome
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.plans import Phase, Plan, Plans
+from maulstick.studio.state.plan import Phase, Plan
+from maulstick.studio.state.plans import Plans
 from tests.studio.test_plans import LONG, OPTIONS, REQUEST, folder, request_with, until
 
 __all__ = ["folder"]

@@ -10,7 +10,7 @@ import pytest
 from maulstick.errors import InputError
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.storage.files import file_sum
-from maulstick.studio.state.plans import Phase
+from maulstick.studio.state.plan import Phase
 from maulstick.studio.workers.unchanged import check_or_keep_sums
 from tests.studio.test_own_pictures import opened, put_picture
 from tests.studio.test_plans import LONG, OPTIONS, until

@@ -14,7 +14,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import read_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
-from maulstick.studio.state.plans import Phase, Plan
+from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.version_words import version_in_words
 from maulstick.studio.state.versions import Around, changes_in, painted_of, without_own_places

@@ -7,7 +7,7 @@ from typing import Self
 
 from nicegui import html, ui
 
-from maulstick.studio.state.plans import Phase
+from maulstick.studio.state.plan import Phase
 from maulstick.studio.state.run import State
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.widgets.showing import shown_by

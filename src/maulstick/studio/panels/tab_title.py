@@ -4,7 +4,7 @@ from textwrap import shorten
 
 from nicegui import ui
 
-from maulstick.studio.state.plans import Phase
+from maulstick.studio.state.plan import Phase
 from maulstick.studio.state.studio import Studio
 
 _PERIOD = 1.0  # seconds between two looks at the progress

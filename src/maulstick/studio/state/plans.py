@@ -1,12 +1,8 @@
 """Plans of the studio, finished or in the making, each made in a process of its own."""
 
-import json
 import os
 import time
-from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
-from enum import Enum
 from pathlib import Path
 from typing import final
 
@@ -15,14 +11,13 @@ from nicegui import Event
 from maulstick.errors import InputError
 from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.robot.journal import journal_of
-from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import as_output_error
-from maulstick.studio.state.carrying import REQUEST, carried_off, read_request
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.own_pictures import keep_own, keep_own_in_trash, with_own
+from maulstick.studio.state.plan import Phase, Plan, read_plan
 from maulstick.studio.state.titles import clean_title, relabel, retitle, title_of
 from maulstick.studio.state.versions import Around
-from maulstick.studio.workers.planner import TAKEN, Begun, Leave, Planned, Step, Stop, Weigh, order_frame
+from maulstick.studio.workers.planner import TAKEN, Begun, Leave, Planned, Step, Stop, Weigh
 from maulstick.studio.workers.planner import plan as plan_in_process
 from maulstick.studio.workers.process import Failed, Process
 from maulstick.studio.workers.spare import Spare
@@ -30,109 +25,6 @@ from maulstick.studio.workers.spare import Spare
 _AT_ONCE = max(1, (os.cpu_count() or 2) // 2)  # processes, so that the server and a machine have cores left
 _NICENESS = 10  # below the server and a run, whose machine must not wait
 _PATIENCE = 20.0  # seconds that plans get to store what they have when the studio closes
-_STORY = "story.json"  # in a plan's folder
-_MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
-
-
-class Phase(Enum):
-    """Phase of a plan, with its name for people."""
-
-    WAITING = "waiting for its turn"
-    PLANNING = "planning"
-    STOPPING = "finishing what there is"
-    PLANNED = "planned"
-    STOPPED = "stopped early"
-    FAILED = "not planned"
-
-
-@final
-class Plan:
-    """Plan of one picture or text.
-
-    curve: (done, parts of the loss) so far.  attempt: number of the try that is planned, from 1.
-    canvas: the newest, a JPEG.  seen: number of canvases that came.
-    left: estimated seconds, None while unknown.  metrics: of the painting, once there is one.
-    notes: sentences on what may be other than people expect.  why: reason of a failure.
-    stepped: event at every message of its process.
-    """
-
-    def __init__(self, name: str, folder: Path, request: PlanRequest) -> None:
-        self.name, self.folder, self.request = name, folder, request
-        self.stepped = Event[[]]()
-        self.phase = Phase.WAITING
-        self.curve: list[tuple[float, Mapping[str, float]]] = []
-        self.canvas, self.seen, self.attempt = b"", 0, 1
-        self.left: float | None = None
-        self.metrics: tuple[str, ...] = ()
-        self.notes: tuple[str, ...] = ()
-        self.why = ""
-        self._began: tuple[float, float] | None = None
-
-    @property
-    def title(self) -> str:
-        """Title for people."""
-        return title_of(self.folder)
-
-    @property
-    def picture(self) -> Path | None:
-        """File of the picture that it is of, its own where that was thrown away, or None."""
-        return with_own(self.request, self.folder).picture
-
-    @property
-    def done(self) -> float:
-        """Share of planning that is done, in [0, 1]."""
-        return 1.0 if self.phase is Phase.PLANNED else self.curve[-1][0] if self.curve else 0.0
-
-    @property
-    def frames(self) -> int:
-        """Number of pictures that show the order of its strokes."""
-        return len(list(order_frame(self.folder, 0).parent.glob("*.jpg"))) if self.is_painting else 0
-
-    @property
-    def is_painting(self) -> bool:
-        """Whether its folder holds a painting."""
-        return (self.folder / "painting.json").is_file()
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether it has a process, or waits for one."""
-        return self.phase in (Phase.WAITING, Phase.PLANNING, Phase.STOPPING)
-
-    @property
-    def planned(self) -> int:
-        """Time of its painting, in nanoseconds; it differs after each planning."""
-        return (self.folder / "painting.json").stat().st_mtime_ns
-
-    def write_request(self) -> None:
-        """Write its request into its folder."""
-        plain = carried_off(self.request.as_json(), self.folder.parent.parent)
-        atomic_write(self.folder / REQUEST, json.dumps(plain, indent=1).encode())
-
-    def write_story(self) -> None:
-        """Write its metrics, curve and notes into its folder, for a studio that is opened later."""
-        curve = [[done, dict(parts)] for done, parts in self.curve]
-        story = {"metrics": self.metrics, "curve": curve, "notes": self.notes}
-        atomic_write(self.folder / _STORY, json.dumps(story).encode())
-
-    def begin(self) -> None:
-        """Note that its process begins to plan, or to go on."""
-        self.phase, self._began, self.left, self.why = Phase.PLANNING, None, None, ""
-        self.notes = ()
-
-    def take(self, step: Step) -> None:
-        """Take a step of its process."""
-        now = time.monotonic()
-        began, done = self._began = self._began or (now, step.done)
-        if self.curve and step.done < self.curve[-1][0]:  # more steps follow, for other weights
-            began, done = self._began = now, step.done
-        if step.done > done:
-            self.left = (now - began) * (1 - step.done) / (step.done - done)
-        while self.curve and self.curve[-1][0] >= step.done:  # of steps that are taken again
-            self.curve.pop()
-        self.curve.append((step.done, step.parts))
-        if len(self.curve) > _MOST_POINTS:
-            self.curve = self.curve[::2]
-        self.canvas, self.seen, self.attempt = step.canvas, self.seen + 1, step.attempt
 
 
 @final
@@ -146,7 +38,7 @@ class Plans:
         self._spare = Spare(plan_in_process, *TAKEN, niceness=_NICENESS)
         self.plans: dict[str, Plan] = {}
         for name in folder.names("plans"):
-            if (plan := _read_plan(name, folder.of("plans", name))) is not None:
+            if (plan := read_plan(name, folder.of("plans", name))) is not None:
                 self.plans[name] = plan
 
     @property
@@ -251,7 +143,7 @@ class Plans:
     def take_back(self, trashed: Path, name: str = "") -> None:
         """Move a plan back out of the trash; raises, and name, as `Folder.take_back`."""
         for path in self._folder.take_back(trashed, self._folder.root / "plans", name):
-            if (plan := _read_plan(path.name, path)) is not None:
+            if (plan := read_plan(path.name, path)) is not None:
                 self.plans[path.name] = plan
         self.changed.emit()
 
@@ -303,17 +195,3 @@ class Plans:
         request = with_own(plan.request, plan.folder)
         self._processes[plan.name] = self._spare.begin(request, plan.folder, hear=hear, ended=ended)
         plan.begin()
-
-
-def _read_plan(name: str, folder: Path) -> Plan | None:
-    """Return the plan that an earlier studio left in the folder, or None where there is none of this version."""
-    try:
-        plan = Plan(name, folder, read_request(folder / REQUEST, folder.parent.parent))
-    except (OSError, ValueError):  # InputError is one: of another version of Maulstick
-        return None
-    with suppress(OSError, ValueError, KeyError):  # without it there is less to see
-        story = json.loads((folder / _STORY).read_bytes())
-        plan.metrics, plan.curve = tuple(story["metrics"]), [(done, parts) for done, parts in story["curve"]]
-        plan.notes = tuple(story["notes"])
-    plan.phase = Phase.PLANNED if plan.is_painting and not state_files(folder) else Phase.STOPPED
-    return plan

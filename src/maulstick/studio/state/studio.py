@@ -14,7 +14,8 @@ from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import Gallery
 from maulstick.studio.state.mixing import MIXED, Mixing
 from maulstick.studio.state.own_pictures import with_own
-from maulstick.studio.state.plans import Plan, Plans
+from maulstick.studio.state.plan import Plan
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.presets import PRESETS_FOLDER, Presets
 from maulstick.studio.state.reference import Reference
 from maulstick.studio.state.run import Run

@@ -13,7 +13,7 @@ from maulstick.studio.panels.direct.photograph import ask_for_photograph
 from maulstick.studio.panels.direct.places import Places
 from maulstick.studio.panels.plan.exporting import ExportDialog
 from maulstick.studio.state.directing import Directing
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import file_name
 from maulstick.studio.widgets.showing import shown_by

@@ -6,7 +6,7 @@ from maulstick.errors import MaulstickError
 from maulstick.studio.panels.direct.canvas import IMPORTANCE, SAYING, StrokeCanvas, numbers_of
 from maulstick.studio.panels.direct.region_fields import RegionFields
 from maulstick.studio.state.directing import Directing
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.versions import without_own_places
 from maulstick.studio.workers.stroke_marks import ShownSheet

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_LETTERS
 from maulstick.studio.widgets.brushes import brushes_for

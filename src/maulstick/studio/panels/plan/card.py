@@ -14,7 +14,7 @@ from maulstick.studio.panels.plan.form import DRAWN
 from maulstick.studio.panels.plan.loss_curve import LossCurve
 from maulstick.studio.panels.plan.note import NoteLine
 from maulstick.studio.panels.plan.weights import PlanWeights, Reweigh
-from maulstick.studio.state.plans import Phase, Plan
+from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import checked_title, file_name
 from maulstick.studio.state.versions import changes_in

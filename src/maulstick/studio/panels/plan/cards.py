@@ -5,7 +5,7 @@ from collections.abc import Callable
 from nicegui import app, html, ui
 
 from maulstick.studio.panels.plan.card import PlanCard, outcome
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import label_of
 from maulstick.studio.state.weighing import weights_of

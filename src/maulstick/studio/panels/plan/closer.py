@@ -9,7 +9,7 @@ from nicegui import background_tasks, html, ui
 
 from maulstick.errors import MaulstickError
 from maulstick.painting.raster import parse_size
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.widgets.brushes import is_pen
 from maulstick.studio.widgets.zoom import ZoomedSheet
 from maulstick.studio.workers.desk import Desk

@@ -3,7 +3,7 @@
 from nicegui import html, ui
 
 from maulstick.studio.panels.plan.closer import CloserLook, Shown
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.workers.planner import TARGET
 

@@ -22,7 +22,7 @@ from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.presets import PresetChoice
 from maulstick.studio.panels.plan.sheet import FITS, SIZES, TURNS, SheetChoice
 from maulstick.studio.panels.plan.weights import weight_sliders
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.settings import Choices
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.weighing import PICTURE_TERMS, check_weights

@@ -2,7 +2,7 @@
 
 from nicegui import html, ui
 
-from maulstick.studio.state.plans import Plan
+from maulstick.studio.state.plan import Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import MOST_OF_A_NOTE, clean_title, label_of
 
