@@ -264,7 +264,7 @@ def test_a_canvas_too_large_for_one_piece_is_planned_in_windows(
         windows.append(24)
         return plan_mural(*words, **more, window_px=24)
 
-    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", small)
+    monkeypatch.setattr("maulstick.jobs.plan.prepared.plan_mural", small)
     ran = paint(tmp_path / "out", "--px", "48")
     assert ran.code == 0
     assert windows

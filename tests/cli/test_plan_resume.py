@@ -168,7 +168,7 @@ def test_a_brush_that_has_changed_since_is_refused(tmp_path: Path, monkeypatch: 
     with monkeypatch.context() as patch:
         patch.setattr(keeping, "_EVERY", 0.0)
         patch.setattr(keeping, "_SHARE", 0)
-        patch.setattr("maulstick.jobs.plan.prepare.with_metrics", cut)
+        patch.setattr("maulstick.jobs.plan.prepared.with_metrics", cut)
         with pytest.raises(PowerCutError):
             paint(tmp_path / "out", "--brush", mine)
     write_brush(brush.model_copy(update={"lag": brush.lag + FILE_METRES}), mine)

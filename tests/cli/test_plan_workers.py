@@ -38,7 +38,7 @@ def picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
     monkeypatch.setattr("maulstick.jobs.plan.prepare.LONGEST_PX", 40)
     monkeypatch.setattr("maulstick.jobs.plan.inputs.LONGEST_PX", 40)
-    monkeypatch.setattr("maulstick.jobs.plan.prepare.plan_mural", partial(plan_mural, window_px=32))
+    monkeypatch.setattr("maulstick.jobs.plan.prepared.plan_mural", partial(plan_mural, window_px=32))
     file = tmp_path / "strip.png"
     Image.fromarray(astronaut()[100:148]).save(file)
     return file

@@ -15,7 +15,8 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.camera_loop import replanned
 from maulstick.jobs.plan.again import picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Paint, Painting, Stroke, read_painting, write_painting
 from maulstick.painting.stroke_edits import AddStroke, LockStrokes, MoveStrokes, RemoveStrokes, RepaintStrokes, edited

@@ -12,7 +12,8 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint import camera_loop
 from maulstick.jobs.paint.camera_loop import replanned
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.painting.edit import PictureEdit
 from maulstick.painting.painting import Painting

@@ -9,7 +9,8 @@ from PIL import Image
 
 from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting, write_painting
 from tests.support.planned import picture

@@ -13,7 +13,8 @@ import maulstick as ms
 from maulstick.errors import InputError
 from maulstick.jobs.plan.again import planned_before
 from maulstick.jobs.plan.options import PlanOptions
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas

@@ -15,7 +15,8 @@ from maulstick.cli.plan.tries import plan_in_processes
 from maulstick.cli.progress import VideoRecorder, progress_bar, stop_on_interrupt
 from maulstick.errors import InputError, OutputError
 from maulstick.jobs.plan.checkpoints import plan_with
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.jobs.plan.results import write_results
 from maulstick.painting.brush import finest_of

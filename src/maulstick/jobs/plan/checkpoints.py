@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from maulstick.jobs.plan.prepare import Prepared
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
 from maulstick.planning.planner import set_back

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from maulstick.jobs.plan.prepare import Prepared, prepare
+from maulstick.jobs.plan.prepare import prepare
+from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.painting.painting import Painting
 
