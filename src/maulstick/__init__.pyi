@@ -3,6 +3,7 @@ from .api.machine import paint
 from .api.painting import Painting, read_painting
 from .api.planning import compare, plan, render
 from .api.sweeping import sweep
+from .errors import InputError, MachineError, MaulstickError, OutputError
 from .jobs.plan.options import PlanOptions
 from .painting.brush import load_brush
 from .robot.robot import Robot
@@ -10,6 +11,10 @@ from .robot.robot import Robot
 __version__: str
 
 __all__ = [
+    "InputError",
+    "MachineError",
+    "MaulstickError",
+    "OutputError",
     "Painting",
     "PlanOptions",
     "Robot",

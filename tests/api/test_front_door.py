@@ -52,7 +52,7 @@ def loaded_by(code: str) -> set[str]:
 
 def test_importing_maulstick_loads_nothing_that_is_large() -> None:
     large = {"torch", "matplotlib", "nicegui", "numpy", "scipy", "skimage", "pydantic", "typer"}
-    assert not large & loaded_by("import maulstick as ms; ms.__version__; dir(ms)")
+    assert not large & loaded_by("import maulstick as ms; ms.__version__; ms.InputError; dir(ms)")
 
 
 def test_the_options_of_a_plan_and_a_painting_load_no_torch() -> None:
@@ -70,6 +70,13 @@ def test_every_name_exists_and_says_what_it_is(name: str) -> None:
 def test_there_is_no_name_that_is_not_promised() -> None:
     with pytest.raises(AttributeError):
         _ = ms.nothing  # type: ignore[attr-defined]
+
+
+def test_whatever_a_person_can_mend_is_caught_by_one_name_or_by_its_kind() -> None:
+    with pytest.raises(ms.InputError, match="there is no style 'nobody'"):
+        ms.plan(demo_picture(), style="nobody", **QUICK)
+    for kind in (ms.InputError, ms.OutputError, ms.MachineError):
+        assert issubclass(kind, ms.MaulstickError)
 
 
 def modules() -> Iterator[str]:
