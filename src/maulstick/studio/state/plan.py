@@ -86,6 +86,11 @@ class Plan:
         return self.phase in (Phase.WAITING, Phase.PLANNING, Phase.STOPPING)
 
     @property
+    def can_be_weighed(self) -> bool:
+        """Whether its weights can be changed: those of several tries stay comparable."""
+        return self.phase in (Phase.WAITING, Phase.PLANNING) and self.request.tries == 1
+
+    @property
     def planned(self) -> int:
         """Time of its painting, in nanoseconds; it differs after each planning."""
         return (self.folder / "painting.json").stat().st_mtime_ns

@@ -102,8 +102,8 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, until a plan is made; those of several tries stay comparable."""
-        if plan.phase in (Phase.WAITING, Phase.PLANNING) and plan.request.tries == 1:
+        """Change the weights of the terms, by name, of a plan that `can_be_weighed`; of others none changes."""
+        if plan.can_be_weighed:
             plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
             plan.write_request()
             if plan.phase is Phase.PLANNING:

@@ -100,7 +100,7 @@ class PlanCard:
         self._figures.set_text(outcome(plan))
         self._show_notes()
         self._curve.show(plan.curve)
-        self.weights.visible = finished or (plan.phase is Phase.PLANNING and plan.request.tries == 1)
+        self.weights.visible = finished or plan.can_be_weighed
         self.weights.follow()
         if finished and self._frames != plan.frames:
             self._frames = plan.frames
