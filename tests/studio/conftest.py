@@ -8,11 +8,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Page, expect, sync_playwright
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
@@ -178,7 +179,8 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
     yield open_page
     if request.node.stash[_HAS_FAILED]:
         for shown in (each for context in contexts for each in context.pages):
-            print(f"{shown.url} showed at the end:", shown.locator("body").aria_snapshot(), sep="\n")
+            with suppress(Error):  # it may have crashed
+                print(f"{shown.url} showed:", shown.locator("body").aria_snapshot(timeout=1e3 * _PATIENCE), sep="\n")
     for context in contexts:
         context.close()
     assert [text for text in wrong if not (studio.was_killed and _OF_A_DEAD_SERVER.search(text))] == []

@@ -18,6 +18,7 @@ from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.version_words import version_in_words
 from maulstick.studio.state.versions import Around, changes_in, painted_of, without_own_places
+from maulstick.studio.state.weighing import weights_of
 from maulstick.studio.workers.planner import TARGET
 from maulstick.studio.workers.said import Said, SaidGuide
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAID_FILE, SAY
@@ -98,7 +99,7 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     again, kept = asyncio.run(act())
     options = again.request.options
     assert (options.regions, options.say, options.guides) == tuple(again.folder / name for name in (MAP, SAY, GUIDES))
-    assert changes_in(again.folder) == (
+    assert changes_in(again.folder, {}) == (
         "1 stroke taken out; a region “Region”; bare paper “Bare paper”; 1 guide; planned again without “Region”, of "
         "which nothing is seen on the picture."
     )
@@ -110,7 +111,7 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     assert (kept.folder / "preview.png").is_file()
     assert (kept.folder / TARGET).read_bytes() == (again.folder / TARGET).read_bytes()
     assert kept.request.options.regions is None, "both regions are taken out"
-    assert changes_in(kept.folder) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
+    assert changes_in(kept.folder, {}) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
 
 
 def test_a_version_in_which_other_things_matter_goes_on_from_the_painting(tmp_path: Path) -> None:
@@ -130,7 +131,7 @@ def test_a_version_in_which_other_things_matter_goes_on_from_the_painting(tmp_pa
 
     version = asyncio.run(act())
     assert version.why == ""
-    assert changes_in(version.folder) == (
+    assert changes_in(version.folder, weights_of(version.request)) == (
         "1 stroke locked; planned again, “Light and dark” at 0.5 instead of 1, “Outlines” at 1.5 instead of 0."
     )
     painting = read_painting(version.folder / "painting.json")
@@ -175,7 +176,7 @@ def test_a_version_over_a_photograph_leaves_out_what_is_painted(tmp_path: Path) 
 
     over = asyncio.run(act())
     assert over.why == ""
-    assert changes_in(over.folder) == "2 strokes locked; planned again over a photograph of the sheet."
+    assert changes_in(over.folder, {}) == "2 strokes locked; planned again over a photograph of the sheet."
     painting = read_painting(over.folder / "painting.json")
     assert painting.sheet.picture is not None
     assert len(painting.strokes) == len(planned.strokes) - 10

@@ -36,12 +36,12 @@ def plan_with(
 
     The file, which also holds the request, stays. Once `watch` returns False it is no longer written, so that going on
     from there does not hurry.
-    reweighed: called after every step; returns new weights of the terms to go on with, or None. Late in a plan more
-    steps follow, so that strokes can suit them.
+    reweighed: called after every step; returns new weights of the terms to go on with, or None. Late in
+    a plan it goes back to its middle, so that strokes have time to follow; a mural goes on from where it is.
     Raises InputError for weights that cannot be used.
     """
     file = state_file(out, prepared.settings.seed)
-    state = read_state(file)[0] if file.is_file() else None
+    state = _state_in(file, prepared, request) if file.is_file() else None
     due, going = time.monotonic() + _EVERY, True
 
     def keep(progress: PlanProgress) -> bool:
@@ -62,7 +62,18 @@ def plan_with(
             planned = prepared.plan(keep, state)
             break
         except _Reweighed as change:
-            state = change.state if prepared.mural is not None else set_back(change.state)
-            prepared = prepared.weighed(change.weights)
+            state, prepared = _set_back(change.state, prepared), prepared.weighed(change.weights)
             request = replace(request, options=replace(request.options, weights=dict(change.weights)))
     return prepared.painting(planned)
+
+
+def _state_in(file: Path, prepared: Prepared, request: PlanRequest) -> State:
+    """Return the state in a file; its request may be of before the weights were changed."""
+    state, before = read_state(file)
+    weights = PlanRequest.from_json(before, file).options.weights
+    return state if weights == request.options.weights else _set_back(state, prepared)
+
+
+def _set_back(state: State, prepared: Prepared) -> State:
+    """Return a state from which strokes can follow other weights; windows of a mural go on from where they are."""
+    return state if prepared.mural is not None else set_back(state)

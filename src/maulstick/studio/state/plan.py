@@ -4,6 +4,7 @@ import json
 import time
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from typing import final
@@ -15,7 +16,7 @@ from maulstick.storage.files import atomic_write
 from maulstick.studio.state.carrying import REQUEST, carried_off, read_request
 from maulstick.studio.state.own_pictures import with_own
 from maulstick.studio.state.titles import title_of
-from maulstick.studio.workers.planner import Step, order_frame
+from maulstick.studio.workers.planner import KEPT, Step, order_frame
 
 _STORY = "story.json"  # in a plan's folder
 _MOST_POINTS = 400  # of a loss curve, more than a page shows; every other one is dropped beyond
@@ -87,13 +88,19 @@ class Plan:
 
     @property
     def can_be_weighed(self) -> bool:
-        """Whether its weights can be changed: those of several tries stay comparable."""
-        return self.phase in (Phase.WAITING, Phase.PLANNING) and self.request.tries == 1
+        """Whether its weights can be changed: while it waits or is planned; several tries stay comparable."""
+        is_planned = self.request.tries == 1 and not (self.folder / KEPT).is_file()
+        return is_planned and self.phase in (Phase.WAITING, Phase.PLANNING)
 
     @property
     def planned(self) -> int:
         """Time of its painting, in nanoseconds; it differs after each planning."""
         return (self.folder / "painting.json").stat().st_mtime_ns
+
+    def weigh(self, weights: Mapping[str, float]) -> None:
+        """Ask for other weights of the terms, by name."""
+        self.request = replace(self.request, options=replace(self.request.options, weights=dict(weights)))
+        self.write_request()
 
     def write_request(self) -> None:
         """Write its request into its folder."""
@@ -115,8 +122,9 @@ class Plan:
         """Take a step of its process."""
         now = time.monotonic()
         began, done = self._began = self._began or (now, step.done)
-        if self.curve and step.done < self.curve[-1][0]:  # more steps follow, for other weights
+        if self.curve and step.done < self.curve[-1][0]:  # it goes on from an earlier step
             began, done = self._began = now, step.done
+            self.left = None
         if step.done > done:
             self.left = (now - began) * (1 - step.done) / (step.done - done)
         while self.curve and self.curve[-1][0] >= step.done:  # of steps that are taken again

@@ -2,7 +2,6 @@
 
 import os
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import final
 
@@ -102,10 +101,9 @@ class Plans:
             self._next()
 
     def weigh(self, plan: Plan, weights: dict[str, float]) -> None:
-        """Change the weights of the terms, by name, of a plan that `can_be_weighed`; of others none changes."""
+        """Change the weights of the terms, by name, of a plan that `can_be_weighed`; do nothing for others."""
         if plan.can_be_weighed:
-            plan.request = replace(plan.request, options=replace(plan.request.options, weights=weights))
-            plan.write_request()
+            plan.weigh(weights)
             if plan.phase is Phase.PLANNING:
                 self._processes[plan.name].tell(Weigh(weights))
             plan.stepped.emit()
@@ -180,9 +178,11 @@ class Plans:
                 case Step():
                     plan.take(message)
                     plan.stepped.emit()
-                case Planned(metrics=metrics):
+                case Planned(metrics=metrics, weights=weights):
                     outcome = Phase.STOPPED if state_files(plan.folder) else Phase.PLANNED
                     plan.metrics = metrics
+                    if weights != plan.request.options.weights:  # the last change came too late
+                        plan.weigh(weights)
                     plan.write_story()
                 case Failed(why=why):
                     outcome, plan.why = Phase.FAILED, why

@@ -28,7 +28,7 @@ from maulstick.studio.state.titles import title_of
 from maulstick.studio.state.trash import Trash
 from maulstick.studio.state.version_words import version_in_words
 from maulstick.studio.state.versions import Around, painted_of, version_title, without_own_places
-from maulstick.studio.state.weighing import weights_in_words, weights_of
+from maulstick.studio.state.weighing import weights_of
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.planner import TARGET
 
@@ -105,8 +105,8 @@ class Studio:
         painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
         under = self.gallery.path(photograph) if photograph else None
         done = "planned again" if under is None else _OVER
+        before = None if weights is None else weights_of(request)
         if weights is not None:
-            done += f", {weights_in_words(weights_of(request), weights)}"
             request = replace(request, options=replace(request.options, weights=weights))
         if unseen := said.unseen(files):
             done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
@@ -114,7 +114,7 @@ class Studio:
         changes = version_in_words(strokes, said.at_first, said.now, hands, "kept as it is" if is_kept else done)
         frame = await directing.write(now := self.folder.incoming())
         title = version_title(plan.title, [title_of(each.folder) for each in self.plans.plans.values()])
-        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept, under, painted))
+        return self.plans.add(request, title, Around(now, frame, files, changes, is_kept, under, painted, before))
 
     def throw_picture_away(self, name: str) -> Path:
         """Move a picture into the trash, while plans that are made from it keep it; return its place there.

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import read_record, write_record
+from maulstick.studio.state.weighing import weights_in_words
 from maulstick.studio.workers.planner import KEPT
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAY
 
@@ -25,11 +25,16 @@ _VERSION = re.compile(r", version ([0-9]{1,6})$")
 
 
 class _Version(BaseModel):
-    """Content of version.json. changes: sentence on what differs from the plan that the version came from."""
+    """Content of version.json.
+
+    changes: sentence on what differs from the plan that the version came from.  weights: of all terms of that plan,
+    where others are to matter.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     changes: str
+    weights: dict[str, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,7 @@ class Around:
     frame: a JPEG of it, to look at until there are others.  files: others of the version's folder, by name.
     changes: sentence on what differs from the plan that it came from.  is_kept: whether nothing is planned.
     photograph: of the sheet, with strokes of these ids that are `painted`, over which the rest is planned.
+    weights: of all terms of the plan that it came from, where others are to matter.
     """
 
     painting: Path
@@ -48,13 +54,14 @@ class Around:
     is_kept: bool = False
     photograph: Path | None = None
     painted: frozenset[int] = frozenset()
+    weights: dict[str, float] | None = None
 
     def move_to(self, folder: Path, request: PlanRequest) -> PlanRequest:
         """Move the painting and the files into a plan's folder; return its request, once, for the rest around them."""
         again = self.painting.replace(folder / (KEPT if self.is_kept else _AGAIN))
         for name, content in self.files.items():
             atomic_write(folder / name, content)
-        write_record(_Version(changes=self.changes), folder / _RECORD)
+        write_record(_Version(changes=self.changes, weights=self.weights), folder / _RECORD)
         own: dict[str, Any] = {name: folder / file for name, file in _PLACES.items() if file in self.files}
         if self.photograph is not None:
             own |= {"background": self.photograph, "paper": PlanOptions.paper}
@@ -87,11 +94,17 @@ def painted_of(painting: Path) -> frozenset[int]:
     return frozenset(journal.painted)
 
 
-def changes_in(folder: Path) -> str:
-    """Return the sentence on what differs in the version in a plan's folder; "" where it is none."""
-    with suppress(InputError):
-        return read_record(_Version, folder / _RECORD, "version").changes
-    return ""
+def changes_in(folder: Path, weights: Mapping[str, float]) -> str:
+    """Return the sentence on what differs in the version in a plan's folder; "" where it is none.
+
+    weights: of all its terms, by name.
+    """
+    try:
+        version = read_record(_Version, folder / _RECORD, "version")
+    except InputError:
+        return ""
+    changed = "" if version.weights is None else weights_in_words(version.weights, weights)
+    return f"{version.changes.removesuffix('.')}, {changed}." if changed else version.changes
 
 
 def version_title(title: str, others: Iterable[str]) -> str:

@@ -83,9 +83,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Planned:
-    """Last message of a plan that was finished or stopped. metrics: of the painting, for people."""
+    """Last message of a plan that was finished or stopped.
+
+    metrics: of the painting, for people.  weights: of the terms, by name, that it was planned with at last.
+    """
 
     metrics: tuple[str, ...]
+    weights: Mapping[str, float]
 
 
 def order_frame(folder: Path, number: int) -> Path:
@@ -97,17 +101,18 @@ class _Control:
     """Control of planning by messages of the studio.
 
     goes_on: whether to plan further.  leaves: whether to store the plan and end.
+    weights: that are planned with, at first those of the request.
     """
 
-    def __init__(self) -> None:
-        self.goes_on, self.leaves = True, False
-        self._weights: dict[str, float] | None = None
+    def __init__(self, weights: Mapping[str, float]) -> None:
+        self.goes_on, self.leaves, self.weights = True, False, weights
+        self._wanted: dict[str, float] | None = None
 
     def hear(self, word: object) -> None:
         """Take a message of the studio."""
         match word:
             case Weigh(weights=weights):
-                self._weights = weights
+                self._wanted = weights
             case Stop():
                 self.goes_on = False
             case Leave():
@@ -119,8 +124,10 @@ class _Control:
 
     def take_weights(self) -> Mapping[str, float] | None:
         """Return the weights that came since the last call, or None."""
-        weights, self._weights = self._weights, None
-        return weights
+        wanted, self._wanted = self._wanted, None
+        if wanted is not None:
+            self.weights = wanted
+        return wanted
 
 
 class _Watch:
@@ -152,7 +159,7 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
     from maulstick.jobs.plan.results import write_results  # these load torch, which the server goes without
     from maulstick.jobs.plan.tries import best_of, seeds_of
 
-    control = _Control()
+    control = _Control(request.options.weights)
     watch = _Watch(line, control, request.tries)
     line.heard_by(control.hear, alone=control.leave)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes ends the studio, which is heard
@@ -172,7 +179,7 @@ def plan(line: Line, request: PlanRequest, folder: Path) -> None:
         if not watch.is_stopped:
             for file in (*state_files(folder), *map(partial(_try_file, folder), seeds_of(request))):
                 file.unlink(missing_ok=True)
-        line.say(Planned(_metrics(painting)))
+        line.say(Planned(_metrics(painting), control.weights))
 
 
 def _tried(line: Line, request: PlanRequest, folder: Path, seed: int, watch: _Watch, control: _Control) -> Painting:

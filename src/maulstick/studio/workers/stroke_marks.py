@@ -105,7 +105,11 @@ def drawn_edit(file: Path, paint: int, points: list[tuple[float, float, float]])
 
 def after_edits(file: Path, edits: tuple[str, ...]) -> Painting:
     """Return the painting in a file after edits, in JSON. Raises InputError as `read_painting` and `edited`."""
-    return _edited(file, file.stat().st_mtime_ns, edits)
+    try:
+        changed = file.stat().st_mtime_ns
+    except OSError as error:
+        raise InputError("that plan is there no more; look in the trash") from error
+    return _edited(file, changed, edits)
 
 
 @lru_cache(maxsize=4)

@@ -18,6 +18,7 @@ from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.studio import Studio
 from maulstick.studio.state.titles import checked_title, file_name
 from maulstick.studio.state.versions import changes_in
+from maulstick.studio.state.weighing import weights_of
 from maulstick.studio.widgets.brushes import brushes_in_words, is_pen
 from maulstick.studio.widgets.renaming import ask_for_title
 from maulstick.studio.widgets.sheet_sizes import in_words
@@ -62,8 +63,7 @@ class PlanCard:
             if plan.request.options.text:
                 ui.label(_words(plan.request)).classes("hint words")
             ui.label(_summary(plan.request, studio.styles.title(plan.request.options.style))).classes("hint")
-            if changes := changes_in(plan.folder):
-                ui.label(changes).classes("hint changes")
+            self._changes = ui.label().classes("hint changes")
             self._figures = ui.label().classes("hint figure")
             self._notes = html.ul().classes("hint notes").props('aria-label="Notes"')
             self._curve = LossCurve()
@@ -72,6 +72,7 @@ class PlanCard:
                 self._buttons()
         self._frames = 0
         self._noted: tuple[str, ...] = ()
+        self._told_weights: dict[str, float] | None = None
         shown_by(self._card, plan.stepped, self.show)
 
     def delete(self) -> None:
@@ -98,6 +99,7 @@ class PlanCard:
         self._bar.set_value(plan.done)
         self._bar.visible = plan.is_busy
         self._figures.set_text(outcome(plan))
+        self._show_changes()
         self._show_notes()
         self._curve.show(plan.curve)
         self.weights.visible = finished or plan.can_be_weighed
@@ -131,6 +133,14 @@ class PlanCard:
         self._more.props("outline").tooltip("Fill the form with the picture and the settings of this plan")
         self._rename = ui.button(icon="edit", on_click=self._ask_for_title).props("flat").tooltip("Rename")
         self._away = ui.button(icon="delete", on_click=self._throw_away).props("flat").tooltip("Throw away")
+
+    def _show_changes(self) -> None:
+        """Show what differs from the plan that this is a version of, once more where the weights have changed."""
+        weights = weights_of(self.plan.request)
+        if weights != self._told_weights:
+            self._told_weights = weights
+            self._changes.set_text(changes_in(self.plan.folder, weights))
+            self._changes.visible = bool(self._changes.text)
 
     def _show_title(self) -> None:
         title = self._studio.plans.titles().get(self.plan.name, self.plan.name)

@@ -83,7 +83,8 @@ class PlanCards:
         self._opened[plan.name] = True  # to be compared with
         before = weights_of(plan.request)
         version = await self._studio.version_of(plan.name, weights=weights)
-        self._large[version.name].weights.open_at(next(name for name in weights if weights[name] != before[name]))
+        if (card := self._large.get(version.name)) is not None:  # or the person looks at another panel by now
+            card.weights.open_at(next(name for name in weights if weights[name] != before[name]))
         return version
 
 

@@ -16,8 +16,12 @@ _MOST_WEIGHT, _STEP = 3.0, 0.25  # three times the usual weight of 1; steps that
 
 
 def weight_sliders(weights: dict[str, float], on_change: Callable[[], object] = lambda: None) -> dict[str, Slider]:
-    """Make one slider per term; return them by the term's name."""
-    return {name: Slider(TERM_LABELS[name], _MOST_WEIGHT, _STEP, weight, on_change) for name, weight in weights.items()}
+    """Make one slider per term; return them by the term's name. Words that count nothing would be left out."""
+    least = {"text": _STEP}
+    return {
+        name: Slider(TERM_LABELS[name], _MOST_WEIGHT, _STEP, weight, on_change, least=least.get(name, 0.0))
+        for name, weight in weights.items()
+    }
 
 
 class PlanWeights(ui.expansion):
@@ -52,15 +56,24 @@ class PlanWeights(ui.expansion):
 
     async def _weigh(self) -> None:
         weights = check_weights(self._weights())
-        if self._plan.is_busy:
+        if self._makes_version or weights == weights_of(self._plan.request):
+            return
+        if not self._plan.is_busy:
+            await self._make_version(weights)
+        elif self._plan.can_be_weighed:
             self._studio.plans.weigh(self._plan, weights)
-        elif not self._makes_version and weights != weights_of(self._plan.request):
-            self._makes_version = True
-            try:
-                version = await self._reweigh(self._plan, weights)
-            finally:
-                self._makes_version = False
+        else:
+            self._show()
+
+    async def _make_version(self, weights: dict[str, float]) -> None:
+        self._makes_version = True
+        try:
+            version = await self._reweigh(self._plan, weights)
             if (moved_on := self._weights()) != weights and any(moved_on.values()):
                 self._studio.plans.weigh(version, moved_on)
-            self._show()
+        finally:
+            self._makes_version = False
+            if not self.is_deleted:  # with the panel
+                self._show()
+        if not self.is_deleted:
             self.close()
