@@ -36,7 +36,7 @@ COMMANDS = {
     "large": ["benchmarks/plan.py", "--large", "--seeds", "1"],
     "startup": ["benchmarks/startup.py"],
     "step_cost": ["benchmarks/plan.py", "--step-cost"],
-    "steps": ["benchmarks/steps.py", "--seeds", "1"],
+    "steps": ["benchmarks/steps.py"],
     "several_brushes": ["benchmarks/several_brushes.py"],
     "clip_size": ["benchmarks/clip_size.py"],
     "stroke_models": ["experiments/stroke_models.py", "--models", "brushes"],
