@@ -3,6 +3,7 @@
 import asyncio
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,22 +115,28 @@ def test_a_version_is_planned_with_what_is_said_and_begins_with_it_or_keeps_the_
     assert changes_in(kept.folder, {}) == "Region “Region” taken out; region “Bare paper” taken out; kept as it is."
 
 
-def test_a_version_in_which_other_things_matter_goes_on_from_the_painting(tmp_path: Path) -> None:
-    file = put_plan_to_direct(tmp_path, "coast")
-    planned = read_painting(file)
+def version_of_coast(root: Path, locked: list[int], **how: Any) -> Plan:
+    """Make a version of the plan "coast" with these strokes locked, as `Studio.version_of`, and wait for it."""
 
     async def act() -> Plan:
-        with Folder.opened(tmp_path) as folder:
+        with Folder.opened(root) as folder:
             studio = Studio(folder)
             try:
-                await studio.directing("coast").edit({"kind": "lock", "strokes": [planned.strokes[0].id]})
-                version = await studio.version_of("coast", weights={"tone": 0.5, "edges": 1.5, "likeness": 0.0})
+                await studio.directing("coast").edit({"kind": "lock", "strokes": locked})
+                version = await studio.version_of("coast", **how)
                 await until(lambda: not version.is_busy)
             finally:
                 await studio.close()
         return version
 
-    version = asyncio.run(act())
+    return asyncio.run(act())
+
+
+def test_a_version_in_which_other_things_matter_goes_on_from_the_painting(tmp_path: Path) -> None:
+    file = put_plan_to_direct(tmp_path, "coast")
+    planned = read_painting(file)
+    weights = {"tone": 0.5, "edges": 1.5, "likeness": 0.0}
+    version = version_of_coast(tmp_path, [planned.strokes[0].id], weights=weights)
     assert version.why == ""
     assert changes_in(version.folder, weights_of(version.request)) == (
         "1 stroke locked; planned again, “Light and dark” at 0.5 instead of 1, “Outlines” at 1.5 instead of 0."
@@ -163,18 +170,7 @@ def test_a_version_over_a_photograph_leaves_out_what_is_painted(tmp_path: Path) 
     with Journal.open(journal_of(file)) as journal:
         journal.revise(file, painted)
 
-    async def act() -> Plan:
-        with Folder.opened(tmp_path) as folder:
-            studio = Studio(folder)
-            try:
-                await studio.directing("coast").edit({"kind": "lock", "strokes": [painted[0], planned.strokes[11].id]})
-                over = await studio.version_of("coast", photograph="sheet")
-                await until(lambda: not over.is_busy)
-            finally:
-                await studio.close()
-        return over
-
-    over = asyncio.run(act())
+    over = version_of_coast(tmp_path, [painted[0], planned.strokes[11].id], photograph="sheet")
     assert over.why == ""
     assert changes_in(over.folder, {}) == "2 strokes locked; planned again over a photograph of the sheet."
     painting = read_painting(over.folder / "painting.json")

@@ -190,8 +190,6 @@ class _Planning:
         self._progress, self._stride, self._style_price.weight, *counts = state["progress"].tolist()
         self._steps, self._sorted, self._relocated, repainted = (int(count) for count in counts)
         self._repainted = min(repainted, self._repaints_before(self._progress))  # fewer where it was set back
-        if "paints" in state and not self._options.one_ink:  # a stroke elsewhere would keep its paint
-            self._relocated = len(self._schedule.relocations)
         self._stroke_canvas.restore(state)
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))

@@ -105,9 +105,9 @@ class Studio:
         painted = painted_of(plan.folder / "painting.json") if photograph else frozenset()
         under = self.gallery.path(photograph) if photograph else None
         done = "planned again" if under is None else _OVER
-        before = None if weights is None else weights_of(request)
+        before = None
         if weights is not None:
-            request = replace(request, options=replace(request.options, weights=weights))
+            before, request = weights_of(request), replace(request, options=replace(request.options, weights=weights))
         if unseen := said.unseen(files):
             done += f" without {' and '.join(f'“{each}”' for each in unseen)}, of which nothing is seen on the picture"
         strokes, hands = await directing.changes(), self.styles.titles()
