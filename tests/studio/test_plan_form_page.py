@@ -13,6 +13,16 @@ from tests.support.studio.plans_to_paint import put_plan
 
 EDGES = "(name => document.querySelector(name).getBoundingClientRect())"
 
+# Moves a slider step by step and presses a button, quicker than any timer.
+HASTE = """([slider, go]) => {
+  for (const value of [0.5, 1, 1.5]) {
+    slider.value = value;
+    slider.dispatchEvent(new Event("input"));
+    slider.dispatchEvent(new Event("change"));
+  }
+  go.click();
+}"""
+
 PADDINGS = "[...document.querySelectorAll('.paint .side .q-field')].map((one) => getComputedStyle(one).paddingBottom)"
 
 
@@ -49,6 +59,18 @@ def test_several_brushes_are_chosen_in_colours_kept_and_named_on_the_card(
     for name in ("wash", "marker"):
         expect(tab.locator(".q-chip", has_text=name)).to_be_visible()
     card(tab).get_by_role("button", name="Stop and keep").click()
+
+
+def test_a_slider_counts_as_it_was_left_however_soon_the_plan_begins(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/plan")
+    bring_a_picture(tab, tmp_path)
+    outlines, go = tab.get_by_label("Outlines"), tab.get_by_role("button", name="Plan it")
+    tab.evaluate(HASTE, [outlines.element_handle(), go.element_handle()])
+    card(tab).get_by_role("button", name="Stop and keep").click()
+    request = studio.folder / "plans" / "my-sunset" / "request.json"
+    assert json.loads(request.read_bytes())["options"]["weights"]["edges"] == 1.5
 
 
 def test_trash_stays_in_sight_beside_what_is_done_and_the_plan_form_leaves_other_panels_as_they_are(

@@ -5,6 +5,8 @@ from math import isfinite
 
 from nicegui import events, html, ui
 
+_TELL = "(event) => emit(Number(event.target.value))"
+
 
 class Slider:
     """Slider from `least` to `most`, in steps, below its label.
@@ -29,8 +31,9 @@ class Slider:
             ui.label(label)
             self._range = html.input_(type="range", min=least, max=most, step=step)
             self._range.props["^value"] = value  # where it begins; as a property, Vue would keep putting it back there
-            event = "input" if live else "change"
-            self._range.on(event, self._moved, js_handler="(event) => emit(Number(event.target.value))", throttle=0.1)
+            self._range.on("change", self._moved, js_handler=_TELL)  # at once, before whatever is done next
+            if live:
+                self._range.on("input", self._moved, js_handler=_TELL, throttle=0.1)
 
     def set(self, value: float, most: float | None = None) -> None:
         """Move the slider, and its upper end where `most` is given."""
@@ -48,5 +51,8 @@ class Slider:
         sent = event.args
         if not (isinstance(sent, int | float) and isfinite(sent)):
             return None
-        self.value = min(max(float(sent), self._least), self._most)
+        value = min(max(float(sent), self._least), self._most)
+        if value == self.value:
+            return None
+        self.value = value
         return self._on_change()  # which NiceGUI awaits where it is a coroutine

@@ -74,21 +74,24 @@ export default {
       if (!this.held || event.pointerId !== this.pointer) return;
       const { crop, x, y } = this.began;
       const box = this.$refs.picture.getBoundingClientRect();
-      this.take(moved(crop, this.held, (event.clientX - x) / box.width, (event.clientY - y) / box.height, this.ratio));
+      const far = [(event.clientX - x) / box.width, (event.clientY - y) / box.height];
+      this.take("dragged", moved(crop, this.held, ...far, this.ratio));
     },
     release(event) {
-      if (event.pointerId === this.pointer) this.held = this.pointer = null;
+      if (!this.held || event.pointerId !== this.pointer) return;
+      this.held = this.pointer = null;
+      this.$emit("laid", this.now);
     },
     step(event, handle) {
       const way = ARROWS[event.key];
       if (!way || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       const far = event.shiftKey ? STEP / 10 : STEP;
-      this.take(moved(this.now, handle, far * way[0], far * way[1], this.ratio));
+      this.take("laid", moved(this.now, handle, far * way[0], far * way[1], this.ratio));
     },
-    take(crop) {
+    take(name, crop) {
       this.now = crop.map((share) => Number(share.toFixed(4)));
-      this.$emit("cropped", this.now);
+      this.$emit(name, this.now);
     },
   },
 };

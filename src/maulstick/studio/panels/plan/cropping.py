@@ -20,7 +20,8 @@ class CropFrame(Element, component="crop.js"):
         super().__init__()
         self._cropped = cropped
         self._props.update(source="", crop=list(WHOLE), ratio=0.0)
-        self.on("cropped", self._take, throttle=_THROTTLE)
+        self.on("dragged", self._take, throttle=_THROTTLE)
+        self.on("laid", self._take)  # at once, before whatever is done next
 
     def show(self, source: str, ratio: float) -> None:
         """Show the picture at an address.
@@ -38,7 +39,7 @@ class CropFrame(Element, component="crop.js"):
 
     def _take(self, event: events.GenericEventArguments) -> None:
         crop = crop_of(event.args)
-        if crop is not None:
+        if crop is not None and list(crop) != self._props["crop"]:
             self._remember(crop)
             self._cropped(crop)
 
