@@ -1,5 +1,7 @@
 """Strokes, canvases and numbers at the edge of what can be drawn, and beyond it."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import torch
@@ -148,13 +150,19 @@ def test_a_canvas_of_any_shape_is_painted_as_the_reference_does(fast: Renderer, 
     assert_as_the_reference(fast, random_scene(22, height=height, width=width, strokes=9, thinnest=1.5))
 
 
-@each_fast_renderer
-@pytest.mark.parametrize("channels", [1, 4])
-def test_hundreds_of_strokes_over_one_tile_are_painted_as_the_reference_does(fast: Renderer, channels: int) -> None:
+@cache
+def hundreds_over_one_tile(channels: int) -> tuple[Scene, Tensor, dict[str, Tensor]]:
+    """Return a scene, which of its strokes are trainable, and what the reference makes of it, which takes seconds."""
     scene = random_scene(23, strokes=420, points=4, channels=channels, height=18, width=22)
     scene = scene._replace(opacity=scene.opacity * 0.2)
     trainable = torch.arange(420) % 3 > 0
-    truth = composite_with_gradients(REFERENCE, scene.to(torch.float64), trainable)
+    return scene, trainable, composite_with_gradients(REFERENCE, scene.to(torch.float64), trainable)
+
+
+@each_fast_renderer
+@pytest.mark.parametrize("channels", [1, 4])
+def test_hundreds_of_strokes_over_one_tile_are_painted_as_the_reference_does(fast: Renderer, channels: int) -> None:
+    scene, trainable, truth = hundreds_over_one_tile(channels)
     assert truth["colours"][:9].any()  # the lowest still matter
     assert_same(composite_with_gradients(fast, scene, trainable), truth, **FLOAT32)
 
