@@ -78,7 +78,7 @@ export default {
       this.take("dragged", moved(crop, this.held, ...far, this.ratio));
     },
     release(event) {
-      if (!this.held || event.pointerId !== this.pointer) return;
+      if (event.pointerId !== this.pointer) return;
       this.held = this.pointer = null;
       this.$emit("laid", this.now);
     },
