@@ -64,7 +64,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))  # scr
 from few_calls import few_calls
 from frida import anywhere
 
-PUBLISHED = Schedule(coarse=(0.0, 0.0), sorts=(), relocations=(), quantise=0.9, grouped=False)
+PUBLISHED = Schedule(coarse=(0.0, 0.0), fine=1.0, sorts=(), relocations=(), quantise=0.9, grouped=False)
 TONES, LIKENESS = LossOptions(), LossOptions(weights={"likeness": 1.0})
 SEEN = 2 / 255
 SUMMED_UP = ("seconds", "processor_seconds", "psnr", "psnr_planned", "ssim")

@@ -43,8 +43,9 @@ def horse_table() -> str:
     for name, title in names.items():
         of = [row for row in rows if row["name"] == name]
         counts = [with_range([row[key] for row in of], 0) for key in ("strokes", "stray")]
-        lines.append([title, *counts, f"{with_range([row['psnr'] for row in of], 1)} dB"])
-    return table(["", "strokes", "of them stray", "PSNR"], lines)
+        decibels = [f"{with_range([row[key] for row in of], 1)} dB" for key in ("psnr", "psnr_planned")]
+        lines.append([title, *counts, *decibels])
+    return table(["", "strokes", "of them stray", "PSNR", "on the planner's pixels"], lines)
 
 
 def frida_table() -> str:

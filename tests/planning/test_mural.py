@@ -13,7 +13,7 @@ from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
-from maulstick.planning import stroke_canvas, stroke_effects
+from maulstick.planning import drawn_pixels, stroke_canvas, stroke_effects
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions
@@ -95,6 +95,7 @@ def planned(mural: Mural, round_brush: Brush, steps: list[PlanProgress], rendere
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stroke_canvas, "composite", render)
         patch.setattr(stroke_effects, "composite", render)
+        patch.setattr(drawn_pixels, "_LARGE", 40)  # as windows of real murals are
         return planned_as(FINE, mural, round_brush, watch)
 
 

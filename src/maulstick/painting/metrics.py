@@ -29,7 +29,7 @@ class Metrics:
 class PlanMetrics(Metrics):
     """Metrics of a plan, taken at the truth: see `maulstick.rendering.preview.truth`.
 
-    psnr_planned: dB, of the planner's own pixels.
+    psnr_planned: dB, of the pixels that the plan ends on.
     """
 
     psnr_planned: float

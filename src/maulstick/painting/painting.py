@@ -126,7 +126,7 @@ class Provenance(_Part):
     """Origin of a painting: Maulstick's version, the picture (name and SHA-256), the seed and the options.
 
     metrics: measures of how near the plan came to the picture, by name: psnr in dB, ssim and others at the truth,
-    psnr_planned and the terms of the loss of the planner's own pixels.
+    psnr_planned and the terms of the loss of the pixels that a plan ends on.
     """
 
     version: Name

@@ -12,6 +12,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import PlanMetrics, blurred_psnr, compare, psnr
 from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Stroke, StyleUse
 from maulstick.planning.attention import attention
+from maulstick.planning.drawn_pixels import finest
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
 from maulstick.planning.layout import Layout
@@ -25,7 +26,7 @@ from maulstick.planning.result import PlanResult
 from maulstick.planning.room import kept_in
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones
-from maulstick.rendering.preview import preview, truth
+from maulstick.rendering.preview import truth
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Floats, Image
 from maulstick.style import Style
@@ -152,17 +153,17 @@ def provenance_of(
 
 def metrics_of(painting: Painting, layout: Layout) -> PlanMetrics | None:
     """Return how near the painting, in the order of its file, comes to the picture in its area; None without one."""
-    return _compared(truth(painting, layout.canvas), preview(painting, layout.canvas), layout)
+    return _compared(truth(painting, layout.canvas), _as_planned(painting, layout), layout)
 
 
 @one_torch_thread()
 def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, tones: Tones | None = None) -> Painting:
     """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss.
 
-    The likeness is taken at the truth; the terms are those of the planner's own pixels, as `psnr_planned` is.
+    The likeness is taken at the truth; the terms are those of the pixels that a plan ends on, as `psnr_planned` is.
     tones: those that it was planned in, whose L* are kept: `lightest` and `darkest`, and `psnr_blurred` beside them.
     """
-    true, planned = truth(painting, layout.canvas), preview(painting, layout.canvas)
+    true, planned = truth(painting, layout.canvas), _as_planned(painting, layout)
     canvas = _channels_first(planned).to(problem.paper)
     with torch.no_grad():
         terms = {each.term.name: each.weight * each.term.loss(canvas, 1.0).item() for each in problem.objectives}
@@ -178,6 +179,16 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, t
     finite = {name: x for name, x in metrics.items() if isfinite(x)}
     provenance = painting.provenance.model_copy(update={"metrics": finite})
     return painting.model_copy(update={"provenance": provenance})
+
+
+def _as_planned(painting: Painting, layout: Layout) -> Image:
+    """Return what the painting looks like on the pixels that a plan of it ends on."""
+
+    def rendered(side: float) -> torch.Tensor:
+        return _channels_first(truth(painting, layout.canvas, finer=round(1 / side)))
+
+    target = None if layout.target is None else _channels_first(layout.target)
+    return rendered(finest(target, rendered)).permute(1, 2, 0).numpy()
 
 
 def _compared(true: Image, planned: Image, layout: Layout) -> PlanMetrics | None:

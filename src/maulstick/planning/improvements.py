@@ -36,20 +36,20 @@ def repaint(stroke_canvas: StrokeCanvas, loss: Loss, costs: Tensor, *, grouped: 
 
 
 @torch.no_grad()
-def needed(stroke_canvas: StrokeCanvas, loss: Loss, costs: Floats) -> Bools:
+def needed(stroke_canvas: StrokeCanvas, loss: Loss, costs: Floats, side: float) -> Bools:
     """Return which strokes, (N,), to keep: the loss does not grow without the others.
 
-    costs: (N,), estimates of what it costs to leave each stroke out.
+    costs: (N,), estimates of what it costs to leave each stroke out.  side: as in `StrokeCanvas.render`.
     """
-    before = loss(stroke_canvas.render())
+    before = loss(stroke_canvas.render(side=side))
     kept = np.zeros(len(costs), dtype=bool)
-    if loss(stroke_canvas.render(kept)).item() <= min(before.item(), _NOTHING):
+    if loss(stroke_canvas.render(kept, side=side)).item() <= min(before.item(), _NOTHING):
         return kept  # the sheet shows the picture as it is
     candidates = np.argsort(costs, kind="stable")[: int((costs <= 0).sum())]
     while len(candidates):
         kept[:] = True
         kept[candidates] = False
-        if loss(stroke_canvas.render(kept)) <= before:
+        if loss(stroke_canvas.render(kept, side=side)) <= before:
             return kept
         candidates = candidates[: len(candidates) // 2]
     kept[:] = True

@@ -15,8 +15,8 @@ from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
 from maulstick.planning.canvas_loss import CanvasLoss
-from maulstick.planning.coarse import coarser, coarsest
 from maulstick.planning.descent import Descent
+from maulstick.planning.drawn_pixels import coarsest, finest, to_drawn
 from maulstick.planning.improvements import needed, repaint
 from maulstick.planning.initialise import Initialiser
 from maulstick.planning.memory import keep_freed_memory
@@ -122,6 +122,7 @@ class _Planning:
         if options.one_ink:
             self._stroke_canvas.paints = torch.tensor(options.palette)
         self._coarsest = coarsest(problem, options, self._spacing)
+        self._finest = 1.0  # side of the pixels that the last steps are drawn on, in the canvas' own
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
         lightest = torch.tensor([brush.lightest for brush in problem.brushes])
         self._descent = Descent(strokes, self._spacing, lightest, turning)
@@ -167,6 +168,8 @@ class _Planning:
         if self._repainted < len(schedule.repaints) and now >= schedule.repaints[self._repainted]:
             self._repainted += 1
             self._repaint()
+        if now - self._stride < schedule.fine <= now:
+            self._finest = finest(self._problem.target, lambda side: self._stroke_canvas.render(side=side))
         loss, parts, canvas = self._step(now)
         self._progress += self._stride
         self._steps += 1
@@ -180,6 +183,7 @@ class _Planning:
             "progress": np.array(numbers),
             **self._stroke_canvas.state(),
             **self._descent.state(),
+            "finest": np.array(self._finest),
             **self._loss.state(),
             **rng_state(self._rng, self._torch_rng),
         }
@@ -194,13 +198,14 @@ class _Planning:
         if "paints" in state and self._stroke_canvas.paints is None:
             self._stroke_canvas.paints = self._paints_to_use(torch.from_numpy(state["paints"].copy()))
         self._descent.restore(state)
+        self._finest = state["finest"].item()
         self._loss.restore(state)
         restore_rng(state, self._rng, self._torch_rng)
 
     def _step(self, now: float) -> tuple[float, dict[str, float], Tensor]:
         """Take a step with all strokes; return the loss before it, its parts, and the canvas."""
         strokes = self._stroke_canvas.strokes
-        canvas = self._stroke_canvas.render(side=self._side)
+        canvas = self._stroke_canvas.render(side=self._side if now < self._schedule.fine else self._finest)
         self._loss.ask(canvas, self._steps, self._torch_rng)
         loss, parts = self._loss.of(canvas, now)
         if self._arranging is not None:
@@ -231,10 +236,10 @@ class _Planning:
                 moved = [best_brushes(self._problem, view, own, moved, self._torch_rng)]
             self._descent.replace(rows, moved[0])
 
-    def _removal_costs(self, side: int = 1) -> Tensor:
+    def _removal_costs(self, side: float) -> Tensor:
         """Return an estimate of the cost of removing each stroke, (N,), by row; side: as in `StrokeCanvas.render`."""
         marks, colours = self._stroke_canvas.drawn(side)
-        view, paper = self._loss.view.coarser(side), coarser(self._problem.paper, side)
+        view, paper = self._loss.view.drawn(side), to_drawn(self._problem.paper, side)
         return self._stroke_canvas.by_row(removal_costs(view, paper, marks, colours, self._torch_rng))
 
     def _quantise_colours(self) -> None:
@@ -283,7 +288,8 @@ class _Planning:
         order, count = self._stroke_canvas.order_of_all, len(self._stroke_canvas.strokes)
         kept = np.ones(count, dtype=bool)
         if not self._options.exact:
-            kept = needed(self._stroke_canvas, self._loss.at(1.0), self._removal_costs().numpy())
+            costs = self._removal_costs(self._finest).numpy()
+            kept = needed(self._stroke_canvas, self._loss.at(1.0), costs, self._finest)
         own = order < count
         rows = torch.from_numpy(order[own][kept[order[own]]])
         painted = np.cumsum([is_own and kept[row] for row, is_own in zip(order, own, strict=True)])

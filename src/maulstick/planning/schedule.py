@@ -9,6 +9,7 @@ class Schedule:
 
     begins: the share that counts as over at the start, for strokes that are nearly in place already.
     coarse: until the first the canvas is drawn on coarse pixels, until the second on ones half as large.
+    fine: from then on it is drawn on fine pixels, where its own misjudge it.
     sorts: strokes are put in order from light to dark.  relocations: the strokes that would be missed least are moved.
     quantise: free colours become paints; with `grouped`, all strokes of a paint are then painted together.
     repaints: strokes take other paints of a palette where that is better.
@@ -16,6 +17,7 @@ class Schedule:
 
     begins: float = 0.0
     coarse: tuple[float, float] = (0.3, 0.5)
+    fine: float = 0.9
     sorts: tuple[float, ...] = tuple(0.025 * i for i in range(24))
     relocations: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
     quantise: float = 0.6

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from maulstick.colour.palette import nearest_paint
 from maulstick.ordering.layers import by_paint, light_to_dark
-from maulstick.planning.coarse import coarser, finer
+from maulstick.planning.drawn_pixels import to_canvas, to_drawn
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.room import cut_marks, move_into
@@ -63,10 +63,10 @@ class StrokeCanvas:
         """Brushes (N + M,), by row."""
         return torch.cat([self.strokes.brush_of, self._neighbours.brush_of])
 
-    def drawn(self, side: int = 1) -> tuple[Marks, Tensor]:
+    def drawn(self, side: float = 1) -> tuple[Marks, Tensor]:
         """Return marks and colours of all N + M strokes in painting order, on the device of the paper.
 
-        side: pixels of the canvas, each way, that are one of the marks' pixels.
+        side: of the marks' pixels, in those of the canvas.
         """
         own, order = self.strokes.trajectories(self.style), torch.from_numpy(self._order)
         trajectories = torch.cat([own, self._neighbours.trajectories]).index_select(0, order)
@@ -85,10 +85,10 @@ class StrokeCanvas:
             self._ordered = numbers, brushes
         return brushes
 
-    def render(self, wanted: Bools | None = None, *, side: int = 1) -> Tensor:
+    def render(self, wanted: Bools | None = None, *, side: float = 1) -> Tensor:
         """Return the canvas (C, H, W) with all strokes, or with only those of the N that are `wanted`, (N,).
 
-        side: pixels, each way, of the squares that are drawn as one, each the average over its area.
+        side: of the pixels that it is drawn on, in its own; each is the average over its area.
         """
         marks, colours = self.drawn(side)
         own = torch.from_numpy(self._own)
@@ -99,9 +99,9 @@ class StrokeCanvas:
             colours, own = colours[shown], own[shown]
         profile = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
-        paper = coarser(self.paper, side)
+        paper = to_drawn(self.paper, side)
         canvas = composite(paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
-        return finer(canvas, side, self.paper)
+        return to_canvas(canvas, side, self.paper)
 
     def keep_inside(self) -> None:
         """Move each stroke by the least that keeps its path on the canvas, its mark in the room, it in its region.

@@ -12,7 +12,7 @@ import torch
 from torch import Generator, Tensor
 from torch.nn.functional import avg_pool2d
 
-from maulstick.planning.coarse import coarser
+from maulstick.planning.drawn_pixels import to_drawn
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.traj2stroke import Marks
 
@@ -36,11 +36,11 @@ class TargetView:
     pool: int = 1
     pull: Tensor | None = None
 
-    def coarser(self, side: int) -> Self:
-        """Return the same view of squares of `side` pixels that are drawn as one."""
-        target, weights = coarser(self.target, side), coarser(self.weights[None], side)[0]
-        pull = None if self.pull is None else coarser(self.pull, side)
-        return replace(self, target=target, weights=weights, pool=max(1, self.pool // side), pull=pull)
+    def drawn(self, side: float) -> Self:
+        """Return the same view of a canvas that is drawn on pixels of this side, in its own."""
+        target, weights = to_drawn(self.target, side), to_drawn(self.weights[None], side)[0]
+        pull = None if self.pull is None else to_drawn(self.pull, side)
+        return replace(self, target=target, weights=weights, pool=max(1, int(self.pool / side)), pull=pull)
 
     def difference(self, canvas: Tensor) -> Tensor:
         """Return the weighted difference (C, h, w), whose sum of squares is the error."""

@@ -17,7 +17,7 @@ from maulstick.rendering.traj2stroke import Marks, Traj2Stroke
 from maulstick.storage.arrays import Image
 
 _LARGEST_PX = 8192  # pixels on a side: what image viewers open without trouble
-_FINER = 4  # times finer pixels of `truth`: with 16 times finer ones plans come within 0.05 dB of the same
+_FINER = 4  # times finer pixels of the truth: with 16 times finer ones plans come within 0.05 dB of the same
 _BAND_PX = 2**22  # finer pixels drawn at a time, 50 MB: a canvas of 2048 by 2048 would fill 805 MB
 
 
@@ -43,19 +43,19 @@ def growing(painting: Painting, canvas: Canvas, ends: Sequence[int]) -> Iterator
         yield _image(image)
 
 
-def truth(painting: Painting, canvas: Canvas) -> Image:
+def truth(painting: Painting, canvas: Canvas, finer: int = _FINER) -> Image:
     """Return what the painting looks like where each pixel is the mean of what lies on it, as `preview` does.
 
     `preview` knows how much of a pixel each mark hides, but not which part of it, where several marks meet in one. Here
-    strokes are painted on pixels that are four times finer each way, and their sRGB values are averaged; the sheet
+    strokes are painted on pixels that are so many times finer each way, and their sRGB values are averaged; the sheet
     itself stays as the canvas shows it. Bands are drawn one after another, so memory stays within a few hundred MB.
     """
-    drawn = list(_drawn(painting, _FINER * canvas.pixels_per_metre))
-    rows = max(1, _BAND_PX // (_FINER**2 * canvas.width_px))
+    drawn = list(_drawn(painting, finer * canvas.pixels_per_metre))
+    rows = max(1, _BAND_PX // (finer**2 * canvas.width_px))
     bands = []
     for number, bare in enumerate(_bare_sheet(painting, canvas).split(rows, dim=1)):
-        finer = bare.repeat_interleave(_FINER, dim=1).repeat_interleave(_FINER, dim=2)
-        bands.append(avg_pool2d(_painted(finer, drawn, top=number * rows * _FINER), _FINER))
+        fine = bare.repeat_interleave(finer, dim=1).repeat_interleave(finer, dim=2)
+        bands.append(avg_pool2d(_painted(fine, drawn, top=number * rows * finer), finer))
     return _image(torch.cat(bands, dim=1))
 
 
