@@ -14,7 +14,7 @@ from maulstick.planning.objectives import Edges
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 
 FINE = 1 / 3
-"""Side of fine pixels, in those of the canvas: halves still say up to 0.4 dB more than is true, quarters take longer."""
+"""Side of fine pixels, in those of the canvas: halves still say up to 0.4 dB too much, quarters take longer."""
 
 _APART = 3  # coarse pixels between strokes: with two, details come too late to be found
 _LARGE = 512  # pixels of a canvas' shorter side, from which on coarse pixels pay, and fine ones show nothing more
