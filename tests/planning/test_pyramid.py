@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
+from maulstick.planning.objectives import pyramid
 from maulstick.planning.objectives.pyramid import levels_of, mean_squares, plain_mean_squares
 
 ROUNDING = 1e-5  # relative, of float32
@@ -70,6 +71,19 @@ def test_the_same_difference_has_the_same_slope_to_the_bit() -> None:
         mean_squares(canvas.requires_grad_(), target, scale, [1.0, 2.0, 4.0], pull).backward()
         slopes.append(canvas.grad)
     assert torch.equal(*slopes)
+
+
+def test_any_number_of_threads_gives_the_same_to_the_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for threads in (1, 2, 5):
+        monkeypatch.setattr(pyramid, "THREADS", threads)
+        canvas, target, scale, pull = images(4, 3, 363, 365)  # large enough to be shared out
+        loss = mean_squares(canvas.requires_grad_(), target, scale, [1.0, 2.0, 4.0], pull)
+        loss.backward()
+        found.append((loss.item(), canvas.grad))
+    for value, slope in found[1:]:
+        assert value == found[0][0]
+        assert torch.equal(slope, found[0][1])
 
 
 def test_the_coarsest_level_is_some_16_pixels_high() -> None:

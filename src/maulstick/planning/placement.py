@@ -12,6 +12,7 @@ from torch import Generator
 
 from maulstick.painting.brush import Brush
 from maulstick.planning.parameters import StrokeParameters
+from maulstick.rendering.kernels.cpu import THREADS
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.style import Style
 
@@ -183,7 +184,7 @@ def _stipple(density: Floats, count: int, rng: np.random.Generator) -> tuple[Flo
     cloud = np.stack([samples % width, samples // width], axis=1) + rng.random((len(samples), 2))
     centres = cloud[rng.choice(len(cloud), size=count, replace=False)]
     for _ in range(_ROUNDS):
-        owner = cKDTree(centres).query(cloud)[1]
+        owner = cKDTree(centres).query(cloud, workers=THREADS)[1]
         share = np.bincount(owner, minlength=count)
         sums = np.stack([np.bincount(owner, weights=column, minlength=count) for column in cloud.T], axis=1)
         centres = np.where(share[:, None] > 0, sums / np.maximum(share, 1)[:, None], centres)

@@ -28,6 +28,7 @@ class StrokeCanvas:
 
     def __init__(self, strokes: StrokeParameters, problem: PlanningProblem, *, in_groups: bool = False) -> None:
         self.strokes, self.style, self.paper = strokes, problem.style, problem.paper
+        self._drawn_paper = 1.0, self.paper  # on pixels of that side
         self._neighbours, self._canvas, self._room = problem.neighbours, problem.canvas, problem.room
         self._regions, self._brushes = problem.regions, Traj2Stroke.of(problem.brushes)
         self._ordered = torch.zeros(0, dtype=torch.long), self._brushes[torch.zeros(0, dtype=torch.long)]
@@ -99,8 +100,9 @@ class StrokeCanvas:
             colours, own = colours[shown], own[shown]
         profile = marks.falloff, marks.plateau, marks.opacity
         trainable = own.to(self.paper.device)
-        paper = to_drawn(self.paper, side)
-        canvas = composite(paper, marks.points, marks.thickness, colours, *profile, trainable=trainable)
+        if side != self._drawn_paper[0]:
+            self._drawn_paper = side, to_drawn(self.paper, side)
+        canvas = composite(self._drawn_paper[1], marks.points, marks.thickness, colours, *profile, trainable=trainable)
         return to_canvas(canvas, side, self.paper)
 
     def keep_inside(self) -> None:

@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <vector>
+
+#include "../../rendering/kernels/share_out.hpp"
 
 namespace nb = nanobind;
 
@@ -17,6 +20,7 @@ template <class T, int Dimensions>
 using Array = nb::ndarray<T, nb::ndim<Dimensions>, nb::c_contig, nb::device::cpu>;
 
 constexpr int64_t reach = 2;                 // pixels on either side of a tap in the middle
+constexpr int64_t small = 1 << 17;          // pixels of an image, below which threads cost more than they save
 constexpr float taps[] = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
 
 struct Level {
@@ -89,17 +93,20 @@ double squared(float weight, int64_t count, float* values, int64_t size) {
   return sum / static_cast<double>(count);
 }
 
+// On up to `threads` threads, a channel at a time, which changes no bit.
 // canvas, target: (C, H, W).  scale: (H, W), of their difference.  weights: (L,), one per level.
 // pull: (C, H, W), or (0, 0, 0) for none.  slope: (C, H, W), of the result: the weighted sum of the means of squares,
 // and the mean of the pulled difference.
-double mean_squares(Array<const float, 3> canvas, Array<const float, 3> target, Array<const float, 2> scale,
-                    Array<const float, 1> weights, Array<const float, 3> pull, Array<float, 3> slope) {
+double mean_squares(int64_t threads, Array<const float, 3> canvas, Array<const float, 3> target,
+                    Array<const float, 2> scale, Array<const float, 1> weights, Array<const float, 3> pull,
+                    Array<float, 3> slope) {
   nb::gil_scoped_release release;
   const int64_t channels = canvas.shape(0), height = canvas.shape(1), width = canvas.shape(2), area = height * width;
   const int64_t count = weights.shape(0);
   const float of_one = 1 / static_cast<float>(channels * area);
-  double total = 0;
-  for (int64_t channel = 0; channel < channels; ++channel) {
+  std::vector<double> totals(channels);
+  const auto channel_of = [&](int64_t channel, int64_t) {
+    double& total = totals[channel];
     const float *seen = canvas.data() + channel * area, *wanted = target.data() + channel * area, *by = scale.data();
     float* finest = slope.data() + channel * area;
     for (int64_t i = 0; i < area; ++i) finest[i] = (seen[i] - wanted[i]) * by[i];
@@ -120,7 +127,7 @@ double mean_squares(Array<const float, 3> canvas, Array<const float, 3> target, 
       add_doubled(levels[l - 1], rows, columns, l == 1 ? finest : levels[l - 2].values.data());
     }
     for (int64_t i = 0; i < area; ++i) finest[i] *= by[i];
-    if (!pull.size()) continue;
+    if (!pull.size()) return;
     const float* pulled = pull.data() + channel * area;
     for (int64_t y = 0; y < height; ++y) {
       float sum = 0;                         // of a row: short enough for single precision
@@ -130,8 +137,9 @@ double mean_squares(Array<const float, 3> canvas, Array<const float, 3> target, 
       }
       total += static_cast<double>(sum) * of_one;
     }
-  }
-  return total;
+  };
+  maulstick::share_out(channels, area < small ? 1 : threads, channel_of);
+  return std::accumulate(totals.begin(), totals.end(), 0.0);
 }
 
 }  // namespace

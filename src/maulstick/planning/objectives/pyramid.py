@@ -10,6 +10,7 @@ from torch.autograd.function import once_differentiable
 from torch.nn.functional import conv2d, pad
 
 from maulstick.planning.objectives import _pyramid
+from maulstick.rendering.kernels.cpu import THREADS
 
 
 def levels_of(image: Tensor) -> int:
@@ -64,7 +65,8 @@ class _MeanSquares(torch.autograd.Function):
         slope = torch.empty_like(canvas)
         pull = canvas.new_empty(0, 0, 0) if pull is None else pull
         images = [each.detach().contiguous().numpy() for each in (canvas, target, scale, pull)]
-        value = _pyramid.mean_squares(*images[:3], np.array(weights, dtype=np.float32), images[3], slope.numpy())
+        of_levels = np.array(weights, dtype=np.float32)
+        value = _pyramid.mean_squares(THREADS, *images[:3], of_levels, images[3], slope.numpy())
         ctx.save_for_backward(slope)
         return canvas.new_tensor(value)
 
