@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from functools import cache
 from importlib.metadata import version
 from math import isfinite
 
@@ -184,6 +185,7 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, t
 def _as_planned(painting: Painting, layout: Layout) -> Image:
     """Return what the painting looks like on the pixels that a plan of it ends on."""
 
+    @cache
     def rendered(side: float) -> torch.Tensor:
         return _channels_first(truth(painting, layout.canvas, finer=round(1 / side)))
 
