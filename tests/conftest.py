@@ -16,7 +16,11 @@ from hypothesis import settings
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 from threadpoolctl import threadpool_info
 
-from maulstick.rendering.kernels import cpu
+# Workers share the cores: with more threads than cores each waits for the others, and all takes a third longer.
+if "PYTEST_XDIST_WORKER" in os.environ and "OMP_NUM_THREADS" not in os.environ:
+    torch.set_num_threads(max(1, (os.cpu_count() or 1) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])))
+
+from maulstick.rendering.kernels import cpu  # it has as many threads as torch has when it is imported
 
 # Data that is measured with and never shipped (../shared/data): the one thing that no machine can install.
 MAY_BE_ABSENT = "shared data absent"
