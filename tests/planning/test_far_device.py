@@ -1,6 +1,7 @@
 """Planning on another device than the CPU, to the bit as on the CPU: no tensor is left behind, none is mixed."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from maulstick.storage.arrays import Image
 from maulstick.style import load_style
 from tests.planning.conftest import options
 from tests.support.nominal import nominal
+from tests.support.planning import far_device as far_devices
 from tests.support.planning.far_device import FarTensor, far_device
 from tests.support.planning.same import same
 from tests.support.planning.tiny_network import TinyNetwork
@@ -96,6 +98,33 @@ def test_a_mural_of_another_device_is_that_of_the_cpu(portrait: Image) -> None:
         far = plan_mural(mural, (nominal("round"),), style, settings, window_px=32, device=device)
     assert same(far, near)
     assert len(near.paint_of) > 10
+
+
+def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypatch: pytest.MonkeyPatch) -> None:
+    moves_and_views = ("_to_copy", "unsqueeze", "squeeze", "expand", "select.int", "view", "detach")
+    asked: list[str] = []
+    of_steps: list[list[str]] = []
+    computed = far_devices._computed
+
+    def noted(operation: Any, *args: Any) -> Any:
+        result = computed(operation, *args)
+        name = str(operation).removeprefix("aten.")
+        if isinstance(result, FarTensor) and not name.startswith(moves_and_views):
+            asked.append(name)
+        return result
+
+    def watch(progress: PlanProgress) -> bool:
+        of_steps.append(asked.copy())
+        asked.clear()
+        return True
+
+    monkeypatch.setattr(far_devices, "_computed", noted)
+    with far_device() as device:
+        layout = lay_out_for(portrait, Sheet(width=0.06, height=0.05), nominal("round"), height_px=24)
+        style, settings = load_style("free", layout.canvas), options(steps=30)
+        plan(problem_of(layout, (nominal("round"),), style, settings, LossOptions(), device=device), settings, watch)
+    usual = of_steps[21]  # only the finest tones are compared, and nothing is sorted, moved or mixed
+    assert 5 < len(usual) <= 24, usual
 
 
 def test_tensors_of_two_devices_do_not_mix() -> None:

@@ -5,12 +5,15 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
+from torch.utils._python_dispatch import TorchDispatchMode, _disable_current_modes
+from torch.utils._pytree import tree_leaves
 
 from maulstick.errors import InputError
 from tests.rendering.kernels.conftest import (
@@ -271,6 +274,41 @@ def test_what_cannot_be_drawn_is_refused_in_the_words_of_the_reference() -> None
 # How they run
 
 
+class Launches(TorchDispatchMode):
+    """Names of what is launched on the device of tensors, those that a view or an empty tensor needs not left in."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def __torch_dispatch__(self, operation, types, args=(), kwargs=None):  # type: ignore[no-untyped-def]
+        result = operation(*args, **kwargs or {})
+        came, went = ([x for x in tree_leaves(each) if isinstance(x, Tensor)] for each in ((args, kwargs), result))
+        places = {x.untyped_storage().data_ptr() for x in came}
+        is_view = not operation._schema.is_mutable and {x.untyped_storage().data_ptr() for x in went} <= places
+        if "empty" not in str(operation) and (not is_view or not went):
+            self.names.append(str(operation))
+        return result
+
+
+def test_a_canvas_and_its_gradients_take_few_launches(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = small_scene(31)
+    leaves = [x.clone().requires_grad_() for x in scene]
+    weights = weights_like(scene.canvas)
+    launches = Launches()
+    launch = gpu._launch
+
+    def counted(program: Any, *args: Any) -> None:
+        with _disable_current_modes():  # the interpreter computes by tensors
+            launch(program, *args)
+        launches.names.append(str(program))
+
+    monkeypatch.setattr(gpu, "_launch", counted)
+    with launches:
+        torch.autograd.grad(GPU.composite(*leaves), leaves, weights)
+    assert len(launches.names) <= 30, launches.names  # they take longer than what they compute, where strokes are few
+
+
 @pytest.mark.parametrize("operation", [composite_with_gradients, darkness_with_gradients])
 def test_the_bits_are_the_same_at_every_repeat(operation: Callable[..., dict[str, Tensor]]) -> None:
     scene = small_scene(30)
@@ -339,16 +377,21 @@ print([name for name in sys.modules if name == "triton" or name.endswith("kernel
 COMPILED = """
 from triton.backends.compiler import GPUTarget
 from triton.compiler import ASTSource, compile
-from maulstick.rendering.kernels import gpu_programs, gpu_shapes, gpu_tiles
+from maulstick.rendering.kernels import gpu_programs, gpu_shapes, gpu_sums, gpu_tiles
 
-OTHERS = {"trainable": "*u8"} | dict.fromkeys(("channels", "height", "width", "count", "each"), "i32")
+SIZES = ("channels", "columns", "height", "width", "count", "each", "after", "total")
+OTHERS = {"trainable": "*u8"} | dict.fromkeys(SIZES, "i32")
 OTHERS |= dict.fromkeys(("pairs", "items", "tiles"), "*i32")
-OTHERS |= dict.fromkeys(("slots", "starts", "keys", "counts"), "*i64")
+OTHERS |= dict.fromkeys(("slots", "starts", "keys", "counts", "faults", "firsts", "numbers"), "*i64")
 for name, module in {
     "find_shapes": gpu_shapes,
     "find_tight": gpu_shapes,
     "count_tiles": gpu_tiles,
     "list_tiles": gpu_tiles,
+    "count_faults": gpu_tiles,
+    "find_items": gpu_tiles,
+    "list_items": gpu_tiles,
+    "sum_gradients": gpu_sums,
     "darkness": gpu_programs,
     "darkness_backward": gpu_programs,
     "composite": gpu_programs,
@@ -388,4 +431,4 @@ def test_on_the_cpu_the_chosen_renderer_is_the_native_one_and_triton_is_never_im
 
 def test_every_program_compiles_for_a_real_gpu(pytestconfig: pytest.Config, tmp_path: Path) -> None:
     lines = output_of(COMPILED, pytestconfig.rootpath, TRITON_CACHE_DIR=str(tmp_path)).splitlines()
-    assert [line.split()[1] for line in lines] == ["True"] * 8
+    assert [line.split()[1] for line in lines] == ["True"] * 12

@@ -7,7 +7,7 @@ from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from maulstick.rendering.kernels import _cpu
-from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes, plain
+from maulstick.rendering.kernels.arguments import check_canvas, check_colours, check_size, check_strokes, plain
 
 INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
 """Instruction sets that this processor can run, the fastest first."""
@@ -60,6 +60,7 @@ def composite(
     )
     _check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
+    check_colours(colours)
     if trainable is None:
         trainable = torch.ones(points.shape[0], dtype=torch.bool)
     result: Tensor = _Composite.apply(

@@ -92,6 +92,53 @@ def list_tiles(segments, starts, keys, count, height, width):
 
 
 @triton.jit
+def count_faults(segments, strokes, faults, count, each, columns):
+    """Add to faults, (1,), how many strokes cannot be drawn: a number is not finite, or out of range.
+
+    each: segments of a stroke.  columns: of strokes.
+    """
+    stroke = tl.program_id(0) * LANES + tl.arange(0, LANES)
+    known = tl.minimum(stroke, count - 1)
+    at = strokes + known * columns
+    c, q, opacity = tl.load(at), tl.load(at + 1), tl.load(at + 2)
+    good = (c > 0) & (c < float("inf")) & (q >= 0) & (q < 1) & (opacity > 0) & (opacity <= 1)
+    for column in range(3, columns):
+        good = good & (tl.abs(tl.load(at + column)) < float("inf"))
+    for number in range(each * 6):
+        good = good & (tl.abs(tl.load(segments + known * each * 6 + number)) < float("inf"))
+    tl.atomic_add(faults, tl.sum((~good & (stroke < count)).to(tl.int64)))
+
+
+@triton.jit
+def find_items(keys, pairs, firsts, total, count, each):
+    """Write the segment of each of so many sorted keys into pairs: (P,), and whether an item begins there into firsts.
+
+    firsts: (P + 1,), behind its first number.  count: of segments.
+    """
+    pair = tl.program_id(0) * LANES + tl.arange(0, LANES)
+    known = pair < total
+    key = tl.load(keys + pair, mask=known, other=0)
+    before = tl.load(keys + pair - 1, mask=known & (pair > 0), other=0)
+    begins = (pair == 0) | (key // each != before // each)
+    tl.store(firsts + pair + 1, begins.to(tl.int64), mask=known)
+    tl.store(pairs + pair, (key % count).to(tl.int32), mask=known)
+
+
+@triton.jit
+def list_items(keys, numbers, items, total, count, each):
+    """Write the items of so many sorted keys; numbers: (P + 1,), of items before each.  count: of strokes."""
+    pair = tl.program_id(0) * LANES + tl.arange(0, LANES)
+    known = pair < total
+    number, after = tl.load(numbers + pair, mask=known, other=0), tl.load(numbers + pair + 1, mask=known, other=0)
+    stroke = tl.load(keys + pair, mask=known, other=0) // each  # in a tile: tile * count + stroke
+    at = items + number * 3
+    tl.store(at, pair, mask=after > number)
+    tl.store(at + 1, (stroke % count).to(tl.int32), mask=after > number)
+    tl.store(at + 2, (stroke // count).to(tl.int32), mask=after > number)
+    tl.store(items + after * 3, total, mask=pair == total - 1)
+
+
+@triton.jit
 def pixels(tile, height, width):
     """Return for each pixel of a tile its centre x and y, its index in an image, and whether it lies inside."""
     across = tl.cdiv(width, TILE)

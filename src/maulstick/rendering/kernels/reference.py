@@ -5,7 +5,7 @@ import math
 import torch
 from torch import Tensor
 
-from maulstick.rendering.kernels.arguments import check_canvas, check_size, check_strokes
+from maulstick.rendering.kernels.arguments import check_canvas, check_colours, check_size, check_strokes
 from maulstick.rendering.kernels.nearest import HALF_DIAGONAL, Nearest, fade, turn_between, two_nearest
 
 _CLOSE = 1.25  # pixels from a point beyond which its mark is a line's whose edge is bent
@@ -136,6 +136,7 @@ def composite(
     """
     check_strokes(points, thickness, falloff, plateau, opacity)
     check_canvas(canvas, points, colours, trainable)
+    check_colours(colours)
     numbers = [x.expand(points.shape[0]) for x in (falloff, plateau, opacity)]
     for i in range(points.shape[0]):
         stroke = [points[i : i + 1], thickness[i : i + 1], *(x[i : i + 1] for x in numbers)]
