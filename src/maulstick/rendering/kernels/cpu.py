@@ -7,7 +7,14 @@ from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from maulstick.rendering.kernels import _cpu
-from maulstick.rendering.kernels.arguments import check_canvas, check_colours, check_size, check_strokes, plain
+from maulstick.rendering.kernels.arguments import (
+    check_canvas,
+    check_colours,
+    check_shapes,
+    check_size,
+    check_strokes,
+    plain,
+)
 
 INSTRUCTION_SETS: tuple[str, ...] = tuple(_cpu.instruction_sets())
 """Instruction sets that this processor can run, the fastest first."""
@@ -77,13 +84,12 @@ def composite(
     return result
 
 
-def _check_strokes(points: Tensor, *others: Tensor) -> None:
+def _check_strokes(points: Tensor, thickness: Tensor, falloff: Tensor, plateau: Tensor, opacity: Tensor) -> None:
     """Check as `check_strokes` does, which is asked only where not all is as it should be at a glance."""
-    thickness, *numbers = others
-    fits = points.ndim == 3 and points.shape[1] > 0 and points.shape[2] == 2 and thickness.shape == points.shape[:2]
-    fits = fits and all(x.ndim == 1 and len(x) in (1, len(points)) for x in numbers)
-    if not (fits and _cpu.drawable(*_bare(points, *others))):
-        check_strokes(points, thickness, *numbers)
+    check_shapes(points, thickness, falloff=falloff, plateau=plateau, opacity=opacity)
+    strokes = points, thickness, falloff, plateau, opacity
+    if not _cpu.drawable(*_bare(*strokes)):
+        check_strokes(*strokes)
 
 
 def _one_each(points: Tensor, *numbers: Tensor) -> list[Tensor]:

@@ -154,7 +154,7 @@ class _Lists:
         each, columns = _segments_each(points), records.shape[1]
         of_segments = torch.segment_reduce(records, "sum", offsets=self.starts, axis=0, initial=0)
         of_points, of_thickness = records.new_empty(count, points, 2), records.new_empty(count, points)
-        of_strokes = records.new_empty(count, columns - 10)
+        of_strokes = records.new_empty(count, 3 + columns - _RECORD)
         sums = of_points, of_thickness, of_strokes
         sizes = count, each, points - each, columns
         _launch(sum_gradients, triton.cdiv(count, _LANES), of_segments, *sums, *sizes)

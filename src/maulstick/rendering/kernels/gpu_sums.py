@@ -3,6 +3,7 @@
 import triton
 import triton.language as tl
 
+from maulstick.rendering.kernels.gpu_programs import RECORD
 from maulstick.rendering.kernels.gpu_tiles import LANES
 
 
@@ -41,8 +42,8 @@ def sum_gradients(of_segments, of_points, of_thickness, of_strokes, count, each,
             ends_before = tl.load(of_segments + k * columns + 3 + axis)
         last = ends_before + begin + tl.where(after > 0, 0.0, own)
         tl.store(at + (each - 1 + after) * stride, last, mask=known)
-    of_strokes += stroke * (columns - 10)
+    of_strokes += stroke * (3 + columns - RECORD)
     for column in range(6, 9):
         tl.store(of_strokes + column - 6, _sum(of_segments, column, each, columns), mask=known)
-    for column in range(13, columns):
-        tl.store(of_strokes + column - 10, _sum(of_segments, column, each, columns), mask=known)
+    for column in range(RECORD, columns):
+        tl.store(of_strokes + 3 + column - RECORD, _sum(of_segments, column, each, columns), mask=known)
