@@ -16,7 +16,7 @@ from hypothesis import settings
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 from threadpoolctl import threadpool_info
 
-# Workers share the cores: with more threads than cores each waits for the others, and all takes a third longer.
+# Workers share the cores: with more threads than cores each waits for the others.
 if "PYTEST_XDIST_WORKER" in os.environ and "OMP_NUM_THREADS" not in os.environ:
     torch.set_num_threads(max(1, (os.cpu_count() or 1) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])))
 
