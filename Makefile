@@ -21,7 +21,8 @@ SOURCES := pyproject.toml constraints.txt CMakeLists.txt $(shell find src -name 
 
 # pip itself is pinned first: older ones cannot pin what a package is built with.
 PIP := $(BIN)/python -m pip --disable-pip-version-check
-INSTALL := $(PIP) install --constraint constraints.txt
+# What is used is compiled when it is; all of it takes more than a minute.
+INSTALL := $(PIP) install --no-compile --constraint constraints.txt
 EDITABLE := --build-constraint constraints.txt --editable
 
 # The oldest that PyTorch (with MKL and oneDNN), OpenBLAS, the C library and NumPy have for this kind of processor. What
@@ -36,8 +37,8 @@ OF_NUMPY := from numpy._core._multiarray_umath import __cpu_dispatch__ as known,
 NUMERICAL := $(addprefix tests/,brush_fit calibration colour ordering painting planning plots recording rendering \
 	robot strokes style)
 ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kernels/test_gpu.py \
-	rendering/kernels/test_running.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py robot/test_grbl.py \
-	robot/test_journal.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
+	rendering/kernels/test_running.py robot/test_dialogues.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py \
+	robot/test_grbl.py robot/test_journal.py robot/test_kills.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
 
 .PHONY: demo test wheel site test-baseline bench paper gallery clean
 
