@@ -17,6 +17,7 @@ from maulstick.brush_fit.trials import Trial, Trials
 from maulstick.errors import InputError, OutputError
 from maulstick.painting.picture import read_picture
 from maulstick.storage.arrays import Floats
+from tests.support.pages import DOCS, blocks
 from tests.support.tolerances import EXECUTED_PATH, PHOTOGRAPH
 
 Picture = NDArray[np.float32]
@@ -497,3 +498,12 @@ def test_trials_that_are_missing_a_file_or_huge_are_refused(tmp_path: Path, thre
         file.truncate(2**34)  # a hole: it takes no disk
     with pytest.raises(InputError, match=r"trials\.json is larger than 256 MiB, too large for a list of trials"):
         Trials.open(three)
+
+
+def test_the_list_in_the_docs_is_read(tmp_path: Path) -> None:
+    (listed,) = blocks(DOCS / "brushes.md", "json")
+    (tmp_path / "trials.json").write_text(listed, encoding="utf-8")
+    for number in range(3):
+        Image.new("RGB", (400, 400), "white").save(tmp_path / f"{number:04}.png")
+    trials = list(Trials.open(tmp_path))
+    assert [trial.path.shape for trial in trials] == [(2, 3), (2, 3)]

@@ -46,12 +46,12 @@ def typed(line: str, folder: Path, *more: str, stdin: io.IOBase | None = None) -
 
 
 def python(words: list[str], folder: Path) -> None:
-    """Run Python in a folder, by its words: ``-c`` and code, or a script of this repository and its words."""
+    """Run Python in a folder, ``-c`` and code, or a script and its words, as from a folder in the checkout."""
     with chdir(folder), patch.object(sys, "argv", words):
         if words[0] == "-c":
             exec(compile(words[1], "the page", "exec"), {"__name__": "__main__"})
             return
-        runpy.run_path(str(ROOT / words[0]), run_name="__main__")
+        runpy.run_path(str((ROOT / "folder" / words[0]).resolve()), run_name="__main__")
 
 
 @contextmanager
