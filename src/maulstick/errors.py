@@ -119,6 +119,11 @@ PYTHON = Wording(str, str, {})
 """The words of Python: options are keyword arguments, machines are specs."""
 
 
+def how_to_add(extra: str) -> str:
+    """Return what to do where a library of an extra is missing."""
+    return f"add the extra {extra}: pip install '.[{extra}]' in Maulstick's source, or 'WHEEL[{extra}]'"
+
+
 @contextmanager
 def needs_torch() -> Iterator[None]:
     """Raise InputError, which says how to install PyTorch, where what is imported meanwhile needs it and misses it."""
@@ -127,7 +132,7 @@ def needs_torch() -> Iterator[None]:
     except ModuleNotFoundError as error:
         if error.name not in _OF_PLANNING:
             raise
-        raise InputError("this needs PyTorch, which is not installed; run: pip install 'maulstick[plan]'") from error
+        raise InputError(f"this needs PyTorch, which is not installed; {how_to_add('plan')}") from error
 
 
 def validation_fault(error: "ValidationError") -> str:

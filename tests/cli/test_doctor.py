@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from serial.tools import list_ports
 
+from maulstick.errors import how_to_add
 from maulstick.jobs import doctor
 from tests.cli.conftest import run, run_command
 
@@ -33,7 +34,7 @@ def test_nothing_that_is_missing_is_an_error(monkeypatch: pytest.MonkeyPatch, tm
     ran = run("doctor")
     assert ran.code == 0
     rows = cells(ran.stdout)
-    assert rows["the studio and surveys [studio]"] == ["missing", "pip install 'maulstick[studio]'"]
+    assert rows["the studio and surveys [studio]"] == ["missing", how_to_add("studio")]
     assert rows["serial port"] == ["not found", "connect a plotter by USB, and switch it on"]
 
 

@@ -8,6 +8,7 @@ import torch
 from PIL import Image, ImageSequence
 
 from maulstick.cli.progress import VideoRecorder
+from maulstick.errors import how_to_add
 from maulstick.jobs.plan import prepare
 from maulstick.painting.painting import read_painting
 from maulstick.painting.video import Video
@@ -77,7 +78,7 @@ def test_an_mp4_without_the_package_that_makes_it_is_refused(tmp_path: Path, mon
     monkeypatch.setattr("maulstick.painting.video.find_spec", lambda name: None)
     ran = paint(tmp_path / "out", "--video", "mp4")
     assert ran.code == 2
-    assert ran.mistake == "an mp4 video needs the package av; install maulstick[video], or ask for a gif"
+    assert ran.mistake == f"an mp4 video needs the package av: ask for a gif, or {how_to_add('video')}"
 
 
 def recorded(steps: int, shape: tuple[int, int] = (4, 5)) -> Image.Image:

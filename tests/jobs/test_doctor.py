@@ -15,6 +15,7 @@ from typing import NoReturn
 import pytest
 from serial.tools import list_ports
 
+from maulstick.errors import how_to_add
 from maulstick.jobs import doctor
 from maulstick.jobs.doctor import EXTRAS, Finding, State, findings
 from maulstick.jobs.plan import device
@@ -87,7 +88,7 @@ def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(
     for name, extra in EXTRAS.items():
         finding = there[f"{extra.purpose} [{name}]"]
         assert finding.state == State.MISSING
-        assert f"'maulstick[{name}]'" in finding.note or (name == "ur" and "Python 3.12" in finding.note)
+        assert how_to_add(name) in finding.note or (name == "ur" and "Python 3.12" in finding.note)
     assert there["native renderer"].state == State.MISSING
     assert there["libmypaint"].note.startswith("apt-get install libmypaint-1.5-1; without it, the simulated easel")
     assert there["browser"].state == State.NOT_FOUND
@@ -96,7 +97,7 @@ def test_what_is_missing_is_told_with_what_to_do_and_is_no_error(
 
 def test_without_pytorch_it_says_what_planning_needs(devices: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "torch", None)
-    assert found()["PyTorch"] == Finding("PyTorch", State.MISSING, "planning needs it: pip install 'maulstick[plan]'")
+    assert found()["PyTorch"] == Finding("PyTorch", State.MISSING, f"planning needs it; {how_to_add('plan')}")
 
 
 @pytest.mark.parametrize(

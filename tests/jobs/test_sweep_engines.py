@@ -38,7 +38,7 @@ def planned_here(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def engines(monkeypatch: pytest.MonkeyPatch) -> list[OnSlurm]:
     """Slurm is this machine; its engines, as they are made."""
-    pytest.importorskip("submitit", reason="submitit is not installed: pip install 'maulstick[slurm]'")
+    pytest.importorskip("submitit", reason="submitit is not installed: pip install '.[slurm]'")
     made: list[OnSlurm] = []
 
     def make(_on: str, at_once: int | None, out: Path, slurm: Any) -> OnSlurm:
@@ -61,7 +61,7 @@ def test_submitit_plans_all_cells_the_same_to_the_bit(
 
 
 def test_a_job_that_is_requeued_does_the_same_again() -> None:
-    pytest.importorskip("submitit", reason="submitit is not installed: pip install 'maulstick[slurm]'")
+    pytest.importorskip("submitit", reason="submitit is not installed: pip install '.[slurm]'")
     again = pickle.loads(pickle.dumps(PlanCell().checkpoint("folder")))
     assert (type(again.function), again.args) == (PlanCell, ("folder",))
 
@@ -86,7 +86,7 @@ def test_a_job_that_is_taken_from_its_machine_is_requeued_and_finishes(engines: 
 
 
 def test_without_slurm_or_with_a_parameter_that_is_none_it_is_told_in_one_line(tmp_path: Path) -> None:
-    pytest.importorskip("submitit", reason="submitit is not installed: pip install 'maulstick[slurm]'")
+    pytest.importorskip("submitit", reason="submitit is not installed: pip install '.[slurm]'")
     if shutil.which("srun") is None:
         with pytest.raises(InputError, match="there is no Slurm here"):
             ms.sweep(GRID, tmp_path / "out", on="slurm")
@@ -106,7 +106,7 @@ SLURM = {
 def test_slurm_gets_arrays_with_what_the_grid_says_and_ctrl_c_cancels_what_waits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("submitit", reason="submitit is not installed: pip install 'maulstick[slurm]'")
+    pytest.importorskip("submitit", reason="submitit is not installed: pip install '.[slurm]'")
     for name, script in SLURM.items():
         (tmp_path / name).write_text(f"#!/bin/sh\ncd {tmp_path}\n{script}\n")
         (tmp_path / name).chmod(0o755)
@@ -146,7 +146,7 @@ print("done")
 def test_a_ray_cluster_plans_all_cells_the_same_to_the_bit_and_leaves_signals_alone(
     planned_here: Path, tmp_path: Path
 ) -> None:
-    pytest.importorskip("ray", reason="Ray is not installed: pip install 'maulstick[ray]'")
+    pytest.importorskip("ray", reason="Ray is not installed: pip install '.[ray]'")
     ran = subprocess.run(
         [sys.executable, "-c", RAY, repr(GRID), tmp_path / "out"],
         capture_output=True,
@@ -162,7 +162,7 @@ def test_a_ray_cluster_plans_all_cells_the_same_to_the_bit_and_leaves_signals_al
 
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "127.0.0.1:99999"])
 def test_a_ray_cluster_that_is_not_there_is_told_in_one_line(tmp_path: Path, address: str) -> None:
-    pytest.importorskip("ray", reason="Ray is not installed: pip install 'maulstick[ray]'")
+    pytest.importorskip("ray", reason="Ray is not installed: pip install '.[ray]'")
     with pytest.raises(MachineError, match=f"the Ray cluster {address} does not answer: .*; start it, or check its"):
         ms.sweep(GRID, tmp_path / "out", on=f"ray:{address}")
 

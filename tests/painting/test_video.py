@@ -6,7 +6,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.painting import video
 from maulstick.painting.video import Video
 
@@ -76,7 +76,7 @@ def test_an_mp4_without_its_package_is_refused_before_anything_is_recorded(monke
     monkeypatch.setattr(video, "find_spec", lambda name: None)
     with pytest.raises(InputError) as caught:
         Video("mp4")
-    assert str(caught.value) == "an mp4 video needs the package av; install maulstick[video], or ask for a gif"
+    assert str(caught.value) == f"an mp4 video needs the package av: ask for a gif, or {how_to_add('video')}"
     assert Video("gif").kind == "gif"
 
 

@@ -12,7 +12,7 @@ import pytest
 from natnet import NatNetClient, nat_net_client
 from scipy.spatial.transform import Rotation
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.recording.mocap import natnet
 from maulstick.recording.mocap.natnet import Seen, receive
 from maulstick.recording.mocap.take import Take
@@ -224,6 +224,4 @@ def test_without_the_package_the_error_says_how_to_install_it(monkeypatch: pytes
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(InputError) as caught:
         receive("127.0.0.1", forever)
-    assert str(caught.value) == (
-        "recording live needs the package natnet; install it with pip install 'maulstick[mocap]'"
-    )
+    assert str(caught.value) == (f"recording live needs the package natnet; {how_to_add('mocap')}")

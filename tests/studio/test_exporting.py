@@ -74,7 +74,7 @@ def test_a_film_that_cannot_be_written_here_says_what_to_install(
 ) -> None:
     painting = put_plan(tmp_path, "lines")
     monkeypatch.setattr(video, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"^an mp4 video needs the package av; install maulstick\[video\], or ask for"):
+    with pytest.raises(InputError, match=r"^an mp4 video needs the package av: ask for a gif, or add"):
         export_film(painting, "lines", "mp4", 1)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from websockets.sync.client import connect
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.studio.server.server import serve
 from maulstick.studio.state.folder import Folder
 from tests.studio.conftest import COMMAND, RunningStudio
@@ -71,7 +71,7 @@ def test_without_its_extra_the_studio_says_what_to_install(tmp_path: Path) -> No
     code = "import sys; sys.modules['nicegui'] = None; from maulstick.cli import main; main()"
     refused = ran(str(tmp_path / "studio"), code=code)
     assert refused.returncode == 2
-    assert refused.stderr == "maulstick: the studio needs NiceGUI; run: pip install 'maulstick[studio]'\n"
+    assert refused.stderr == f"maulstick: the studio needs NiceGUI; {how_to_add('studio')}\n"
     assert not (tmp_path / "studio").exists()
 
 

@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-TAUGHT = "this needs PyTorch, which is not installed; run: pip install 'maulstick[plan]'"
+from maulstick.errors import how_to_add
+
+TAUGHT = f"this needs PyTorch, which is not installed; {how_to_add('plan')}"
 
 _FINDS_NONE = """
 import sys

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 
 
 def studio(
@@ -28,5 +28,5 @@ def studio(
     try:
         from maulstick.studio.server.server import serve  # loads NiceGUI
     except ModuleNotFoundError as error:
-        raise InputError("the studio needs NiceGUI; run: pip install 'maulstick[studio]'") from error
+        raise InputError(f"the studio needs NiceGUI; {how_to_add('studio')}") from error
     serve(folder, host, port, browser)

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.storage.files import atomic_write
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import read_survey
@@ -53,7 +53,7 @@ def _serve(folder: Path, host: str, port: int) -> None:
     try:
         from maulstick.survey.serve import listening, serve
     except ImportError:
-        raise InputError("a web server is needed, and not installed; run: pip install 'maulstick[studio]'") from None
+        raise InputError(f"a web server is needed, and not installed; {how_to_add('studio')}") from None
     people = Answers(folder).participants()
     if not people:
         raise InputError(f"nobody has a link to {folder} yet; make some with --links 20, then run this again")

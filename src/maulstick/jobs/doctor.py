@@ -14,6 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+from maulstick.errors import how_to_add
 from maulstick.painting.brush import BRUSHES
 from maulstick.robot.simulated import mypaint
 from maulstick.storage.library import Library
@@ -89,7 +90,9 @@ def _native(name: str, module: str) -> Finding:
     try:
         loaded = import_module(module)
     except (ImportError, OSError) as error:
-        return Finding(name, State.MISSING, f"{error}; install it again: pip install --force-reinstall maulstick")
+        return Finding(
+            name, State.MISSING, f"{error}; install it again, in its source: pip install --force-reinstall ."
+        )
     sets: Callable[[], list[str]] | None = getattr(loaded, "instruction_sets", None)
     return Finding(name, State.WORKS, "" if sets is None else f"instructions: {sets()[0]}")
 
@@ -98,7 +101,7 @@ def _torch() -> Iterator[Finding]:
     try:
         import torch  # takes a second or two, and only torch knows whether it can use the GPU
     except ModuleNotFoundError:
-        yield Finding("PyTorch", State.MISSING, "planning needs it: pip install 'maulstick[plan]'")
+        yield Finding("PyTorch", State.MISSING, f"planning needs it; {how_to_add('plan')}")
         return
     except (ImportError, OSError) as error:
         yield Finding("PyTorch", State.MISSING, f"{error}; install it again: pip install --force-reinstall torch")
@@ -121,7 +124,7 @@ def _extra(name: str, extra: Extra) -> Finding:
         return Finding(called, State.INSTALLED, f"{extra.package} {_version(extra.package)}")
     if name == "ur" and sys.version_info >= (3, 13):
         return Finding(called, State.MISSING, f"{extra.package} needs Python 3.12 or older")
-    return Finding(called, State.MISSING, f"pip install 'maulstick[{name}]'")
+    return Finding(called, State.MISSING, how_to_add(name))
 
 
 def _mypaint() -> Iterator[Finding]:

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 from PIL import Image
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.storage.arrays import Pixels
 
 FORMATS = ("gif", "mp4")
@@ -31,7 +31,7 @@ class Video:
         if kind not in FORMATS:
             raise InputError.of_choice("video format", kind, FORMATS)
         if kind == "mp4" and find_spec("av") is None:
-            raise InputError("an mp4 video needs the package av; install maulstick[video], or ask for a gif")
+            raise InputError(f"an mp4 video needs the package av: ask for a gif, or {how_to_add('video')}")
         self.kind = kind
         self._frames: list[Image.Image] = []
 

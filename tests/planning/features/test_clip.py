@@ -1,6 +1,7 @@
 """CLIP as open_clip builds, loads and tokenises it, only tiny and with random weights."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from open_clip import pretrained
 from safetensors.torch import save_file
 from torch import Tensor
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.planning.features import clip
 from maulstick.planning.features.clip import Clip
 from tests.support.planning.tiny_network import noise
@@ -215,7 +216,7 @@ def test_without_a_network_a_file_is_asked_for(monkeypatch: pytest.MonkeyPatch) 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clip, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"^CLIP needs the package open-clip-torch; install maulstick\[clip\]$"):
+    with pytest.raises(InputError, match=rf"^CLIP needs the package open-clip-torch; {re.escape(how_to_add('clip'))}$"):
         Clip.load()
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from typing import Any
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.jobs.processes import deaf_to_interrupts
 from maulstick.jobs.sweep.cell import needs_gpu, plan_cell
 
@@ -29,7 +29,7 @@ class OnRay:
         try:
             import ray
         except ImportError as error:
-            raise InputError("ray needs the package of this name; install it: pip install 'maulstick[ray]'") from error
+            raise InputError(f"ray needs the package of this name; {how_to_add('ray')}") from error
         if address is not None:
             _check_answers(address)
         self._ray = ray

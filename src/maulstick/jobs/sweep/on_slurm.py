@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import JsonValue
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.jobs.sweep.cell import needs_gpu, plan_cell
 from maulstick.jobs.sweep.sweep import Job
 
@@ -42,7 +42,7 @@ class OnSlurm:
         try:
             from submitit import AutoExecutor
         except ImportError as error:
-            raise InputError("slurm needs submitit; install it: pip install 'maulstick[slurm]'") from error
+            raise InputError(f"slurm needs submitit; {how_to_add('slurm')}") from error
         self.room = math.inf if at_once is None else float(at_once)
         self._jobs: list[Any] = []
         self._executors: dict[bool, Any] = {}  # by whether its jobs have a GPU

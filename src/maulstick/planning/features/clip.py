@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from maulstick.errors import InputError, Remedy, option
+from maulstick.errors import InputError, Remedy, how_to_add, option
 from maulstick.planning.features.network import ReadingNetwork
 from maulstick.storage.files import file_to_read
 
@@ -63,7 +63,7 @@ class Clip(ReadingNetwork):
         cannot be had, or could only be read by running code in their file.
         """
         if find_spec("open_clip") is None:
-            raise InputError("CLIP needs the package open-clip-torch; install maulstick[clip]")
+            raise InputError(f"CLIP needs the package open-clip-torch; {how_to_add('clip')}")
         import open_clip
 
         name, tag = _named(model)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.recording.files.curves import catmull_rom, polylines
 from maulstick.recording.files.page import Page
 from maulstick.storage.arrays import Floats
@@ -29,7 +29,7 @@ def _library() -> Iterator[None]:
             warnings.simplefilter("ignore")
             yield
     except ModuleNotFoundError as error:
-        raise InputError("reading it needs Wacom's library; run: pip install 'maulstick[wacom]'") from error
+        raise InputError(f"reading it needs Wacom's library; {how_to_add('wacom')}") from error
     finally:
         logging.disable(disabled)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from maulstick.errors import InputError, option
+from maulstick.errors import InputError, how_to_add, option
 from maulstick.recording.mocap.bodies import CANVAS_MARKERS, pen_and_canvas
 from maulstick.recording.mocap.take import Take, is_unit
 from maulstick.storage.arrays import Floats
@@ -63,9 +63,7 @@ def receive(
     try:
         from natnet import NatNetClient  # type: ignore[import-untyped]
     except ImportError:
-        raise InputError(
-            "recording live needs the package natnet; install it with pip install 'maulstick[mocap]'"
-        ) from None
+        raise InputError(f"recording live needs the package natnet; {how_to_add('mocap')}") from None
     host, port = _address(server)
     client = NatNetClient(host, _local_address(host, port, local), command_port=port, use_multicast=multicast)
     try:

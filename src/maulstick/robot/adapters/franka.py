@@ -11,7 +11,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.arm import Arm
 from maulstick.robot.adapters.reaches import FRANKA_REACH
 from maulstick.robot.force import FeelsForce
@@ -63,7 +63,7 @@ class Franka(Arm, FeelsForce):
         try:
             import franky
         except ImportError as error:
-            raise InputError("the franka extra is not installed; run: pip install 'maulstick[franka]'") from error
+            raise InputError(f"the library for a Franka is not installed; {how_to_add('franka')}") from error
         with self._line(), _scheduling_kept():
             # A kernel without real time works, too: where it is late, the arm stops with an error.
             self._arm = franky.Robot(self._address, realtime_config=franky.RealtimeConfig.Ignore)

@@ -7,7 +7,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.arm import Arm, pose_of
 from maulstick.robot.adapters.reaches import UR_REACHES
 from maulstick.robot.adapters.streaming import stream
@@ -60,7 +60,7 @@ class UR(Arm, FeelsForce):
             from rtde_control import RTDEControlInterface
             from rtde_receive import RTDEReceiveInterface
         except ImportError as error:
-            raise InputError("the ur extra is not installed; run: pip install 'maulstick[ur]'") from error
+            raise InputError(f"the library for a UR is not installed; {how_to_add('ur')}") from error
         try:
             self._receive = RTDEReceiveInterface(self._address)
             self._check_safety()

@@ -10,7 +10,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.arm import Arm, pose_of
 from maulstick.robot.adapters.reaches import UFACTORY_REACHES
 from maulstick.robot.adapters.streaming import stream
@@ -71,7 +71,7 @@ class XArm(Arm):
             with redirect_stdout(io.StringIO()):  # it prints its version
                 from xarm.wrapper import XArmAPI
         except ImportError as error:
-            raise InputError("the xarm extra is not installed; run: pip install 'maulstick[xarm]'") from error
+            raise InputError(f"the library for an xArm is not installed; {how_to_add('xarm')}") from error
         try:
             self._arm = XArmAPI(self._address)
         except Exception as error:  # the SDK knows no narrower one

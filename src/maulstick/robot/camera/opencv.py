@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 
 
 def opencv() -> Any:
@@ -10,6 +10,6 @@ def opencv() -> Any:
     try:
         import cv2
     except ImportError:
-        raise InputError("OpenCV is needed, and not installed; run: pip install 'maulstick[camera]'") from None
+        raise InputError(f"OpenCV is needed, and not installed; {how_to_add('camera')}") from None
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2
