@@ -1,6 +1,7 @@
 """The Franka, end to end: franky drives a simulated arm through libfranka's own protocol."""
 
 import os
+import re
 import sys
 import threading
 import time
@@ -9,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.franka import FRANKA_LIMITS, Franka
 from maulstick.robot.check import check_robot
 from maulstick.robot.easel import Easel
@@ -167,7 +168,7 @@ def test_an_address_where_no_arm_is_says_what_to_check() -> None:
 
 def test_without_franky_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "franky", None)
-    with pytest.raises(InputError, match=r"pip install 'maulstick\[franka\]'"):
+    with pytest.raises(InputError, match=re.escape(how_to_add("franka"))):
         Franka("127.0.0.1").__enter__()
 
 

@@ -1,5 +1,6 @@
 """The UR's adapter against a fake of ur-rtde: what is sent, and how stops are handled. No real arm is involved."""
 
+import re
 import sys
 import threading
 from types import ModuleType
@@ -7,7 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.ur import UR
 from maulstick.robot.force import FeelsForce
 from maulstick.robot.robot import StoppedError
@@ -184,7 +185,7 @@ def test_an_address_where_no_arm_is_says_what_to_check_in_one_line(arm: FakeUR) 
 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rtde_control", None)
-    with pytest.raises(InputError, match=r"pip install 'maulstick\[ur\]'"):
+    with pytest.raises(InputError, match=re.escape(how_to_add("ur"))):
         UR("192.168.1.3").__enter__()
 
 

@@ -1,5 +1,6 @@
 """The xArm's adapter against a fake of its SDK: what is sent, and how codes are handled. No real arm is involved."""
 
+import re
 import sys
 import threading
 from collections.abc import Callable
@@ -8,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError, MachineError
+from maulstick.errors import InputError, MachineError, how_to_add
 from maulstick.robot.adapters.xarm import LITE6, XARM, XArm
 from maulstick.robot.robot import StoppedError
 from tests.support import tolerances
@@ -199,7 +200,7 @@ def test_an_address_where_no_arm_is_says_what_to_check(api: type[FakeXArmAPI]) -
 
 def test_without_the_sdk_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xarm.wrapper", None)
-    with pytest.raises(InputError, match=r"pip install 'maulstick\[xarm\]'"):
+    with pytest.raises(InputError, match=re.escape(how_to_add("xarm"))):
         XArm("192.168.1.2").__enter__()
 
 
