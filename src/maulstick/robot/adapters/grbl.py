@@ -136,6 +136,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         self._stream.run(["G10 L20 P1 Z0" if moved[2] else "G10 L20 P1 X0 Y0"])
         place = self.place
         self._origin = self._origin + moved * place
+        self._clear -= float(moved[2] * place[2])
         self.limits = self.limits.shifted(-moved * place)
         self._gcode = Gcode("grbl", self.limits, self._pen)
         return np.asarray(place - moved * place)
