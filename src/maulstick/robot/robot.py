@@ -30,8 +30,9 @@ class Robot(ABC):
     """Machine that draws: a context, entered before anything moves, and left with the pen lifted.
 
     Lengths are metres in the machine's own frame, right-handed, z up. Calls return the places that were really
-    commanded, which steps or decimals may have rounded. No command outside the `limits` is ever sent: a call that would
-    need one raises InputError, and nothing moves. All calls raise MachineError where the machine fails. After that,
+    commanded, which steps or decimals may have rounded. No command outside the workspace or beyond the speed of the
+    `limits` is ever sent: a call that would need one raises InputError, and nothing moves. An arm's reach, which is only
+    computed, is checked by `check_room` before a plan begins, and not here, so that no lift fails by it. All calls raise MachineError where the machine fails. After that,
     and after `stop`, they raise StoppedError until the machine is entered again. `stop` may be called from any thread
     or signal handler, all else from one thread.
 

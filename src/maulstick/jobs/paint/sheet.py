@@ -48,8 +48,9 @@ def actions_left(setup: PaintSetup, done: Collection[int], load: PaintLoad) -> l
     """
     robot, easel = setup.robot, setup.easel
     actions = routine(setup.plan, easel, robot.limits, setup.tray, speed=setup.options.speed, done=done, load=load)
+    actions = setup.stops.put_into(actions, setup.plan, easel, robot.limits, load)
     check_accepted(ways_of(actions), easel, robot)
-    return setup.stops.put_into(actions, setup.plan, easel, robot.limits, load)
+    return actions
 
 
 def paint_sheet(
