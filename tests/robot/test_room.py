@@ -271,7 +271,7 @@ def test_a_machine_is_asked_for_where_a_pen_is_refilled_before_it_is_moved(tmp_p
     options = PaintOptions(
         robot="ur:127.0.0.1", easel=tmp_path / "easel.json", refill_after="0.05m", refill_at=(0.0, 0.0)
     )
-    with pytest.raises(InputError, match="the way aside to the operator, .* is refused by the machine itself"):
+    with pytest.raises(InputError, match=r"the way aside to the operator, .* is refused by the machine itself"):
         rehearse(PaintRequest(tmp_path / "painting.json", options, robot=robot))
     assert robot.said == ["close"]
 

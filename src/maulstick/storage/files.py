@@ -62,10 +62,13 @@ def read_whole(path: str | Path, what: str, most: int) -> bytes:
         raise InputError(f"cannot read the {what} {path}: {error.strerror}") from error
 
 
-def file_sum(path: Path) -> str:
-    """SHA-256 of the file at `path`, as hexadecimal digits. Raises InputError where it cannot be read."""
+def file_sum(path: str | Path, what: str = "file") -> str:
+    """Return the SHA-256 of the file at `path`, as hexadecimal digits.
+
+    Raises InputError, which calls the file a `what`, where it cannot be read.
+    """
     try:
-        with file_to_read(path, "file").open("rb") as file:
+        with file_to_read(path, what).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}") from error

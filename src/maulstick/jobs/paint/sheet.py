@@ -89,7 +89,7 @@ def paint_sheet(
         if before is None:
             if replanning is not None and eye is not None:
                 replanning.keep(eye, journal)
-            journal.revise(request.painting, painted=first)
+            journal.revise(request.painting, first, setup.sha256)
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         paint = actions[0].paint
