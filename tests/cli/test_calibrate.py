@@ -147,6 +147,24 @@ def test_a_photograph_that_cannot_be_made_flat_is_one_sentence(
     assert sorted(Path().iterdir()) == before
 
 
+@pytest.mark.parametrize("tag", ["25", "25mm", "2.5cm"])
+def test_a_length_is_millimetres_or_has_its_unit(tag: str) -> None:
+    assert run("calibrate", "tags", *SIZE, "--tag", tag, "--page", "A3", "--out", "tags.png").code == 0
+    assert run("calibrate", "tags", *SIZE, "--tag", "25mm", "--page", "A3", "--out", "same.png").code == 0
+    assert Path("tags.png").read_bytes() == Path("same.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("tag", "text"),
+    [
+        ("25ft", "--tag is '25ft'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
+        ("300", "--tag is 300 mm; it must be between 5 and 120 mm, for a gap of 15 mm beside it"),
+    ],
+)
+def test_a_tag_that_cannot_be_says_what_came_and_what_is_allowed(tag: str, text: str) -> None:
+    assert run("calibrate", "tags", *SIZE, "--tag", tag).mistake == text
+
+
 # colours
 
 

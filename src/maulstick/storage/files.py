@@ -38,7 +38,8 @@ def file_to_read(path: str | Path, what: str) -> Path:
     except (OSError, ValueError) as error:
         raise InputError(f"cannot read the {what} {path}: {getattr(error, 'strerror', None) or error}") from error
     if stat.S_ISDIR(status.st_mode):
-        raise InputError(f"{path} is a folder; name the {what} itself")
+        inside = path / f"{what}.json"
+        raise InputError(f"{path} is a folder; name {inside if inside.is_file() else f'the {what} itself'}")
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path} is a device or a pipe; a {what} must be a file")
     if not os.access(path, os.R_OK):

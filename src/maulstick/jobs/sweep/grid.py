@@ -116,6 +116,8 @@ def grid_of(plain: Mapping[str, object], source: str) -> Grid:
     try:
         return Grid.model_validate(plain)
     except ValidationError as error:
+        if "axes" not in plain:
+            raise InputError(f"{source} is not a grid; add a table [axes], as in seed = [0, 1]") from error
         raise InputError(f"{source} is not a grid: {validation_fault(error)}") from error
 
 
