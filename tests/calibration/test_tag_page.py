@@ -57,8 +57,9 @@ def test_what_cannot_be_printed_is_refused(tmp_path: Path) -> None:
     ("numbers", "message"),
     [
         ((0.0, 0.2, 20e-3, 15e-3), "^the sheet is 0 x 0.2 m; it must be larger than nothing$"),
-        ((0.3, 0.2, 1e-3, 15e-3), "^the side of a tag is 1 mm; it must be between 5 and 500 mm$"),
-        ((0.3, 0.2, 80e-3, 5e-3), "^the gap beside a tag is 5 mm; it must be between 10 mm, an eighth of the tag"),
+        ((0.3, 0.2, 1e-3, 15e-3), "^tag is 1 mm; it must be between 5 and 120 mm, for a gap of 15 mm beside it$"),
+        ((0.3, 0.2, 80e-3, 5e-3), "^tag is 80 mm; it must be between 5 and 40 mm, for a gap of 5 mm beside it$"),
+        ((0.3, 0.2, 20e-3, 0.6), "^the gap beside a tag is 600 mm; it must be between 0.625 and 500 mm$"),
     ],
 )
 def test_a_frame_that_cannot_be_is_refused(numbers: tuple[float, float, float, float], message: str) -> None:

@@ -1,4 +1,5 @@
 import os
+import signal
 from importlib import import_module
 from pathlib import Path
 
@@ -11,8 +12,9 @@ from maulstick.calibration.colour import read_colours
 from maulstick.painting.picture import encode_png, read_picture, scaled
 from maulstick.robot.easel import read_easel
 from maulstick.robot.limits import Limits
-from tests.cli.conftest import Ran, run
+from tests.cli.conftest import Ran, Running, run
 from tests.support.calibration.photo_studio import CANVAS, CHART_CORNERS, PAPER, TAGS, Studio, bare, chart
+from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.obedient_robot import Feeling
 from tests.support.robot.recorder import LIMITS, Recorder
 from tests.support.tolerances import CHART_SEEN, PICTURE
@@ -145,6 +147,24 @@ def test_a_photograph_that_cannot_be_made_flat_is_one_sentence(
     assert sorted(Path().iterdir()) == before
 
 
+@pytest.mark.parametrize("tag", ["25", "25mm", "2.5cm"])
+def test_a_length_is_millimetres_or_has_its_unit(tag: str) -> None:
+    assert run("calibrate", "tags", *SIZE, "--tag", tag, "--page", "A3", "--out", "tags.png").code == 0
+    assert run("calibrate", "tags", *SIZE, "--tag", "25mm", "--page", "A3", "--out", "same.png").code == 0
+    assert Path("tags.png").read_bytes() == Path("same.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("tag", "text"),
+    [
+        ("25ft", "--tag is '25ft'; it must be a length, as 10 for millimetres, 10mm or 1cm"),
+        ("300", "--tag is 300 mm; it must be between 5 and 120 mm, for a gap of 15 mm beside it"),
+    ],
+)
+def test_a_tag_that_cannot_be_says_what_came_and_what_is_allowed(tag: str, text: str) -> None:
+    assert run("calibrate", "tags", *SIZE, "--tag", tag).mistake == text
+
+
 # colours
 
 
@@ -195,13 +215,20 @@ def test_colours_that_cannot_be_learned_are_one_sentence(photos: None, words: tu
 # touch
 
 LEFT, RIGHT, UP, DOWN, LOWER, HIGHER = "\x1b[D", "\x1b[C", "\x1b[A", "\x1b[B", "\x1b[6~", "\x1b[5~"
+
+
+def jogs(step: str, *ways: tuple[int, str]) -> str:
+    """Return keys that are pressed so many times, one by one: the step's key between keeps repeats apart."""
+    return "".join(times * (step + key) for times, key in ways)
+
+
 CORNERS = [
-    "1" + 5 * LEFT + 5 * UP + 10 * LOWER + "\r",  # from (50, -50, 100) mm to (0, 0, 0)
-    "1" + 10 * RIGHT + 2 * LOWER + "\r",
-    "1" + 6 * DOWN + 2 * LOWER + "\r",
-    "1" + 10 * LEFT + 2 * LOWER + "x\r",
+    jogs("1", (5, LEFT), (5, UP), (10, LOWER)) + "\r",  # from (50, -50, 100) mm to (0, 0, 0)
+    jogs("1", (10, RIGHT), (2, LOWER)) + "\r",
+    jogs("1", (6, DOWN), (2, LOWER)) + "\r",
+    jogs("1", (10, LEFT), (2, LOWER)) + "x\r",
 ]
-PRESS = "1" + 2 * LOWER + "2" + 3 * LOWER + "3" + 2 * LOWER + "\n"
+PRESS = jogs("1", (2, LOWER)) + jogs("2", (3, LOWER)) + jogs("3", (2, LOWER)) + "\n"
 
 
 @pytest.fixture
@@ -251,8 +278,33 @@ def test_ctrl_c_leaves_no_easel_and_lets_the_machine_go(terminal: int, arm: Reco
     assert not Path("easel.json").exists()
 
 
+def test_a_key_that_is_held_lowers_the_tip_once_for_all_repeats_that_came_meanwhile(
+    terminal: int, arm: Recorder
+) -> None:
+    os.write(terminal, (20 * LOWER + "\x03").encode())
+    assert touch().code == 130
+    assert arm.said.count("move") == 1
+
+
+def test_ctrl_c_and_a_terminal_that_is_closed_lift_the_tip(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    for leave in ("\x03", None):
+        with FakeGrbl(pace=1000.0) as device:
+            words = ("calibrate", "touch", "--robot", f"grbl:{device.port}", "--size", "100x60mm")
+            running = Running(*words, keys=True)
+            running.wait_for("press Enter")
+            os.write(running._terminal, jogs("2", (6, LOWER)).encode())
+            running.wait_for("z -1.0 mm")
+            if leave is None:
+                os.kill(running.pid, signal.SIGHUP)
+            else:
+                os.write(running._terminal, leave.encode())
+            assert running.leave() == 130
+            assert device.place[2] == pytest.approx(5)
+
+
 def test_corners_that_do_not_fit_the_sheet_are_refused(terminal: int, arm: Recorder) -> None:
-    os.write(terminal, "".join([CORNERS[0], "1" + 9 * RIGHT + 2 * LOWER + "\r", *CORNERS[2:]]).encode())
+    os.write(terminal, "".join([CORNERS[0], jogs("1", (9, RIGHT), (2, LOWER)) + "\r", *CORNERS[2:]]).encode())
     ran = touch()
     assert ran.code == 2
     assert "touch point " in ran.stderr
@@ -263,9 +315,8 @@ def test_an_arm_that_feels_goes_down_by_itself(terminal: int, monkeypatch: pytes
     """Its paper lies 20 mm high, and it starts at (300, 0, 100) mm."""
     arm = Feeling(0.02)
     monkeypatch.setattr(import_module("maulstick.cli.calibrate.touch"), "machine", lambda spec, easel: arm)
-    near, pressure = "1" + 7 * LOWER + "\r", "1" + 3 * LOWER + "2" + 2 * LOWER + "\r"
-    keys = [near, "1" + 10 * RIGHT + 2 * LOWER + "\r", "1" + 6 * DOWN + 2 * LOWER + "\r"]
-    os.write(terminal, "".join([*keys, "1" + 10 * LEFT + 2 * LOWER + "\r", pressure]).encode())
+    corners = [jogs("1", (7, LOWER)), *(jogs("1", way, (2, LOWER)) for way in ((10, RIGHT), (6, DOWN), (10, LEFT)))]
+    os.write(terminal, "\r".join([*corners, jogs("1", (3, LOWER)) + jogs("2", (2, LOWER)), ""]).encode())
     ran = touch("--force")
     assert ran.code == 0, ran.stderr
     assert "take the tip above the upper left corner of the sheet, and press Enter" in ran.stderr

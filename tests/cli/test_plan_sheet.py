@@ -38,6 +38,7 @@ def test_a_plan_of_a_corrected_picture_that_was_killed_goes_on_to_the_same_paint
         (["--rotate", "45"], "--rotate is 45; it must be 0, 90, 180 or 270"),
         (["--straighten", "20"], "--straighten is 20.0; it must be from -15 to 15"),
         (["--margin", "20mm", "--size", "200x45mm"], "--margin leaves "),
+        (["--margin", "21", "--size", "200x45mm"], "--margin is 21mm; it must be at most 20mm on a sheet of 200 x"),
         (["--margin", "21mm", "--size", "200x45mm"], "--margin is 21mm; it must be at most 20mm on a sheet of 200 x"),
     ],
 )

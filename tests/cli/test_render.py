@@ -72,7 +72,7 @@ def test_a_painting_with_a_fault_is_refused_by_the_name_of_the_field(
 def test_a_file_that_is_no_painting_is_refused(painting: Path) -> None:
     painting.write_bytes(painting.read_bytes()[:1000])
     assert "is not a painting: the file: Invalid JSON" in run("render", painting).mistake
-    assert run("render", painting.parent).mistake == f"{painting.parent} is a folder; name the painting itself"
+    assert run("render", painting.parent).mistake == f"{painting.parent} is a folder; name {painting}"
     missing = painting.with_name("none.json")
     assert run("render", missing).mistake == f"there is no painting {missing}; check its name and folder"
 

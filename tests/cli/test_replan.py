@@ -1,3 +1,4 @@
+import io
 import json
 import re
 from collections.abc import Callable
@@ -118,6 +119,19 @@ def test_what_was_cut_off_goes_on_with_the_latest_revision_and_looks_first(monke
     assert revisions() == ["painting.json", "painting.r1.json", "painting.r2.json"]
     assert len(painted()) == len(set(painted()))
     assert set(painted()) == {stroke.id for stroke in whole().strokes}
+
+
+def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on_and_looks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with monkeypatch.context() as patch:
+        put_webcam(patch, after(1, unplug))
+        assert replan().code == 3
+    monkeypatch.setattr("maulstick.robot.simulated.easel.SimulatedEasel.counts_steps", True)
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+    ran = replan("--resume")
+    assert ran.code == 0, ran.stderr
+    assert ran.stderr.count("see that the pen stands 0 mm from the left and 0 mm from the upper edge") == 1
 
 
 def test_a_sheet_that_is_moved_by_8_mm_is_painted_where_it_lies(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -132,7 +132,7 @@ def test_a_style_is_replaced_only_when_told_to(here: Path, cat: str) -> None:
     ("words", "text"),
     [
         (["none.ink.npz", "--name", "a"], "there is no file none.ink.npz; check its name and folder"),
-        (["text.txt", "--name", "a"], "text.txt is neither ink nor strokes; make ink of it with maulstick record"),
+        (["text.txt", "--name", "a"], "text.txt is neither ink nor strokes; make ink of it with maulstick record ink"),
         (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a file is named twice, and its strokes would count twice"),
         (["cat.ink.npz", "--name", "../x"], "the name of a style is '../x'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", "free"], "the name of a style is 'free'; it must be up to 40 of a-z, 0-9 and -"),

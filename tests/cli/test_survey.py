@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import build, read_survey
 from maulstick.survey.questions import questions
@@ -37,6 +38,15 @@ def test_links_are_made_and_printed_one_a_line(folder: Path) -> None:
 
 def test_an_address_of_six_groups_stands_in_brackets(folder: Path) -> None:
     assert run("survey", folder, "--links", "1", "--host", "::1").stdout.startswith("http://[::1]:8338/")
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::"])
+def test_links_to_all_addresses_name_one_that_a_participant_can_open(folder: Path, host: str) -> None:
+    (link,) = run("survey", folder, "--links", "1", "--host", host).stdout.splitlines()
+    (token,) = [person.token for person in Answers(folder).participants()]
+    assert link == f"{pages_at(host, 8338)}{token}"
+    assert "//0.0.0.0" not in link
+    assert "//[::]" not in link
 
 
 def test_results_are_two_questionnaires_and_a_csv(folder: Path) -> None:

@@ -177,7 +177,7 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
     ("text", "told"),
     [
         ("axes", "is not TOML: Expected '='"),
-        ("axis = {}", "is not a grid: axes: Field required"),
+        ("axis = {}", "is not a grid; add a table [axes], as in seed = [0, 1]"),
         ("[axes]", "axes names no option; give at least one, as in seed = [0, 1, 2]"),
         ("[axes]\nseed = 0", "is not a grid: axes.seed: Input should be a valid list (got 0)"),
         ("[axes]\nseed = []", "the axis seed has no value; give it some, or leave it out"),

@@ -12,7 +12,8 @@ from maulstick.painting.painting import Painting, read_painting, write_painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
-from maulstick.robot.routine import Draw
+from maulstick.robot.routine import NOTHING, Draw, PaintLoad, Prompt
+from maulstick.robot.stops import UNKNOWN, Stops
 from maulstick.robot.tray import Tray
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Floats, Image
@@ -49,15 +50,23 @@ class Day:
         rest = [stroke.model_copy(update={"id": free + number}) for number, stroke in enumerate(left)]
         return painting.model_copy(update={"strokes": (*kept, *rest)})
 
+    def ask(self, prompt: Prompt) -> None:
+        self.events.append(prompt.message)
+
     def paint(
-        self, every: int, tray: Tray | None = None, watch: Callable[[PaintProgress], None] = lambda progress: None
+        self,
+        every: int,
+        tray: Tray | None = None,
+        watch: Callable[[PaintProgress], None] = lambda progress: None,
+        load: PaintLoad = NOTHING,
+        stops: Stops | None = None,
     ) -> None:
         with Journal.open(journal_of(self.path)) as self.journal, self.robot:
             if self.journal.revision is None:
                 self.journal.revise(self.path)
             plan = read_painting(self.journal.painting())
-            place = Workplace(self.robot, EASEL, self.journal, lambda ask: None, watch, tray=tray)
-            paint_by_eye(plan, place, self.look, self.again, lambda painted: painted == every)
+            place = Workplace(self.robot, EASEL, self.journal, self.ask, watch, tray=tray, stops=stops or Stops())
+            paint_by_eye(plan, place, self.look, self.again, lambda painted: painted == every, load)
 
     def drawn(self) -> list[Floats]:
         """Paths on the sheet, and not those of the tray to its right."""
@@ -159,3 +168,13 @@ def test_a_replan_that_leaves_nothing_ends_it(tmp_path: Path) -> None:
     day.again = nothing  # type: ignore[method-assign]
     day.paint(4)
     assert len(day.drawn()) == 4
+
+
+@pytest.mark.parametrize("load", [NOTHING, UNKNOWN])
+def test_a_pen_of_which_nobody_knows_how_much_it_has_drawn_is_refilled_first(tmp_path: Path, load: PaintLoad) -> None:
+    day = Day(tmp_path)
+    one = tuple(stroke.model_copy(update={"paint": 0}) for stroke in SIX.strokes)
+    write_painting(SIX.model_copy(update={"strokes": one, "paints": SIX.paints[:1]}), day.path)
+    day.paint(9, load=load, stops=Stops(metres=10.0))
+    refilled = [what for what in day.events if what.startswith("refill")]
+    assert len(refilled) == (load is UNKNOWN)

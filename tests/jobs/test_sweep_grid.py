@@ -1,11 +1,12 @@
 """Grids: their cells, and the names of these."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import pytest
 
 from maulstick.errors import InputError
+from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.sweep.grid import MOST_CELLS, grid_of
 
 
@@ -42,6 +43,15 @@ def test_files_are_beside_the_grid_and_names_of_libraries_are_not_files(tmp_path
     options = cell.request.options
     assert cell.request.picture == tmp_path / "photos" / "a.png"
     assert (options.look, options.brush, options.style) == (tmp_path / "b.png", str(tmp_path / "mine.json"), "loops")
+
+
+def test_every_option_that_is_a_file_is_beside_the_grid(tmp_path: Path) -> None:
+    kinds = get_type_hints(PlanOptions)
+    assert sorted(FILES) == sorted(name for name, kind in kinds.items() if kind == Path | None)
+    together = ("regions", "say", "guides")
+    for names in (together, *((name,) for name in FILES if name not in together)):
+        (cell,) = cells({"seed": [0]}, tmp_path, picture="a.png", **dict.fromkeys(names, "file"))
+        assert {getattr(cell.request.options, name) for name in names} == {tmp_path / "file"}
 
 
 def test_long_texts_and_odd_letters_make_names_of_folders_that_differ() -> None:

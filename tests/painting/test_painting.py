@@ -466,7 +466,6 @@ def test_a_stroke_off_the_sheet_is_read_within_the_margin_and_refused_by_its_id_
     [
         (b"hello", "the file: Invalid JSON: expected value at line 1 column 1"),
         (b"[1, 2]", "the file: Input should be an object"),
-        (b"\x89PNG\r\n\x1a\n", "the file: Invalid JSON"),
         (b"[" * 100_000, "the file: Invalid JSON: recursion limit exceeded"),
     ],
 )
@@ -477,6 +476,26 @@ def test_a_file_that_is_something_else_is_refused(tmp_path: Path, content: bytes
         read_painting(path)
     assert str(caught.value).startswith(f"{path} is not a painting: {text}")
     assert len(str(caught.value)) < len(str(path)) + 200
+
+
+@pytest.mark.parametrize("content", [b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xe0", b"GIF89a"])
+def test_a_picture_is_said_to_be_one_that_is_planned_first(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "cat"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read_painting(path)
+    assert str(caught.value) == f"{path} is a picture; plan it first, with maulstick plan {path}"
+
+
+def test_an_svg_is_no_painting_and_of_a_folder_its_painting_is_named(tmp_path: Path) -> None:
+    (tmp_path / "boat.svg").write_text("<svg/>")
+    with pytest.raises(
+        InputError, match=r"boat\.svg is an SVG, and a painting is needed; name the painting\.json of a"
+    ):
+        read_painting(tmp_path / "boat.svg")
+    write_painting(a_painting(), tmp_path / "painting.json")
+    with pytest.raises(InputError, match=rf"is a folder; name {tmp_path}/painting\.json$"):
+        read_painting(tmp_path)
 
 
 def test_a_truncated_painting_is_refused_wherever_it_ends(tmp_path: Path) -> None:

@@ -136,6 +136,41 @@ def test_the_paper_of_a_machine_that_lifts_by_height_is_where_the_tip_touches_it
         bench.lift()
 
 
+def test_a_tip_that_was_jogged_onto_the_paper_is_lifted_to_where_it_came_from() -> None:
+    with FakeGrbl(pace=1000.0) as device, Grbl(device.port) as robot:
+        bench = Bench(robot, None, SIZE)
+        bench.jog(2, 0.009)
+        bench.jog(2, -0.003)
+        bench.lift()
+        assert device.place[2] == pytest.approx(14), "wherever its paper lies, which nobody has told"
+        bench.jog(2, -0.015)
+        bench.go_home()
+        assert device.place[2] == pytest.approx(5)
+        assert min(z for *_, z, _ in device.reached) == pytest.approx(-1)
+
+
+def test_a_tip_that_was_jogged_down_is_lifted_wherever_it_is() -> None:
+    steep = EASEL.model_copy(update={"right": (0.9, 0, 0.19**0.5)})
+    with Recorder() as robot:
+        bench = Bench(robot, steep, SIZE)
+        for _ in range(3):
+            bench.jog(0, 0.05)
+        bench.jog(2, -0.02)
+        bench.lift()
+        assert robot.lifted
+        assert robot.place[2] == LIMITS.upper[2], "the height of travel there is beyond it"
+
+
+def test_the_pen_is_lowered_beneath_where_it_is_on_a_tilted_easel() -> None:
+    tilted = EASEL.model_copy(update={"right": (np.cos(0.05), 0.0, np.sin(0.05))})
+    with Recorder() as robot:
+        bench = Bench(robot, tilted, SIZE)
+        bench.lower()
+        (path,) = [path for what, path in robot.commands if what == "stroke"]
+        assert tilted.machine_to_canvas(path)[0, 2] == pytest.approx(-tilted.deepest / 2)
+        bench.lift()
+
+
 @pytest.mark.parametrize("pen", [SERVO, Pen(up=500, down=700, seconds=0.01)])
 def test_a_grbls_servo_is_raised_and_lowered_where_the_pen_is(pen: Pen) -> None:
     upwards = np.sign(pen.up - pen.down)

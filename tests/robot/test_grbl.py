@@ -239,6 +239,20 @@ def test_a_stop_from_another_thread_halts_a_stroke_and_lifts_the_pen(pen: Pen | 
 
 
 @pytest.mark.parametrize("pen", [None, SERVO])
+def test_after_a_stop_it_is_entered_again_on_the_same_connection(pen: Pen | None) -> None:
+    with FakeGrbl(pace=5, start=(50.0, 50.0, 5.0)) as device:
+        robot = Grbl(device.port, pen)
+        with robot.connected():
+            with robot:
+                robot.move(ABOVE)
+                with once(lambda: device.place[0] > 1e3 * ABOVE[0] + 1, robot.stop), pytest.raises(StoppedError):
+                    robot.stroke(CIRCLE, SPEED)
+            with robot:
+                robot.move(ABOVE)
+                assert device.place[:2] == pytest.approx(1e3 * ABOVE[:2])
+
+
+@pytest.mark.parametrize("pen", [None, SERVO])
 @pytest.mark.parametrize("stopped", [True, False])
 def test_a_pen_that_stays_down_after_a_stroke_is_lifted_by_a_stop_and_on_leaving(
     pen: Pen | None, stopped: bool

@@ -110,6 +110,16 @@ def test_an_incomplete_last_line_is_left_out_and_a_damaged_one_is_named(data: Pa
         read_logbook()
 
 
+@pytest.mark.parametrize("left", [1, 30])
+def test_a_run_after_a_power_cut_is_a_line_of_its_own(data: Path, left: int) -> None:
+    tally = tallied(data, Recorder())
+    tally.write("axidraw", data / "painting.json")
+    whole = logbook_path().read_text()
+    logbook_path().write_text(whole + whole[:left])
+    tally.write("grbl:/dev/ttyUSB0", data / "painting.json")
+    assert [run.machine for run in read_logbook()] == ["axidraw", "grbl:/dev/ttyUSB0"]
+
+
 def test_a_logbook_that_cannot_be_written_is_one_sentence(data: Path) -> None:
     (data / "data").write_text("a file")
     with pytest.raises(OutputError, match="cannot write the logbook"):

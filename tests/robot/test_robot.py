@@ -243,6 +243,53 @@ def test_a_pen_that_could_not_be_lifted_is_not_said_to_be_until_it_is() -> None:
     assert robot.said[-2:] == ["recover", "close"]
 
 
+def test_a_tip_that_was_jogged_down_is_not_lifted_until_it_is_where_it_came_from() -> None:
+    with Recorder() as robot:
+        robot.move(np.array(HIGH))
+        robot.jog(np.array([0.01, 0.0, 0.05]))
+        assert robot.lifted
+        robot.jog(np.array([0.01, 0.0, 0.0]))
+        robot.move(np.array([0.02, 0.0, 0.01]))
+        assert not robot.lifted
+        assert (robot.drawing, robot.clear) == (False, 0.05)
+        robot.jog(np.array([0.02, 0.0, 0.06]))
+        assert robot.lifted
+        robot.jog(np.array([0.02, 0.0, 0.0]))
+        robot.lift(0.03)
+        assert (robot.lifted, robot.clear) == (True, 0.03)
+    assert "recover" not in robot.said
+
+
+def test_a_tip_creeps_down_by_no_number_of_small_steps_and_counts_as_lifted() -> None:
+    with Recorder() as robot:
+        robot.move(np.array(HIGH))
+        for _ in range(5):
+            robot.jog(robot.place - (0, 0, 5e-5))
+        assert not robot.lifted
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_a_machine_that_is_left_or_stopped_with_its_tip_jogged_down_lifts_it(stopped: bool) -> None:
+    heights: list[float] = []
+
+    class Rising(Recorder):
+        def _recover(self) -> None:
+            super()._recover()
+            heights.append(self.place[2])
+
+    robot = Rising()
+    with robot:
+        robot.move(np.array(HIGH))
+        robot.jog(np.zeros(3))
+        if stopped:
+            robot.stop()
+            with pytest.raises(StoppedError):
+                robot.lift(0.05)
+    assert robot.said == ["move", "move", "recover", "close"]
+    assert heights == [0.05]
+    assert robot.lifted
+
+
 class Connecting(Recorder):
     """Recorder that also notes when it connects, and may fail to open."""
 

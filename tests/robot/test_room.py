@@ -29,6 +29,7 @@ from maulstick.robot.reach import Reach
 from maulstick.robot.robot import StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import Prompt, routine, ways_of
+from maulstick.robot.stops import Stops
 from maulstick.storage.arrays import Floats
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import line, painting_of
@@ -69,6 +70,21 @@ def test_a_plan_that_lies_over_the_base_is_refused_with_where_to_lay_it() -> Non
     text = refused(LINES, at(0.1, 0.02))
     assert "is 106 mm too near to the base of the UR3e, whose wrist must stay 216 mm from its axis" in text
     assert text.endswith("; move the sheet 110 mm farther from the base")
+
+
+@pytest.mark.parametrize(
+    ("aside", "text"),
+    [
+        ((0.4, 0.0), "refill.at is where the machine does not go: is 2.* mm too far from the base of the UR3e"),
+        ((-0.6, 0.02), "the way aside to the operator, at x .* is .* mm too near to the base of the UR3e"),
+    ],
+)
+def test_where_a_pen_is_refilled_is_within_an_arms_reach_and_so_is_the_way_there(
+    aside: tuple[float, float], text: str
+) -> None:
+    easel = at(0.3, 0.03)
+    with pytest.raises(InputError, match=text):
+        Stops(metres=0.05, aside=aside).put_into(routine(LINES, easel, UR3E), LINES, easel, UR3E)
 
 
 @given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(-0.05, 0.1))
@@ -246,6 +262,18 @@ def test_a_dry_run_says_it_too_and_moves_nothing(
     with pytest.raises(InputError, match=fault):
         paint(PaintRequest(tmp_path / "painting.json", options, robot=robot), lambda stroke: True, Nobody.at)
     assert robot.said == ["close", "close"], "nor when it is painted: the machine is never entered"
+
+
+def test_a_machine_is_asked_for_where_a_pen_is_refilled_before_it_is_moved(tmp_path: Path) -> None:
+    write_painting(LINES, tmp_path / "painting.json")
+    write_easel(at(0.3, 0.02), tmp_path / "easel.json")
+    robot = Knowing(lambda place: bool(place[0] > 0.305))
+    options = PaintOptions(
+        robot="ur:127.0.0.1", easel=tmp_path / "easel.json", refill_after="0.05m", refill_at=(0.0, 0.0)
+    )
+    with pytest.raises(InputError, match=r"the way aside to the operator, .* is refused by the machine itself"):
+        rehearse(PaintRequest(tmp_path / "painting.json", options, robot=robot))
+    assert robot.said == ["close"]
 
 
 def test_an_operator_who_stops_a_machine_that_is_still_being_asked_is_heard(tmp_path: Path) -> None:

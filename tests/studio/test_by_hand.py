@@ -113,6 +113,25 @@ def test_a_stop_lifts_the_pen_and_ends_it(tmp_path: Path) -> None:
         assert device.place[2] == 5, (device.lines[-12:], device.reached[-4:])
 
 
+@pytest.mark.parametrize("last", [Deed.STOP, Deed.LEAVE])
+def test_a_tip_that_was_lowered_by_height_is_lifted_at_the_end(tmp_path: Path, last: Deed) -> None:
+    async def set_up() -> None:
+        async with in_hand(tmp_path / "studio", device) as hand:
+            await do(hand, Jog(2, -0.006))
+            assert hand.state.standing is not None
+            assert not hand.state.standing.lifted
+            if last is Deed.STOP:
+                hand.stop()
+            else:
+                hand.do(last)
+            await rest(hand)
+            assert not hand.state.fault
+
+    with FakeGrbl(pace=1000.0) as device:
+        run(set_up)
+        assert device.place[2] == pytest.approx(5)
+
+
 def test_a_stop_while_it_connects_is_not_forgotten(tmp_path: Path) -> None:
     async def set_up() -> None:
         with Folder.opened(tmp_path / "studio") as folder:

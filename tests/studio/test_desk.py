@@ -109,10 +109,14 @@ def test_a_process_that_is_lost_while_it_waits_costs_one_answer_at_most() -> Non
     at_a_desk(do)
 
 
-def test_a_process_without_work_is_let_go_and_comes_back_with_the_next() -> None:
+@pytest.mark.parametrize("refused", [False, True])
+def test_a_process_without_work_is_let_go_and_comes_back_with_the_next(refused: bool) -> None:
     async def do() -> None:
         desk = Desk(idle=0.2)
         first = await desk.do(work.who)
+        if refused:
+            with pytest.raises(MaulstickError):
+                await desk.do(work.task_refused)
         async with asyncio.timeout(PATIENCE):
             while desk._process is not None:
                 await asyncio.sleep(0.02)

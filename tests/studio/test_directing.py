@@ -110,6 +110,24 @@ def test_acts_are_undone_and_redone_also_in_a_later_studio_and_the_plan_stays_as
     assert read_painting(file) == SIX
 
 
+@pytest.mark.parametrize("line", [b'{"edit": {"kind": "of another version"}}', b"\xff", b"[" * 100_000])
+def test_a_line_that_is_no_act_is_named_and_no_act_is_lost(tmp_path: Path, line: bytes) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+
+    async def lock(directing: Directing) -> None:
+        await directing.edit(_LOCK)
+
+    acting(tmp_path, lock)
+    (acts,) = file.parent.glob("edits-*")
+    content = acts.read_bytes() + line + b"\n" + acts.read_bytes()
+    acts.write_bytes(content)
+    with pytest.raises(InputError, match=r"line 2 of .*edits-.*\.jsonl is no act that this Maulstick knows; update"):
+        acting(tmp_path, _nothing)
+    assert acts.read_bytes() == content
+    acts.rename(file.with_name("kept.jsonl"))
+    assert acting(tmp_path, _nothing).version == 0
+
+
 def test_an_edit_that_cannot_be_is_refused_and_not_kept(tmp_path: Path) -> None:
     put_plan(tmp_path, "six", SIX)
 

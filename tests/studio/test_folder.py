@@ -188,7 +188,10 @@ def test_one_studio_at_a_time_works_in_a_folder(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match=r"cannot work in .*; name another folder"), Folder.opened(tmp_path / "file"):
+    with (
+        pytest.raises(OutputError, match=r"cannot work in .*: it is a file, and a folder is needed; name one"),
+        Folder.opened(tmp_path / "file"),
+    ):
         pass
 
 

@@ -23,6 +23,8 @@ from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.plan import Phase
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.run import Run, State
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import Done
@@ -54,7 +56,7 @@ async def opened(root: Path) -> AsyncIterator[Run]:
     """Open a studio without a page, and stop its machine at the end."""
     with Folder.opened(root) as folder:
         desk = Desk()
-        run = Run(folder, desk, Mixing(folder, desk))
+        run = Run(folder, desk, Mixing(folder, desk), Plans(folder))
         try:
             yield run
         finally:
@@ -100,6 +102,23 @@ def events(painting: Path, event: str) -> list[int]:
     """Return the strokes of all entries of that event in the painting's journal."""
     lines = [json.loads(row) for row in journal_of(painting).read_text().splitlines()]
     return [entry["stroke"] for entry in lines if entry["event"] == event]
+
+
+def test_a_plan_that_is_being_planned_again_is_not_painted_meanwhile(tmp_path: Path) -> None:
+    painting = put_plan(tmp_path, "lines")
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            run._plans.of("lines").phase = Phase.PLANNING
+            with pytest.raises(InputError, match="lines is being planned; wait until it has finished, or stop it"):
+                await run.begin("lines", SIM)
+            assert not run.is_busy
+            run._plans.of("lines").phase = Phase.STOPPED
+            await run.begin("lines", SIM)
+            assert await outcome(run) == "lines is painted."
+
+    asyncio.run(paint())
+    assert events(painting, "begin") == events(painting, "end")
 
 
 def test_it_is_checked_and_painted_to_the_end_and_every_stroke_is_in_the_journal(tmp_path: Path) -> None:

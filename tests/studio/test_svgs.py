@@ -18,6 +18,7 @@ from maulstick.jobs.paintable import read_paintable
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.run import Run
 from maulstick.studio.state.svgs import Svgs
 from maulstick.studio.workers.desk import Desk
@@ -38,7 +39,7 @@ async def opened(root: Path) -> AsyncIterator[tuple[Svgs, Run]]:
     """Open a studio without a page, and stop its machine at the end."""
     with Folder.opened(root) as folder:
         desk = Desk()
-        run = Run(folder, desk, Mixing(folder, desk))
+        run = Run(folder, desk, Mixing(folder, desk), Plans(folder))
         try:
             yield Svgs(folder, desk), run
         finally:

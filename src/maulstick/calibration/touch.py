@@ -95,7 +95,7 @@ def probe_by_force(robot: FeelsForce, above: Floats, lowest: float, threshold: f
     robot.move(above)
     in_the_air = _force(robot)
     for height in np.arange(above[2] - _PROBE, lowest, -_PROBE):
-        place = robot.move(np.array([*above[:2], height]))
+        place = robot.jog(np.array([*above[:2], height]))
         if abs(_force(robot) - in_the_air) > threshold:
             robot.move(above)
             return place

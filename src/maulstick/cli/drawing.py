@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from maulstick.cli.lengths import metres
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError
 from maulstick.jobs.paintable import read_paintable
@@ -22,7 +23,7 @@ Size = Annotated[
     _drawing(metavar="SIZE", show_default="the page's", help="Scale the page to a sheet: 200x160mm, A4-landscape."),
 ]
 Margin = Annotated[
-    float | None,
+    str | None,
     _drawing(metavar="MM", show_default="the page's", help="Scale what is drawn to so far from the sheet's edges."),
 ]
 Rotate = Annotated[str, _drawing(metavar="DEGREES", help="Turn the page clockwise: 90, 180 or 270.")]
@@ -40,7 +41,7 @@ HatchHand = Annotated[
 ]
 NoRepeats = Annotated[bool, _drawing("--no-repeats", metavar="", help="Leave out paths that are there twice.")]
 Shortest = Annotated[
-    float | None, _drawing(metavar="MM", show_default="0", help="Leave out paths that are shorter than this.")
+    str | None, _drawing(metavar="MM", show_default="0", help="Leave out paths that are shorter than this.")
 ]
 KeepOrder = Annotated[
     bool, _drawing("--keep-order", metavar="", help="Draw each pen's paths in the order of the file, not a quick one.")
@@ -49,25 +50,25 @@ KeepOrder = Annotated[
 
 def drawing_options(
     size: str | None,
-    margin: float | None,
+    margin: str | None,
     rotate: str,
     hatch: str | None,
     hatch_hand: str | None,
     no_repeats: bool,
-    shortest: float | None,
+    shortest: str | None,
     keep_order: bool,
 ) -> DrawingOptions | None:
     """Return the options as they were typed, None where none was. Raises InputError where one cannot be used."""
     if rotate not in _TURNS:
-        raise InputError.of_choice("turn for --rotate", rotate, _TURNS)
+        raise InputError.of_range("--rotate", rotate, "0, 90, 180 or 270")
     given: dict[str, Any] = {
         "size": None if size is None else parse_size(size),
-        "margin": None if margin is None else margin * 1e-3,
+        "margin": None if margin is None else metres(margin, "--margin"),
         "rotate": int(rotate) or None,
         **({} if hatch is None else _hatch(hatch)),
         "hatch_hand": hatch_hand,
         "no_repeats": no_repeats or None,
-        "shortest": None if shortest is None else shortest * 1e-3,
+        "shortest": None if shortest is None else metres(shortest, "--shortest"),
         "keep_order": keep_order or None,
     }
     given = {name: value for name, value in given.items() if value is not None}

@@ -102,7 +102,7 @@ def _index(number: int, painting: Painting) -> int:
 
 def _drawn(text: str, painting: Painting) -> list[AddStroke]:
     number, colon, file = text.partition(":")
-    if not (colon and number.isdigit()):
+    if not (colon and number.isdecimal()):
         raise InputError(f"--add is {text!r}; it must be a paint's number and a file, as in 2:signature.json")
     from maulstick.recording.files.ink_files import read_ink_file  # loads parsers
 
@@ -118,13 +118,15 @@ def _parts(
     text: str, name: str, example: str, value_of: Callable[[str], Value], painting: Painting
 ) -> tuple[tuple[int, ...], Value]:
     """Return the ids before the colon, and the value after it."""
-    ids, colon, value = text.partition(":")
+    named, colon, value = text.partition(":")
+    fault = f"{name} is {text!r}; it must be like {example}"
+    if not colon:
+        raise InputError(fault)
+    ids = _ids(named, name, painting)
     try:
-        if not colon:
-            raise ValueError
-        return _ids(ids, name, painting), value_of(value)
+        return ids, value_of(value)
     except ValueError:
-        raise InputError(f"{name} is {text!r}; it must be like {example}") from None
+        raise InputError(fault) from None
 
 
 def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
@@ -134,7 +136,7 @@ def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
             ids.extend(of_region)
             continue
         first, dash, last = part.partition("-")
-        if not (first.isdigit() and (last.isdigit() or not dash)):
+        if not (first.isdecimal() and (last.isdecimal() or not dash)):
             raise InputError(f"{name} names {part!r}; strokes are named by their ids, as in 3,7-12, or a region's name")
         begin, end = int(first), int(last or first)
         if not begin <= end < begin + _MOST_IDS:

@@ -4,16 +4,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.errors import InputError
 from maulstick.robot.logbook import logbook_path, read_logbook, totals
 
 
 def print_logbook(machine: str | None) -> None:
-    """Print what each pen has drawn, on a machine or on all where it is None. Raises InputError where nothing was."""
+    """Print what each pen has drawn, on a machine or on all where it is None."""
     runs = [run for run in read_logbook() if machine in (None, run.machine)]
     if not runs:
-        where = "" if machine is None else f" on {machine}"
-        raise InputError(f"nothing was painted{where} so far; the logbook is {logbook_path()}")
+        nothing = "no real machine has painted" if machine is None else f"nothing was painted on {machine}"
+        print(f"{nothing} so far (the simulated easel is not counted)")
+        return
     table = Table(title=f"{len(runs)} runs" if len(runs) > 1 else "1 run", caption=str(logbook_path()))
     for column in ("pen", "metres", "minutes", "strokes", "runs", "last"):
         table.add_column(column, justify="left" if column in ("pen", "last") else "right", overflow="fold")

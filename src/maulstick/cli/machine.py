@@ -1,10 +1,8 @@
 """``maulstick machine``: sets up a machine by hand, with keys."""
 
 import os
-import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -14,7 +12,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.export import servo_of
-from maulstick.cli.keyboard import pressed_keys, unechoed
+from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.logbook import print_logbook
 from maulstick.cli.wording import COMMAND_LINE, stopped
 from maulstick.errors import InputError, MachineError, OutputError
@@ -25,8 +23,6 @@ from maulstick.robot.bench import Bench
 from maulstick.robot.easel import Easel, read_easel, write_easel
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
-
-_ARROWS: Final = ("left", "right", "up", "down", "pageup", "pagedown")  # keys that are held
 
 _sheet = partial(typer.Option, rich_help_panel="The sheet and the pen")
 _writing = partial(typer.Option, rich_help_panel="What is written")
@@ -87,10 +83,10 @@ def machine(
     if not sys.stdin.isatty():
         raise InputError("keys are needed to move the machine; run it in a terminal")
     console = Console(stderr=True, markup=False, highlight=False)
-    with machine_lock(spec), unechoed(), _hang_up_as_ctrl_c():
+    with machine_lock(spec), unechoed(), hang_up_as_ctrl_c():
         robot = machines.machine(spec, given)
         bench = Bench(robot, None if place is None else given, sides)
-        session, keys = _Session(console, out, bench), pressed_keys(merged=_ARROWS)
+        session, keys = _Session(console, out, bench), pressed_keys()
         entered = False
         try:
             while not session.over:
@@ -162,10 +158,10 @@ class _Session:
     def _where(self) -> str:
         robot, servo = self.bench.robot, self.bench.servo
         x, y, z = (1e3 * robot.place).round(1) + 0.0
-        at = "up" if robot.lifted else "down"
         if servo is None or servo.pen is None:
+            at = "lifted" if robot.lifted else "lowered"
             return f"x {x:.1f}  y {y:.1f}  z {z:.1f} mm, pen {at}, step {1e3 * self.step[0]:g} mm   "
-        number = servo.pen.up if robot.lifted else servo.pen.down
+        at, number = ("up", servo.pen.up) if robot.lifted else ("down", servo.pen.down)
         return f"x {x:.1f}  y {y:.1f} mm, pen {at} at {number:g}, step {1e3 * self.step[0]:g} mm   "
 
 
@@ -242,18 +238,3 @@ KEYS: Final[dict[str, tuple[str, Callable[[_Session, Bench], None]]]] = {
     "q": ("lift the pen and leave", _leave),
 }
 """Keys by their names in prompt_toolkit: a label for people, and what the key does."""
-
-
-@contextmanager
-def _hang_up_as_ctrl_c() -> Iterator[None]:
-    """Let a terminal that is closed, and a kill, interrupt as Ctrl-C does, so that the pen is lifted."""
-
-    def interrupt(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

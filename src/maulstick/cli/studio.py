@@ -11,7 +11,7 @@ from maulstick.errors import InputError, how_to_add
 def studio(
     folder: Annotated[Path, typer.Argument(help="Folder for drawings, plans and surveys.")] = Path("studio"),
     port: Annotated[
-        int, typer.Option(metavar="N", min=0, max=65535, help="Port of the page; 0 takes any that is free.")
+        int, typer.Option(metavar="N", help="Port of the page, to 65535; 0 takes any that is free.")
     ] = 8337,
     host: Annotated[
         str,
@@ -25,6 +25,8 @@ def studio(
 
     Example: maulstick studio my-paintings --port 8400
     """
+    if not 0 <= port <= 65535:
+        raise InputError.of_range("the port", port, "from 0 to 65535")
     try:
         from maulstick.studio.server.server import serve  # loads NiceGUI
     except ModuleNotFoundError as error:

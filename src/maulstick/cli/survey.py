@@ -10,6 +10,7 @@ from rich.text import Text
 
 from maulstick.errors import InputError, how_to_add
 from maulstick.storage.files import atomic_write
+from maulstick.studio.server.link import pages_at
 from maulstick.survey.answers import Answers
 from maulstick.survey.questionnaire import read_survey
 
@@ -44,7 +45,7 @@ def survey(
         _print_results(folder)
     elif links is not None:
         for token in Answers(folder).mint(links):
-            print(_link(host, port, token))
+            print(f"{pages_at(host, port)}{token}")
     else:
         _serve(folder, host, port)
 
@@ -60,7 +61,7 @@ def _serve(folder: Path, host: str, port: int) -> None:
     with listening(host, port) as at:
         waiting = [person for person in people if not person.finished]
         for person in waiting:
-            print(_link(host, port, person.token))
+            print(f"{pages_at(host, port)}{person.token}")
         print(f"{len(people) - len(waiting)} of {len(people)} participants have finished; Ctrl-C ends", flush=True)
         serve(folder, at)
 
@@ -88,7 +89,3 @@ def _print_results(folder: Path) -> None:
     out = folder / "answers.csv"
     atomic_write(out, answers_csv(Answers(folder).all()))
     print(out, flush=True)
-
-
-def _link(host: str, port: int, token: str) -> str:
-    return f"http://{f'[{host}]' if ':' in host else host}:{port}/{token}"

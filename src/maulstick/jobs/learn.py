@@ -83,4 +83,4 @@ def _strokes_in(recorded: Recorded) -> Strokes:
         if points != POINTS:
             raise InputError.of_range(f"the number of points of a stroke in {recorded}", points, f"{POINTS}")
         return strokes
-    raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record")
+    raise InputError(f"{recorded} is neither ink nor strokes; make ink of it with maulstick record ink")

@@ -11,6 +11,7 @@ from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, Remedy, needs_torch
 from maulstick.painting.painting import Painting, read_painting
 from maulstick.painting.raster import Canvas
+from maulstick.storage.files import file_sum
 
 if TYPE_CHECKING:
     from maulstick.drawing.hand import HatchingHand
@@ -21,9 +22,13 @@ _CANVAS: Final = Canvas(0.2, 0.2, 1000)  # by which the free style, which is nob
 
 @dataclass(frozen=True)
 class Paintable:
-    """Painting that was read; notes: sentences about what of the file is not painted as it says."""
+    """Painting that was read from a file.
+
+    sha256: of that file, in hexadecimal digits.  notes: sentences about what of it is not painted as it says.
+    """
 
     painting: Painting
+    sha256: str
     notes: tuple[str, ...] = ()
 
 
@@ -33,15 +38,16 @@ def read_paintable(path: str | Path, drawing: DrawingOptions | None = None) -> P
     drawing: how an SVG is read.
     Raises InputError where the file is neither, or there are options for an SVG and it is none.
     """
+    sha256 = file_sum(path, "drawing" if is_svg(path) else "painting")  # before it is read: what comes later is another
     if is_svg(path):
         from maulstick.drawing.read import read_drawing
 
         named = None if drawing is None or drawing.hatch_hand is None else _hatching_hand(drawing.hatch_hand)
         read = read_drawing(path, drawing, named)
-        return Paintable(read.painting, read.notes)
+        return Paintable(read.painting, sha256, read.notes)
     if drawing is not None:
         raise InputError(f"{path} is no SVG, and a painting is painted as it was planned", Remedy.WITHOUT_DRAWING)
-    return Paintable(read_painting(path))
+    return Paintable(read_painting(path), sha256)
 
 
 def strokes_sum(painting: Painting) -> str:

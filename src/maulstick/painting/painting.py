@@ -28,6 +28,7 @@ OFF_SHEET: Final = 1e-3
 """Metres that a commanded stroke may lie off its sheet: about as well as a sheet is cut, and laid before a machine."""
 
 _MOST_POINTS = 2**20  # of the trajectories of one part of a painting: 24 MiB of numbers, 32,768 strokes as planned
+_PICTURES = (b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"RIFF", b"BM", b"II*\0", b"MM\0*")  # beginnings of their files
 _LARGEST_FILE = 256 * 2**20  # bytes: some 250,000 strokes
 _SLACK = 2e-6  # metres: how much rounding can change a sum of two lengths
 
@@ -274,8 +275,13 @@ def read_painting(path: str | Path) -> Painting:
     if path.stat().st_size > _LARGEST_FILE:
         raise InputError(f"{path} is larger than {_LARGEST_FILE >> 20} MiB; no painting is; name a painting.json")
     try:
-        painting = Painting.model_validate_json(path.read_bytes(), strict=True)
+        content = path.read_bytes()
+        painting = Painting.model_validate_json(content, strict=True)
     except ValidationError as error:
+        if content.startswith(_PICTURES):
+            raise InputError(f"{path} is a picture; plan it first, with maulstick plan {path}") from error
+        if path.suffix.lower() in (".svg", ".svgz"):
+            raise InputError(f"{path} is an SVG, and a painting is needed; name the painting.json of a plan") from error
         raise InputError(f"{path} is not a painting: {painting_fault(error)}") from error
     except OSError as error:
         raise InputError(f"cannot read the painting {path}: {error.strerror}") from error

@@ -43,22 +43,26 @@ class Bench:
         return self.robot if isinstance(self.robot, HasServo) and self.robot.pen is not None else None
 
     def jog(self, axis: int, metres: float) -> None:
-        """Move along x, y or z (0, 1 or 2), with the pen lifted."""
+        """Move along x, y or z (0, 1 or 2); a tip that has come down is not lifted: it may touch the paper."""
         if axis == 2 and not self.robot.limits.varies_pressure:
             raise InputError("a servo lifts this pen, which has no height; lift or lower it, or set its servo")
         step = np.zeros(3)
         step[axis] = metres
-        self.robot.move(self.robot.place + step)
+        self.robot.jog(self.robot.place + step)
 
     def lift(self) -> None:
-        """Lift the pen to the height of travel."""
+        """Lift the pen to the height of travel, or to the one that it was jogged down from if that is higher."""
         if not self.robot.lifted:
-            self.robot.lift(self._above(self.robot.place)[2])
+            height = max(self._above(self.robot.place)[2], self.robot.clear)
+            self.robot.lift(min(height, self.robot.limits.upper[2]))
 
     def lower(self) -> None:
         """Lower the pen onto the paper where it is; the pen stays there until `lift`."""
         x, y, _ = self.easel.machine_to_canvas(self.robot.place).tolist()
-        self.robot.stroke(self.easel.canvas_to_machine(np.array([[x, y, -self._depth]])), self._speed(1))
+        path = self.easel.canvas_to_machine(np.array([[x, y, -self._depth]]))
+        self.robot.limits.check_path(path)
+        self._go(path[0])
+        self.robot.stroke(path, self._speed(1))
 
     def go_home(self) -> None:
         """Move to the corner at the origin, or that of the easel's file, at the height of travel."""
@@ -107,7 +111,7 @@ class Bench:
 
         A machine that keeps no origin of its own gets another easel, which has to be written.
         """
-        if not self.robot.lifted:
+        if self.robot.drawing:
             raise InputError("the pen is down; lift it before the origin is set")
         if what == "paper" and not self.robot.limits.varies_pressure:
             raise InputError("a servo lifts this pen, and the paper's height does not matter")
@@ -146,7 +150,7 @@ class Bench:
     def _go(self, place: Floats) -> None:
         """Lift to the height of travel if the tip is lower, and move above a place (3,), metres."""
         here, there = self._above(self.robot.place), self._above(place)
-        highest = max(here[2], there[2], self.robot.place[2])
+        highest = max(here[2], there[2], self.robot.clear)
         path = np.array([[*here[:2], highest], [*there[:2], highest], there])
         self.robot.limits.check_path(path)
         for point in path:

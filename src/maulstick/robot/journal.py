@@ -17,7 +17,7 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
 
 from maulstick.errors import InputError, OutputError, Remedy
-from maulstick.storage.files import file_to_read, held, read_whole, sync_folder
+from maulstick.storage.files import file_sum, file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
 """Version of the journal's lines."""
@@ -150,10 +150,12 @@ class Journal:
         journal._take_whole_lines(read_whole(path, "journal", _LARGEST))
         return journal
 
-    def revise(self, file: Path, painted: Iterable[int] = ()) -> None:
-        """Write that the painting is from now on this file beside the journal, and that these ids are painted."""
-        content = read_whole(file, "painting", _LARGEST)
-        digest = hashlib.sha256(content).hexdigest()
+    def revise(self, file: Path, painted: Iterable[int] = (), sha256: str | None = None) -> None:
+        """Write that the painting is from now on this file beside the journal, and that these ids are painted.
+
+        sha256: of the file when it was read, in hexadecimal digits; left out, as it is now.
+        """
+        digest = sha256 or file_sum(file, "painting")
         self._append(Revision(file=file.name, sha256=digest, painted=tuple(painted)))
 
     def write_options(self, options: dict[str, JsonValue]) -> None:

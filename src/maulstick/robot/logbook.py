@@ -21,6 +21,7 @@ from maulstick.robot.routine import Draw
 from maulstick.storage.files import read_whole
 
 _LARGEST = 2**26  # bytes that are read at most: more than a hundred thousand runs
+_BEGINNING = b"{"  # of each line, and of one that is incomplete
 _SUMS = ("metres", "seconds", "strokes")
 _Sum = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -86,13 +87,20 @@ class Tally:
         path = logbook_path()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+            file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
             try:
-                os.write(file, f"{run.model_dump_json()}\n".encode())  # one write: two machines may end at once
+                line = f"{_line_end(file)}{run.model_dump_json()}\n"
+                os.write(file, line.encode())  # one write: two machines may end at once
             finally:
                 os.close(file)
         except OSError as error:
             raise OutputError(f"cannot write the logbook {path}: {error.strerror}") from error
+
+
+def _line_end(file: int) -> str:
+    """Return what ends the last line of a file: nothing, unless a power cut left it incomplete."""
+    size = os.fstat(file).st_size
+    return "" if size == 0 or os.pread(file, 1, size - 1) == b"\n" else "\n"
 
 
 def logbook_path() -> Path:
@@ -103,7 +111,7 @@ def logbook_path() -> Path:
 def read_logbook() -> list[LoggedRun]:
     """Return all runs of the logbook, oldest first, [] where there is none. Raises InputError where a line is not one.
 
-    A last line that a power cut left incomplete is left out.
+    Lines that a power cut left incomplete are left out.
     """
     path = logbook_path()
     if not path.exists():
@@ -117,6 +125,8 @@ def read_logbook() -> list[LoggedRun]:
             fault = validation_fault(error)
             raise InputError(f"line {number} of {path} is not one of a logbook: {fault}; remove it") from error
         except (ValueError, RecursionError) as error:
+            if line.startswith(_BEGINNING):
+                continue
             raise InputError(f"line {number} of {path} is not one of a logbook; remove it") from error
     return runs
 

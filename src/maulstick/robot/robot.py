@@ -30,10 +30,11 @@ class Robot(ABC):
     """Machine that draws: a context, entered before anything moves, and left with the pen lifted.
 
     Lengths are metres in the machine's own frame, right-handed, z up. Calls return the places that were really
-    commanded, which steps or decimals may have rounded. No command outside the `limits` is ever sent: a call that would
-    need one raises InputError, and nothing moves. All calls raise MachineError where the machine fails. After that,
-    and after `stop`, they raise StoppedError until the machine is entered again. `stop` may be called from any thread
-    or signal handler, all else from one thread.
+    commanded, which steps or decimals may have rounded. No command outside the workspace or beyond the speed of the
+    `limits` is ever sent: a call that would need one raises InputError, and nothing moves. An arm's reach is computed,
+    so it is checked before a plan begins, by `check_room`, and not here: no lift may fail by it. All calls raise
+    MachineError where the machine fails. After that, and after `stop`, they raise StoppedError until the machine is
+    entered again. `stop` may be called from any thread or signal handler, all else from one thread.
 
     An adapter implements the abstract methods. They return once the machine has arrived; one that takes longer than
     0.1 s looks at `_stopping` that often, and raises StoppedError.
@@ -46,8 +47,8 @@ class Robot(ABC):
         self.limits = limits
         self._stopping = Stopping()
         self._place: Floats | None = None
-        self._clear = -np.inf  # height at which the pen was last lifted, metres
-        self._down = self._out_of_use = self._connected = False
+        self._clear = -np.inf  # height at which the pen was last known to be lifted, metres
+        self._down = self._low = self._out_of_use = self._connected = False
 
     @final
     def __enter__(self) -> Self:
@@ -56,7 +57,8 @@ class Robot(ABC):
         try:
             if not self._connected:
                 self._connect()
-            self._place, self._down = self._open(), False
+            self._place, self._down, self._low = self._open(), False, False
+            self._clear = float(self._place[2])
         except BaseException:
             self._leave()
             raise
@@ -98,8 +100,24 @@ class Robot(ABC):
     @property
     @final
     def lifted(self) -> bool:
-        """Whether the pen is known to be lifted; False where the machine failed and could not be reached again."""
-        return not self._down
+        """Whether the pen is known to be lifted; False where the machine failed and could not be reached again.
+
+        A tip that was jogged down may touch the paper, wherever that lies: it is lifted again from `clear` upwards.
+        """
+        return not (self._down or self._low)
+
+    @property
+    @final
+    def drawing(self) -> bool:
+        """Whether a stroke has lowered the pen, which stays where it is until `lift`."""
+        return self._down
+
+    @property
+    @final
+    def clear(self) -> float:
+        """Height at which the pen was last known to be lifted, metres."""
+        self._check_connected()
+        return self._clear
 
     @property
     def counts_steps(self) -> bool:
@@ -115,12 +133,17 @@ class Robot(ABC):
     @final
     def move(self, place: Floats) -> Floats:
         """Move straight to a place (3,), metres, with the pen lifted; returns the place commanded, (3,)."""
-        goal = np.asarray(place, dtype=np.float64)
-        self.limits.check_path(goal[None])
-        self._check_connected()
-        if self._down:
-            raise InputError("the pen is down; lift it before moving")
-        return self._do(lambda: self._move(goal))
+        reached = self._moved(place, low=self._low)
+        if not self._low:
+            self._clear = float(reached[2])
+        return reached
+
+    @final
+    def jog(self, place: Floats) -> Floats:
+        """Move as `move` does, by hand and maybe onto the paper: what is lower than `clear` then is not lifted."""
+        reached = self._moved(place, low=True)
+        self._clear = max(self._clear, float(reached[2]))
+        return reached
 
     @final
     def stroke(self, path: Floats, speed: Floats) -> Floats:
@@ -140,7 +163,7 @@ class Robot(ABC):
         beside = float(np.hypot(*(self.place - path[0])[:2]))
         if beside > _SAME_PLACE:
             raise InputError(f"the stroke starts {1e3 * beside:.3g} mm beside the pen; move there first")
-        self._down, self._clear = True, float(self.place[2])
+        self._down = True
         return self._do(lambda: self._stroke(path, speed))
 
     @final
@@ -150,7 +173,8 @@ class Robot(ABC):
         self.limits.check_path(goal[None])
         self._clear = max(self._clear, height)
         place = self._do(lambda: self._lift(goal))
-        self._down = False
+        self._down = self._low = False
+        self._clear = float(place[2])
         return place
 
     @final
@@ -214,6 +238,18 @@ class Robot(ABC):
         `place` has the height by then to which the pen was lifted before.
         """
 
+    def _moved(self, place: Floats, low: bool) -> Floats:
+        """Move straight to a place (3,), metres. low: whether the tip is not lifted there if that is below `clear`."""
+        goal = np.asarray(place, dtype=np.float64)
+        self.limits.check_path(goal[None])
+        self._check_connected()
+        if self._down:
+            raise InputError("the pen is down; lift it before moving")
+        self._low = low
+        reached = self._do(lambda: self._move(goal))
+        self._low = low and bool(reached[2] < self._clear - _SAME_PLACE)
+        return reached
+
     def _leave(self) -> None:
         if not self._connected:
             self._close()
@@ -244,9 +280,9 @@ class Robot(ABC):
 
     def _save(self) -> None:
         """Lift the pen if it is not known to be lifted."""
-        if self._down:
-            if self._place is not None:  # a stroke that has ended left it at the paper
+        if not self.lifted:
+            if self._place is not None:  # a stroke that has ended, or a jog, left it at the paper
                 self._place[2] = max(self._place[2], self._clear)
             with suppress(MachineError):  # the fault before it says more
                 self._recover()
-                self._down = False
+                self._down = self._low = False

@@ -163,6 +163,8 @@ def ways_of(actions: Sequence[Action]) -> list[Way]:
     ways: list[Way] = []
     for action in actions:
         if isinstance(action, Prompt):
+            if action.aside is not None:
+                ways.append(_way_aside(action.aside, ways[-1].path[-1] if ways else np.array(action.aside)))
             continue
         motion = action.motion
         name = f"stroke {action.stroke}" if isinstance(action, Draw) else f"the {action.what} for paint {action.paint}"
@@ -170,6 +172,13 @@ def ways_of(actions: Sequence[Action]) -> list[Way]:
             ways.append(Way(f"the way to {name}", _straight_over(ways[-1].path[-1], motion.start), None))
         ways.append(Way(name, np.concatenate([[motion.start], motion.path, [motion.end]]), motion.speed))
     return ways
+
+
+def _way_aside(aside: Point, start: Floats) -> Way:
+    """Return the way from a place (3,) to one where the operator works on the pen: no lower than either."""
+    height = max(aside[2], float(start[2]))
+    path = _straight_over(np.array([*start[:2], height]), np.array([*aside[:2], height]))
+    return Way("the way aside to the operator", path, None)
 
 
 def _straight_over(start: Floats, end: Floats) -> Floats:

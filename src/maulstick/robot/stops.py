@@ -11,7 +11,8 @@ from maulstick.painting.painting import Painting
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.easel import Easel
 from maulstick.robot.limits import Limits
-from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt
+from maulstick.robot.room import check_room
+from maulstick.robot.routine import NOTHING, Action, Draw, PaintLoad, Prompt, ways_of
 
 UNKNOWN: Final = PaintLoad(None, float("inf"), float("inf"))
 """Load of a pen that has drawn in an earlier run, nobody knows how much: it has to be refilled first."""
@@ -43,7 +44,7 @@ class Stops:
         """Return the actions of a routine with these stops.
 
         load: the paint that the machine holds at the beginning, and how much it has drawn with it.
-        Raises InputError where the place aside is outside the limits.
+        Raises InputError where the place aside, or the way there, is outside the limits.
         """
         aside = self._aside(easel, limits)
         if not self.pauses and np.isinf([self.metres, self.seconds]).all():
@@ -61,6 +62,8 @@ class Stops:
                     load = PaintLoad(action.paint)
                 load = load.after(action.paint, action.motion.length, seconds)
             stopping.append(action)
+        if aside is not None:
+            check_room(ways_of(stopping), easel, limits)
         return stopping
 
     def _is_due(self, load: PaintLoad, metres: float, seconds: float) -> bool:
@@ -76,6 +79,8 @@ class Stops:
             limits.check_path(place[None])
         except InputError as error:
             raise InputError(f"{option('refill_at')} is where the machine does not go: {error.fault}") from error
+        if limits.reach is not None and limits.reach.beyond(place[None]).any():
+            raise InputError(f"{option('refill_at')} is where the machine does not go: {limits.reach.fault(place)}")
         x, y, z = place.tolist()
         return x, y, z
 

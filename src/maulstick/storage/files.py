@@ -38,7 +38,8 @@ def file_to_read(path: str | Path, what: str) -> Path:
     except (OSError, ValueError) as error:
         raise InputError(f"cannot read the {what} {path}: {getattr(error, 'strerror', None) or error}") from error
     if stat.S_ISDIR(status.st_mode):
-        raise InputError(f"{path} is a folder; name the {what} itself")
+        inside = path / f"{what}.json"
+        raise InputError(f"{path} is a folder; name {inside if inside.is_file() else f'the {what} itself'}")
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path} is a device or a pipe; a {what} must be a file")
     if not os.access(path, os.R_OK):
@@ -62,10 +63,13 @@ def read_whole(path: str | Path, what: str, most: int) -> bytes:
         raise InputError(f"cannot read the {what} {path}: {error.strerror}") from error
 
 
-def file_sum(path: Path) -> str:
-    """SHA-256 of the file at `path`, as hexadecimal digits. Raises InputError where it cannot be read."""
+def file_sum(path: str | Path, what: str = "file") -> str:
+    """Return the SHA-256 of the file at `path`, as hexadecimal digits.
+
+    Raises InputError, which calls the file a `what`, where it cannot be read.
+    """
     try:
-        with file_to_read(path, "file").open("rb") as file:
+        with file_to_read(path, what).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}") from error

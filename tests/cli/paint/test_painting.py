@@ -3,12 +3,13 @@ import os
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from maulstick.painting.painting import write_painting
 from maulstick.robot.easel import write_easel
 from maulstick.robot.journal import journal_of
 from tests.cli.conftest import contents, run
-from tests.cli.paint.conftest import ALL, MESSAGE, correlation, painted, picture_of
+from tests.cli.paint.conftest import ALL, MESSAGE, answers, correlation, painted, picture_of
 from tests.support.robot.recorder import EASEL, LIMITS, Recorder
 from tests.support.robot.small_paintings import line, painting_of
 from tests.support.robot.trays import TRAY_JSON
@@ -41,6 +42,20 @@ def test_it_paints_every_stroke_once_and_shows_the_sheet(painting: Path) -> None
     assert sorted(painted(painting)) == ALL
     seen = [name for name in sorted(os.listdir(painting.parent)) if not name.startswith(".")]
     assert seen == ["painting-painted.png", "painting.json", "painting.log.jsonl"]
+
+
+def test_a_painting_that_is_replaced_while_the_machine_connects_is_not_taken_for_the_one_that_was_begun(
+    painting: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def connect(spec: str, easel: object) -> Recorder:
+        write_painting(painting_of([line(99)]), painting)
+        return Recorder()
+
+    monkeypatch.setattr("maulstick.jobs.paint.setup.machine", connect)
+    answers(monkeypatch, "\n\n\n")
+    assert run("paint", painting, "--robot", "grbl:/dev/ttyUSB0").code == 0
+    assert sorted(painted(painting)) == ALL
+    assert "is not the file that" in run("paint", painting, "--resume").mistake
 
 
 def test_what_is_painted_is_like_the_preview(calibrated: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.state.run import Run
 from maulstick.studio.workers.desk import Desk
 
@@ -15,7 +16,7 @@ async def paint(root: Path, plan: str, machine: str, easel: Path) -> None:
     """Print the id of the painting process once it has painted two strokes, and wait for the end."""
     with Folder.opened(root) as folder:
         desk = Desk()
-        run = Run(folder, desk, Mixing(folder, desk))
+        run = Run(folder, desk, Mixing(folder, desk), Plans(folder))
         await run.begin(plan, PaintOptions(robot=machine, easel=easel))
         while run.state.progress is None or run.state.progress.stroke < 3:
             run.done(run.state.question_number)

@@ -8,6 +8,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.brush.fit import fit as fit_trials
+from maulstick.cli.lengths import metres
 from maulstick.cli.paint.operator import TerminalOperator, confirm
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -59,7 +60,7 @@ def brush(
         Path | None,
         _machine(metavar="FILE", help="Place of the sheet, from `maulstick calibrate touch`. Arms need it."),
     ] = None,
-    tag: Annotated[float, _camera(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    tag: Annotated[str, _camera(metavar="MM", help="Side of the black squares of the tags.")] = "20",
     view: Annotated[
         Path | None,
         _camera(metavar="FILE", help="The camera's view, from `maulstick calibrate camera --keep`, instead of tags."),
@@ -92,7 +93,7 @@ def brush(
         speed=None if speed is None else speed * 1e-3,
         camera=camera,
         view=view,
-        tag=tag * 1e-3,
+        tag=metres(tag, "--tag"),
     )
     options.check()
     if robot.startswith("sim"):

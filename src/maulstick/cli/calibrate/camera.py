@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.lengths import metres
 from maulstick.errors import InputError
 from maulstick.painting.picture import encode_png, read_picture
 from maulstick.painting.raster import flat_canvas, parse_size
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 def camera(
     photo: Annotated[Path, typer.Argument(help="Photograph of the sheet with its four tags.")],
     size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
-    tag: Annotated[float, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    tag: Annotated[str, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = "20",
     corners: Annotated[
         str | None,
         typer.Option(
@@ -59,7 +60,7 @@ def camera(
     from maulstick.calibration.colour import read_colours, whites_of
     from maulstick.robot.camera.tag_frame import TagFrame
 
-    picture, frame = read_picture(photo), TagFrame(*sheet, side=tag * 1e-3)
+    picture, frame = read_picture(photo), TagFrame(*sheet, side=metres(tag, "--tag"))
     view = view_of(picture, frame, corners)
     flat = view.rectify(picture, flat_canvas(*sheet))
     if colours is not None:

@@ -8,6 +8,7 @@ import typer
 
 from maulstick.cli.calibrate.camera import four_points
 from maulstick.cli.folder import check_absent
+from maulstick.cli.lengths import metres
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError
 from maulstick.painting.picture import read_picture
@@ -36,7 +37,7 @@ def colours(
         Path | None, _truth(metavar="PHOTO", help="Photograph with a grey card over the middle of the sheet.")
     ] = None,
     paper: Annotated[str, _sheet(metavar="COLOUR", help="Colour of the sheet: white, or #rrggbb.")] = "white",
-    tag: Annotated[float, _sheet(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    tag: Annotated[str, _sheet(metavar="MM", help="Side of the black squares of the tags.")] = "20",
     out: Annotated[Path, _writing(metavar="FILE", help="File to write.")] = Path("colours.json"),
     overwrite: Annotated[bool, _writing("--overwrite", metavar="", help="Replace an earlier file.")] = False,
 ) -> None:
@@ -55,7 +56,7 @@ def colours(
     from maulstick.calibration.colour import lamp_of, whites_of, write_colours
     from maulstick.robot.camera.tag_frame import TagFrame
 
-    frame = TagFrame(*sheet, side=tag * 1e-3)
+    frame = TagFrame(*sheet, side=metres(tag, "--tag"))
     photo = read_picture(bare)
     view = locate(photo, frame)
     found = lamp_of(view.rectify(photo, canvas), whites_of(photo, view, frame), parse_colour(paper))

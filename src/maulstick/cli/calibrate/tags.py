@@ -6,12 +6,13 @@ from typing import Annotated
 import typer
 
 from maulstick.cli.folder import check_absent
+from maulstick.cli.lengths import metres
 from maulstick.painting.raster import parse_size
 
 
 def tags(
     size: Annotated[str, typer.Option(metavar="SIZE", help="Size of the sheet: 200x160mm, A4-landscape.")],
-    tag: Annotated[float, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = 20,
+    tag: Annotated[str, typer.Option(metavar="MM", help="Side of the black squares of the tags.")] = "20",
     page: Annotated[str, typer.Option(metavar="SIZE", help="Size of the paper to print on.")] = "A4",
     out: Annotated[
         Path, typer.Option(metavar="FILE", help="PDF or PNG file to write, to print at its true size.")
@@ -27,5 +28,5 @@ def tags(
     from maulstick.calibration.tag_page import write_tag_page
     from maulstick.robot.camera.tag_frame import TagFrame
 
-    write_tag_page(out, TagFrame(width, height, side=tag * 1e-3), parse_size(page))
+    write_tag_page(out, TagFrame(width, height, side=metres(tag, "--tag")), parse_size(page))
     print(out, flush=True)

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from maulstick.cli.folder import check_absent
-from maulstick.cli.keyboard import pressed_keys, unechoed
+from maulstick.cli.keyboard import hang_up_as_ctrl_c, pressed_keys, unechoed
 from maulstick.cli.wording import COMMAND_LINE
 from maulstick.errors import InputError
 from maulstick.jobs.paint.machine_lock import machine_lock
@@ -38,7 +38,7 @@ def touch(
     """Take the tip to the corners of the sheet, and measure where the paper lies and how deep it may be pressed.
 
     Arrow keys move the tip, Page Up and Page Down lift and lower it; 1, 2 and 3 set the step to 10, 1 or 0.1 mm; Enter
-    takes the point.
+    takes the point. Ctrl-C stops at once and lifts the tip.
 
     Example: maulstick calibrate touch --robot xarm:192.168.1.5 --size 200x160mm --out easel.json
     """
@@ -59,7 +59,7 @@ def touch(
         "lower left": (0.0, height),
     }
     keys = pressed_keys()
-    with machine_lock(robot), unechoed(), machine(robot, None) as arm:
+    with machine_lock(robot), unechoed(), hang_up_as_ctrl_c(), machine(robot, None) as arm:
         if force and not isinstance(arm, FeelsForce):
             raise InputError(f"{robot} cannot feel the paper; leave out --force, and touch it by eye")
         touched = []
@@ -98,8 +98,7 @@ def _pressed(arm: "Robot", keys: Iterator[str], easel: "Easel", console: Console
 
 
 def _raise(arm: "Robot") -> None:
-    x, y, z = arm.place.tolist()
-    arm.move(np.array([x, y, min(z + _LIFT, arm.limits.upper[2])]))
+    arm.lift(min(float(arm.place[2]) + _LIFT, arm.limits.upper[2]))
 
 
 def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "Floats":
@@ -115,6 +114,6 @@ def _jogged(arm: "Robot", keys: Iterator[str], ask: str, console: Console) -> "F
             return arm.place
         place = np.array(jog.place)
         if not np.array_equal(place, arm.place):
-            arm.move(place)
+            arm.jog(place)
             console.print("x {:.1f}  y {:.1f}  z {:.1f} mm".format(*(1e3 * place).round(1) + 0.0), end="\r")
     raise InputError("nobody is at the keyboard; run it in a terminal")

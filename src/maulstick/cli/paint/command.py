@@ -17,6 +17,7 @@ from maulstick.cli.drawing import (
     Size,
     drawing_options,
 )
+from maulstick.cli.lengths import metres
 from maulstick.errors import InputError
 from maulstick.robot.machines import SPECS
 
@@ -85,7 +86,7 @@ def paint(
         _camera(metavar="FILE", help="The camera's view, from `maulstick calibrate camera --keep`, instead of tags."),
     ] = None,
     tag: Annotated[
-        float | None, _camera(metavar="MM", show_default="20", help="Side of the black squares of the tags.")
+        str | None, _camera(metavar="MM", show_default="20", help="Side of the black squares of the tags.")
     ] = None,
     colours: Annotated[
         Path | None, _camera(metavar="FILE", help="The camera's colours, from `maulstick calibrate colours`.")
@@ -148,7 +149,7 @@ def paint(
         "camera": camera,
         "picture": picture,
         "view": view,
-        "tag": None if tag is None else tag * 1e-3,
+        "tag": None if tag is None else metres(tag, "--tag"),
         "colours": colours,
         "drawing": drawing_options(size, margin, rotate, hatch, hatch_hand, no_repeats, shortest, keep_order),
         "pen": pen,

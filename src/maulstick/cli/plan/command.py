@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from maulstick.cli.folder import check_free
+from maulstick.cli.lengths import with_unit
 from maulstick.cli.loading import no_garbage
 from maulstick.cli.plan.values import crop_of, layers_of, picture_path, strokes_of, weights_of
 from maulstick.errors import InputError, OutputError
@@ -256,7 +257,7 @@ def plan(
         "paints_from": paints_from,
         "size": size,
         "fit": fit,
-        "margin": margin,
+        "margin": with_unit(margin),
         "rotate": rotate,
         "straighten": straighten,
         "crop": WHOLE if crop is None else crop_of(crop),

@@ -31,7 +31,7 @@ from maulstick.planning.tones import InkSupply
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.room import check_accepted
-from maulstick.robot.routine import NOTHING, ways_of
+from maulstick.robot.routine import NOTHING, PaintLoad, ways_of
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
@@ -158,16 +158,18 @@ def paint_by_eye(
     look: Callable[[], tuple[Image, Easel]],
     again: Callable[[Painting, Image], Painting],
     enough: Callable[[int], bool],
-) -> None:
+    load: PaintLoad = NOTHING,
+) -> PaintLoad:
     """Paint the strokes that are left, and photograph the sheet and plan the rest again on the way.
 
     Where something is painted already, it begins with a look, since the sheet may have been moved meanwhile.
     look: returns a photograph, (h, w, 3) of the flat sheet, and the easel, which says where the sheet now lies.
     again: returns the painting with its unpainted strokes planned again on the photograph.
     enough: called after each stroke with the number painted since the last look; returns whether to look again.
+    load: the paint that the machine holds at the beginning; the one at the end is returned.
     Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
     """
-    hand, home, journal = NOTHING, workplace.robot.place, workplace.journal
+    home, journal = workplace.robot.place, workplace.journal
     while workplace.left_of(painting):
         if journal.painted:
             workplace.step_aside(home)
@@ -178,9 +180,10 @@ def paint_by_eye(
             write_painting(painting, path)
             journal.revise(path)
         painting = workplace.in_order(painting)
-        actions = workplace.left_of(painting, hand)
+        actions = workplace.left_of(painting, load)
         check_accepted(ways_of(actions), workplace.easel, workplace.robot)
-        hand = workplace.do(actions, hand, enough)
+        load = workplace.do(actions, load, enough)
+    return load
 
 
 def revision_of(journal: Journal, number: int) -> Path:

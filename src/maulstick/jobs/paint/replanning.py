@@ -20,6 +20,7 @@ from maulstick.robot.camera.camera import open_camera
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
+from maulstick.robot.routine import PaintLoad
 from maulstick.robot.workplace import Workplace
 from maulstick.storage.arrays import Image
 from maulstick.storage.files import atomic_write, file_sum
@@ -99,8 +100,8 @@ class Replanning:
         """Write what the eye saw of the bare sheet, for a run that resumes this one."""
         eye.write(_eye_of(journal))
 
-    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator) -> None:
-        """Paint what is left of the plan, and plan the rest again on the way."""
+    def paint(self, plan: Painting, workplace: Workplace, eye: Eye, operator: Operator, load: PaintLoad) -> PaintLoad:
+        """Paint what is left of the plan, and plan the rest again on the way; returns the machine's load at the end."""
         from maulstick.jobs.paint.camera_loop import paint_by_eye, replanned
 
         picture = read_picture(self.picture, longest_px=READ_PX)
@@ -128,7 +129,7 @@ class Replanning:
             """Return whether to look at the sheet after so many strokes."""
             return painted == self.every or operator.wants_a_look()
 
-        paint_by_eye(plan, workplace, look, again, enough)
+        return paint_by_eye(plan, workplace, look, again, enough, load)
 
     def _tags(self, plan: Painting) -> TagFrame:
         return TagFrame(plan.sheet.width, plan.sheet.height, side=self.tag)

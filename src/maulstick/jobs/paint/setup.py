@@ -24,12 +24,14 @@ _SAME_WIDTH = 0.05  # of a width: nobody sees less
 class PaintSetup:
     """All that a run needs, read and checked; nothing is connected.
 
+    sha256: of the plan's file, as it was read.
     simulation: None where the machine is a real one.  replanning: None where the sheet is not looked at on the way.
     notes: sentences about what is not drawn as its file says, or with another pen than planned.
     """
 
     options: PaintOptions
     plan: Painting
+    sha256: str
     robot: Robot
     easel: Easel
     tray: Tray | None
@@ -57,7 +59,7 @@ class PaintSetup:
             robot = machine(options.machine, easel) if simulation is None else simulation.robot
         easel = easel or robot.easel(plan.sheet.width, plan.sheet.height)
         notes = (*paintable.notes, *([note] if note else []))
-        return cls(options, plan, robot, easel, tray, simulation, replanning, notes)
+        return cls(options, plan, paintable.sha256, robot, easel, tray, simulation, replanning, notes)
 
     def first(self, from_stroke: int | None, from_pen: int | None = None) -> tuple[int, ...]:
         """Return the ids of the strokes before that one, or before that time a pen is put in, counted from 1.

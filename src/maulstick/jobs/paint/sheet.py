@@ -48,8 +48,9 @@ def actions_left(setup: PaintSetup, done: Collection[int], load: PaintLoad) -> l
     """
     robot, easel = setup.robot, setup.easel
     actions = routine(setup.plan, easel, robot.limits, setup.tray, speed=setup.options.speed, done=done, load=load)
+    actions = setup.stops.put_into(actions, setup.plan, easel, robot.limits, load)
     check_accepted(ways_of(actions), easel, robot)
-    return setup.stops.put_into(actions, setup.plan, easel, robot.limits, load)
+    return actions
 
 
 def paint_sheet(
@@ -88,26 +89,27 @@ def paint_sheet(
         if before is None:
             if replanning is not None and eye is not None:
                 replanning.keep(eye, journal)
-            journal.revise(request.painting, painted=first)
+            journal.revise(request.painting, first, setup.sha256)
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
-        pen = [prompt_for(setup.plan, 0)] if request.asks_for_one_pen and _is_one_pen(setup, sheet) else []
-        actions = [*pen, *actions]
-        if sheet.number > 1 and not done:
-            actions = [_new_sheet(sheet.number, setup.options.sheets, actions[0].paint, home), *actions]
+        paint = actions[0].paint
+        asked: list[Action] = []
         if request.resume and sheet.home is None and robot.counts_steps:
-            actions = [_where_it_stands(setup.easel, robot, actions[0].paint), *actions]
+            asked.append(_where_it_stands(setup.easel, robot, paint))
+        if sheet.number > 1 and not done:
+            asked.append(_new_sheet(sheet.number, setup.options.sheets, paint, home))
+        if request.asks_for_one_pen and _is_one_pen(setup, sheet):
+            asked.append(prompt_for(setup.plan, 0))
         tally = Tally(setup.plan)
         place = _workplace(setup, robot, journal, operator, tally)
         try:
             with operator.on_duty():
                 if replanning is None or eye is None:
-                    load = place.do(actions, sheet.load)
+                    load = place.do([*asked, *actions], sheet.load)
                     return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
-                if pen:
-                    place.do([*pen])
-                replanning.paint(setup.plan, place, eye, operator)
-                return PaintSheet(sheet.number + 1, home=home)
+                load = place.do(asked, sheet.load) if asked else sheet.load
+                load = replanning.paint(setup.plan, place, eye, operator, load)
+                return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
         finally:
             if setup.simulation is None:
                 _log(tally, setup, request.painting, operator)

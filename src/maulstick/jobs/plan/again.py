@@ -15,7 +15,7 @@ import torch
 from pydantic import TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
@@ -28,7 +28,6 @@ from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import POINTS, resample, standardise
 from maulstick.style.pressure import fit_knots
 
-_FILES = ("look", "clip_weights", "regions", "say", "guides")  # options of which a painting only knows the file's name
 _SETTLED = ("paper", "paints", "paints_from", "ink")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
@@ -130,7 +129,7 @@ def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
         given = {"size": "x".join(sides) + "mm", "paper": PlanOptions.paper, **given}
     known = {field.name for field in fields(PlanOptions)} - set(_NOT_KEPT)
     kept = {name: value for name, value in painting.provenance.options.items() if name in known and name not in given}
-    for name in _FILES:
+    for name in FILES:  # of which a painting knows no more than the name
         if kept.get(name) is not None:
             raise InputError(f"it was planned with the file {kept[name]}; name that once more, with {option(name)}")
     try:

@@ -26,6 +26,9 @@ AUTO: Final = "auto"
 DRAWINGS: Final = ("both", "lines", "tones")
 """What one ink draws of a picture: contours and tones, the lines that carry it, or tones alone."""
 
+FILES: Final = ("background", "again", "regions", "say", "guides", "look", "paints_from", "clip_weights")
+"""Options that are paths of files."""
+
 MOST_AUTO: Final = 10_000
 """Most strokes that are chosen for a picture: more would take a plotter days."""
 
@@ -36,7 +39,6 @@ _USUAL_PAINTS = 12  # paints by default: as many as a person is willing to mix
 _USUAL_PRESSURE = 0.5  # half as deep as a brush goes: lines of a middle width
 _LEAST_HAND, _LARGEST_HAND = 0.02, 50.0  # times a hand's size: a stamp, a wall
 _MOST_STEPS = 1_000_000  # largest number of steps, which takes hours to days
-_FILES = ("background", "again", "regions", "say", "guides", "look", "paints_from", "clip_weights")  # paths
 _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbnail, a mural
 
 
@@ -123,7 +125,7 @@ class PlanOptions:
     device: str = "auto"
 
     def __post_init__(self) -> None:
-        for name in _FILES:  # so that a plan can go on from any folder
+        for name in FILES:  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())
         object.__setattr__(self, "style", _absolute(self.style))

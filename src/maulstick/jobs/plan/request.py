@@ -11,7 +11,7 @@ from typing import Any, Final, Self
 from pydantic import ConfigDict, JsonValue, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
-from maulstick.jobs.plan.options import MOST_SEED, PlanOptions
+from maulstick.jobs.plan.options import FILES, MOST_SEED, PlanOptions
 from maulstick.painting.video import Video
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import file_sum
@@ -99,10 +99,8 @@ class PlanRequest:
     @property
     def files(self) -> list[Path]:
         """Files that it names: the picture, and those of the options; and the journal of what is on a photograph."""
-        options = self.options
-        files = (options.look, options.background, options.again, options.regions, options.say, options.guides)
-        others = (options.paints_from, options.clip_weights, self._journal)
-        return [file for file in (self.picture, *files, *others) if file is not None]
+        files = (self.picture, *(getattr(self.options, name) for name in FILES), self._journal)
+        return [file for file in files if file is not None]
 
     @property
     def _journal(self) -> Path | None:

@@ -13,7 +13,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, validation_fault
-from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
 from maulstick.storage.files import read_whole
 
@@ -22,7 +22,6 @@ MOST_CELLS: Final = 10_000
 
 _PICTURE = "picture"
 _KNOWN = {_PICTURE, *(each.name for each in fields(PlanOptions))}
-_FILES = (_PICTURE, "look", "background", "paints_from", "clip_weights")
 _LIBRARIES = ("style", "brush")  # names, or files
 _LARGEST = 2**20  # bytes: far more than any grid takes
 _LONG_VALUE, _LONG_NAME = 40, 160  # letters: longer ones are cut, and end in a sum of the whole
@@ -117,12 +116,14 @@ def grid_of(plain: Mapping[str, object], source: str) -> Grid:
     try:
         return Grid.model_validate(plain)
     except ValidationError as error:
+        if "axes" not in plain:
+            raise InputError(f"{source} is not a grid; add a table [axes], as in seed = [0, 1]") from error
         raise InputError(f"{source} is not a grid: {validation_fault(error)}") from error
 
 
 def _placed(name: str, value: JsonValue, folder: Path) -> Any:
     """Return the path of a file that is named relative to a folder, and any other value as it is."""
-    if isinstance(value, str) and name in _FILES:
+    if isinstance(value, str) and name in (_PICTURE, *FILES):
         return (folder / value).absolute()
     if isinstance(value, str) and name in _LIBRARIES:
         named = [each.strip() for each in value.split(",")]  # several brushes

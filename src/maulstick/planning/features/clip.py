@@ -68,7 +68,7 @@ class Clip(ReadingNetwork):
 
         name, tag = _named(model)
         made = open_clip.get_pretrained_cfg(name, tag)
-        file = file_to_read(weights, "CLIP weights") if weights else _fetched(name, tag, made)
+        file = file_to_read(weights, "file of CLIP weights") if weights else _fetched(name, tag, made)
         if file.suffix not in _FORMATS:
             raise InputError(f"{file} is no file of CLIP weights; it must be one of: {', '.join(_FORMATS)}")
         try:

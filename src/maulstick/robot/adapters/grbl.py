@@ -136,6 +136,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         self._stream.run(["G10 L20 P1 Z0" if moved[2] else "G10 L20 P1 X0 Y0"])
         place = self.place
         self._origin = self._origin + moved * place
+        self._clear -= float(moved[2] * place[2])
         self.limits = self.limits.shifted(-moved * place)
         self._gcode = Gcode("grbl", self.limits, self._pen)
         return np.asarray(place - moved * place)
@@ -148,6 +149,9 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     def _recover(self) -> None:
         if self._line is None:
             return
+        self._stream = GrblStream(
+            self._line, self._patience, self._stopping
+        )  # the old one waits for what a reset drops
         stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
         stream.hold()
         stream.reset()

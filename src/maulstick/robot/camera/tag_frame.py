@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, option
 from maulstick.robot.camera.opencv import opencv
 from maulstick.storage.arrays import Floats
 
@@ -36,11 +36,14 @@ class TagFrame:
     def __post_init__(self) -> None:
         if not (self.width > 0 and self.height > 0):
             raise InputError.of_range("the sheet", f"{self.width:g} x {self.height:g} m", "larger than nothing")
-        if not _SMALLEST <= self.side <= _LARGEST:
-            raise InputError.of_range("the side of a tag", f"{1e3 * self.side:g} mm", "between 5 and 500 mm")
-        if not self.quiet <= self.gap <= _LARGEST:
-            allowed = f"between {1e3 * self.quiet:g} mm, an eighth of the tag, and 500 mm"
+        least = _SMALLEST / MODULES
+        if not least <= self.gap <= _LARGEST:
+            allowed = f"between {1e3 * least:g} and {1e3 * _LARGEST:g} mm"
             raise InputError.of_range("the gap beside a tag", f"{1e3 * self.gap:g} mm", allowed)
+        most = min(MODULES * self.gap, _LARGEST)  # its white rim lies within the gap
+        if not _SMALLEST <= self.side <= most:
+            allowed = f"between {1e3 * _SMALLEST:g} and {1e3 * most:g} mm, for a gap of {1e3 * self.gap:g} mm beside it"
+            raise InputError.of_range(option("tag"), f"{1e3 * self.side:g} mm", allowed)
 
     @property
     def quiet(self) -> float:

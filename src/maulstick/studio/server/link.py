@@ -11,8 +11,6 @@ from ipaddress import ip_address
 from pathlib import Path
 from typing import Final
 
-import ifaddr
-
 from maulstick.errors import InputError, OutputError, option
 
 TOKEN_FILE: Final = "token"
@@ -34,10 +32,15 @@ def is_loopback(host: str) -> bool:
         ) from None
 
 
+def pages_at(host: str, port: int) -> str:
+    """Return the address of the pages at a port, for another machine too where the host is no loopback."""
+    reached = _address_in_network(host) if host in _ELSEWHERE else host
+    return f"http://{f'[{reached}]' if ':' in reached else reached}:{port}/"
+
+
 def link_to(host: str, port: int, token: str) -> str:
     """Return the link that leads in, from another machine too where the host is no loopback."""
-    reached = _address_in_network(host) if host in _ELSEWHERE else host
-    return f"http://{f'[{reached}]' if ':' in reached else reached}:{port}/?token={token}"
+    return f"{pages_at(host, port)}?token={token}"
 
 
 def kept_token(root: Path) -> str:
@@ -95,6 +98,10 @@ def _address_in_network(host: str) -> str:
     with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as way:
         way.connect((_ELSEWHERE[host], 9))
         return str(way.getsockname()[0])
+    try:
+        import ifaddr  # comes with what serves pages; links alone are made without
+    except ImportError:
+        return socket.gethostname()
     networks = [each for each in ifaddr.get_adapters() if not each.name.startswith(_OF_PROGRAMS)]
     addresses = [_plain(ip.ip) for network in networks for ip in network.ips if ip.is_IPv4 == (host == "0.0.0.0")]
     outer = [each for each in addresses if not (ip_address(each).is_loopback or ip_address(each).is_link_local)]

@@ -9,6 +9,7 @@ from typing import Any, final
 
 from nicegui import Event
 
+from maulstick.errors import InputError
 from maulstick.storage.files import atomic_write
 from maulstick.storage.folders import MAKE_ROOM, as_output_error
 
@@ -20,6 +21,7 @@ class Acts:
     """Acts in a file, each a record under the name of its kind, checked by that kind's function when it is read.
 
     changed: event at each act.  turn: lock under which an act is checked after all before it, and done.
+    Raises InputError where a line of the file is no act, and leaves the file as it is.
     """
 
     def __init__(self, file: Path, kinds: Mapping[str, Callable[[Any], object]]) -> None:
@@ -75,15 +77,20 @@ class Acts:
         """Return the acts in the file; what a power cut left of the last one is dropped from it."""
         if not self._file.is_file():
             return []
-        kept, lines = [], self._file.read_bytes().splitlines(keepends=True)
-        for line in lines:
+        content = self._file.read_bytes()
+        whole = content[: content.rfind(b"\n") + 1]
+        acts = []
+        for number, line in enumerate(whole.split(b"\n")[:-1], start=1):
             try:
-                kept.append(self._checked(json.loads(line)))
-            except (ValueError, TypeError):
-                break
-        if len(kept) < len(lines) or not lines[-1].endswith(b"\n"):
-            atomic_write(self._file, b"".join(f"{json.dumps(line)}\n".encode() for line in kept))
-        return kept
+                acts.append(self._checked(json.loads(line)))
+            except (ValueError, TypeError, RecursionError) as error:
+                raise InputError(
+                    f"line {number} of {self._file} is no act that this Maulstick knows; update Maulstick, or move the "
+                    "file elsewhere to begin without these acts"
+                ) from error
+        if len(whole) < len(content):
+            atomic_write(self._file, whole)
+        return acts
 
     def _checked(self, line: Any) -> dict[str, Any]:
         """Return an act as it was read. Raises ValueError where it is none."""

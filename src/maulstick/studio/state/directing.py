@@ -34,7 +34,7 @@ class Directing:
 
     saying: what is said of places on its sheet, in the same file of acts.
     planned: time of the painting, nanoseconds.
-    Raises InputError where the regions that the plan was made with cannot be read.
+    Raises InputError where the regions that the plan was made with, or acts on it, cannot be read.
     """
 
     def __init__(self, painting: Path, desk: Desk) -> None:

@@ -42,7 +42,7 @@ class Folder:
         Raises InputError where another studio uses it, OutputError where it cannot be written.
         """
         folder = cls(root.absolute())
-        _make_private(folder.root)
+        _make_private(root)
         taken = f"another studio works in {root}; use that one, or name another folder"
         with held(folder.root / ".studio.lock", taken, f"cannot work in {root}", "name another folder"):
             try:
@@ -175,8 +175,9 @@ class Folder:
 def _make_private(root: Path) -> None:
     try:
         root.mkdir(mode=0o700, parents=True)
-    except FileExistsError:
-        return  # its owner has chosen who reads it
+    except FileExistsError:  # its owner has chosen who reads it
+        if not root.is_dir():
+            raise OutputError(f"cannot work in {root}: it is a file, and a folder is needed; name one") from None
     except OSError as error:
         raise OutputError(f"cannot work in {root}: {error.strerror}; name another folder") from error
 

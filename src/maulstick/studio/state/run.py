@@ -17,6 +17,7 @@ from maulstick.robot.journal import journal_of
 from maulstick.studio.state.easels import Easels
 from maulstick.studio.state.folder import PAINTED, Folder
 from maulstick.studio.state.mixing import Mixing
+from maulstick.studio.state.plans import Plans
 from maulstick.studio.wording import LOOK_AT_IT
 from maulstick.studio.workers.desk import Desk
 from maulstick.studio.workers.messages import (
@@ -80,11 +81,11 @@ class State:
 class Run:
     """Runs of a machine, one at a time. changed: event at each new state."""
 
-    def __init__(self, folder: Folder, desk: Desk, mixing: Mixing) -> None:
+    def __init__(self, folder: Folder, desk: Desk, mixing: Mixing, plans: Plans) -> None:
         self.changed = Event[[]]()
         self.state = State()
         self.easels = Easels(folder)
-        self._folder, self._desk, self._mixing = folder, desk, mixing
+        self._folder, self._desk, self._mixing, self._plans = folder, desk, mixing, plans
         self._process: Process | None = None
 
     @property
@@ -130,7 +131,7 @@ class Run:
     async def begin(self, plan: str, options: PaintOptions, *, restart: bool = False) -> None:
         """Paint a plan from its first stroke. restart: on a new sheet, where it was begun before.
 
-        Raises InputError where a machine is busy, or paints for a real one are not mixed.
+        Raises InputError where a machine is busy, the plan is planned again, or paints for a real one are not mixed.
         """
         await self._start(self._request(plan, options, restart=restart), None)
 
@@ -202,13 +203,21 @@ class Run:
         if self.is_busy:
             raise InputError(f"a machine is busy with {self.title}; wait until it has finished, or stop it")
 
+    def _check_planned(self, plan: str) -> None:
+        """Raise InputError for a plan that is planned again, which replaces its file."""
+        if plan in self._plans.plans and self._plans.of(plan).is_busy:
+            title = self._folder.title("plans", plan)
+            raise InputError(f"{title} is being planned; wait until it has finished, or stop it first")
+
     async def _start(self, request: PaintRequest, is_painted: bool | None) -> None:
         plan = request.painting.parent.name
         request.options.check()
         self._check_free()
+        self._check_planned(plan)
         if not request.options.simulated and (missing := await self._mixing.missing(plan)):
             raise InputError(_unmixed_fault(self._folder.title("plans", plan), missing))
         self._check_free()  # another page may have been quicker
+        self._check_planned(plan)
         if not request.resume:
             rehearsed_sheet(request.painting).unlink(missing_ok=True)
         self._begin("starting", request, paint_in_process, is_painted)

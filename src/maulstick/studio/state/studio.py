@@ -56,7 +56,7 @@ class Studio:
         self.svgs = Svgs(folder, self.desk)
         self.mixing = Mixing(folder, self.desk)
         self.surveys = Surveys(folder, self.desk)
-        self.run = Run(folder, self.desk, self.mixing)
+        self.run = Run(folder, self.desk, self.mixing, self.plans)
         self.camera_views = CameraViews(folder, self.desk)
         self.by_hand = ByHand(self.run.easels)
         self.trash = Trash(

@@ -74,7 +74,9 @@ class Desk(Kept):
             except asyncio.CancelledError:  # the next task must not get the answer of this one
                 self.close()
                 raise
-            self._let_go_when_idle()
+            finally:
+                if self._process is not None:
+                    self._let_go_when_idle()
             return result
 
     async def warm_up(self) -> None:

@@ -123,10 +123,10 @@ class ByHandForm:
 
 def _where(standing: Standing) -> str:
     x, y, z = (f"{1e3 * value:.1f}" for value in standing.place)
-    at = "up" if standing.lifted else "down"
     if standing.pen is None:
-        return f"x {x}, y {y}, z {z} mm, pen {at}"
-    return f"x {x}, y {y} mm, pen {at} at {standing.pen.up if standing.lifted else standing.pen.down:g}"
+        return f"x {x}, y {y}, z {z} mm, pen {'lifted' if standing.lifted else 'lowered'}"
+    at, number = ("up", standing.pen.up) if standing.lifted else ("down", standing.pen.down)
+    return f"x {x}, y {y} mm, pen {at} at {number:g}"
 
 
 def _said(state: HandState) -> str:
