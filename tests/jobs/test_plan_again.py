@@ -160,6 +160,20 @@ def test_python_plans_again_with_the_options_of_the_painting(folder: Path, chang
     assert ms.plan(folder / "disc.png", again=changed, steps=QUICK).strokes == after.strokes
 
 
+def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_planned_again(folder: Path) -> None:
+    (folder / "tube.csv").write_text("name,colour\nnight,#102040\n")
+    ways: dict[str, Any] = {"paints": 1}, {"ink": "#102040"}, {"paints_from": folder / "tube.csv"}
+    quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
+    for way, is_ink in zip(ways, (False, True, True), strict=True):
+        file = folder / "plan" / "single.json"
+        write_painting(ms.plan(folder / "disc.png", **quick, **way), file)
+        for _ in range(2):
+            prepared = prepared_from(file)
+            assert prepared.settings.one_ink == is_ink, way
+            assert (prepared.tones is not None) == is_ink, way
+            write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
+
+
 def test_a_text_alone_has_no_picture(folder: Path, changed: Painting) -> None:
     alone = changed.provenance.model_copy(update={"image": None, "image_sha256": None})
     assert picture_near(changed.model_copy(update={"provenance": alone}), folder / "alone.json") is None

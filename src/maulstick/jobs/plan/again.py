@@ -20,7 +20,7 @@ from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
@@ -95,8 +95,13 @@ class Again:
         """Names of its paints, by their colours as ``#rrggbb``."""
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
 
+    def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
+        """Return the settings with the painting's paints, or its ink."""
+        in_colours = not is_in_one_ink(self.painting)
+        return replace(settings, paints=None, palette=palette_of(self.painting), pinned=(), in_colours=in_colours)
+
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
-        """Return the settings with the painting's paints, for those of the strokes asked for that are not locked."""
+        """Return the settings for those of the strokes asked for that are not locked."""
         locked = len(locked_in(self.painting))
         strokes = max(settings.strokes - self.painted - locked, len(self.left))
         if strokes < 1:
@@ -104,12 +109,23 @@ class Again:
                 f"all {self.painted + locked} strokes are locked or painted, and {option('strokes')} asks for no more; "
                 "unlock some, or ask for more"
             )
-        palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
-        return replace(settings, strokes=strokes, paints=None, palette=palette, pinned=())
+        return replace(settings, strokes=strokes)
 
     def start(self, problem: PlanningProblem) -> StrokeParameters:
         """Return the strokes that are planned on, as they are."""
         return parameters_of(self.left, self.painting, problem)
+
+
+def palette_of(painting: Painting) -> tuple[Colour, ...]:
+    """Return the colours of a painting, each once, sRGB in [0, 1]."""
+    return tuple(dict.fromkeys(paint.colour for paint in painting.paints))
+
+
+def is_in_one_ink(painting: Painting) -> bool:
+    """Return whether a painting was planned in one ink; one whose only paint was mixed was not."""
+    options = painting.provenance.options
+    mixed = options.get("paints") is not None or options.get("in_colours") is True
+    return len(palette_of(painting)) == 1 and not mixed
 
 
 def locked_in(painting: Painting) -> list[Stroke]:

@@ -69,6 +69,8 @@ def prepare(
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     tubes = _tubes(options)
     settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
+    if again is not None:
+        settings = again.in_paints(settings)
     supply = _supply(options, settings, layout, brushes, style) if settings.one_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
