@@ -89,7 +89,7 @@ class Initialiser:
         for members, _ in regions.pools:
             own = rows[torch.from_numpy(members)[region_of]]
             if len(own):
-                found.append((own, density * members[regions.labels]))
+                found.append((own, regions.within(members, density)))
         return found
 
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
@@ -113,7 +113,7 @@ class Initialiser:
         if (regions := self._problem.regions) is None:
             return self.pooled(target, density, count, room)
         parts = [
-            self.pooled(target, density * members[regions.labels], own, room)
+            self.pooled(target, regions.within(members, density), own, room)
             for (members, _), own in zip(regions.pools, regions.counts(count), strict=True)
             if own
         ]
@@ -209,7 +209,7 @@ class Initialiser:
         regions, style = self._problem.regions, self._problem.style
         if regions is None:
             return self._groups_of(style, target, density, count, like)
-        ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel() + 1e-9, len(regions.said)))
+        ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel(), len(regions.said)))
         counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
         likes = [None] * len(counts) if like is None else like.split(counts)
         parts = []

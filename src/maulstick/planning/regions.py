@@ -83,6 +83,12 @@ class Regions:
         counts: list[int] = np.diff(ends, prepend=0).astype(int).tolist()
         return counts
 
+    def within(self, members: Bools, density: Floats) -> Floats:
+        """Return a density (H, W) in a pool's members (R,) alone; where it is 0 in all of them, an even one there."""
+        there = members[self.labels]
+        own = density * there
+        return own if own.any() else there.astype(np.float64)
+
     def at(self, centres: Tensor) -> Tensor:
         """Return the region that each of the centres (N, 2), metres, lies in, (N,)."""
         return torch.from_numpy(self.labels[self._pixels(centres.detach().numpy())])
