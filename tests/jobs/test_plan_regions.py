@@ -162,6 +162,15 @@ def test_it_is_the_same_each_time_and_can_be_planned_again(
     assert {stroke.style.name for stroke in strokes_in(again, "coat") if stroke.style} == {"hatching"}
 
 
+def test_a_region_in_a_colour_that_the_painting_has_not_is_refused_when_it_is_planned_again(
+    folder: Path, painting: Painting
+) -> None:
+    (folder / "green.toml").write_text(SAY.replace('["#cc4400", "#552200"]', '["#00aa33"]'))
+    files = {"regions": folder / "map.png", "say": folder / "green.toml"}
+    with pytest.raises(InputError, match="a region is to be painted in #00aa33, which is none of the paints"):
+        ms.plan(folder / "disc.png", again=painting, options=planned_before(painting, {**files, "steps": 3}))
+
+
 def test_an_svg_says_the_same_as_a_picture_of_it(folder: Path) -> None:
     rects = "".join(
         f'<rect x="{20 * (i % 2)}" y="{20 * (i // 2)}" width="20" height="20" fill="{colour}"/>'
@@ -235,6 +244,7 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
         ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
         ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
         ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),
+        ("[face]\ncolour = 'red'\ncolours = []\n", "face.colours: List should have at least 1 item"),
         ("[face]\ncolour = 'red'\nshare = 0.6\n[coat]\ncolour = 'lime'\nshare = 0.6\n", "are more than 1; lower some"),
         (
             "".join(f"[r{i}]\ncolour='{colour}'\nbare=true\n" for i, colour in enumerate(QUARTERS)),

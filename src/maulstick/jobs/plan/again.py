@@ -15,12 +15,14 @@ import torch
 from pydantic import TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
+from maulstick.jobs.plan.inputs import not_a_paint
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
@@ -99,6 +101,13 @@ class Again:
         """Return the settings with the painting's paints, or its ink."""
         in_colours = not is_in_one_ink(self.painting)
         return replace(settings, paints=None, palette=palette_of(self.painting), pinned=(), in_colours=in_colours)
+
+    def check_regions(self, regions: Regions) -> None:
+        """Raise InputError for a region whose colours are none of the painting's paints."""
+        paints, every = np.array(palette_of(self.painting)), torch.arange(len(regions.said))
+        for region, allowed in zip(regions.said, regions.allowed_paints(every, paints), strict=True):
+            if region.colours is not None and not allowed.any():
+                raise not_a_paint(region.colours[0])
 
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
         """Return the settings for those of the strokes asked for that are not locked."""

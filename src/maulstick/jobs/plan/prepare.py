@@ -82,6 +82,8 @@ def prepare(
     locked = [] if kept is None else locked_in(kept)
     tones = None if supply is None else supply.tones(settings.strokes + len(locked))
     regions = directing.regions(layout, style, brushes, usual)
+    if again is not None and regions is not None:
+        again.check_regions(regions)
     loss_options, network = _losses(options, picture), LoadedOnce(partial(network_of, options))
     problem = problem_of(
         layout,
