@@ -27,7 +27,7 @@ from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum
-from maulstick.strokes.strokes import POINTS, resample, standardise
+from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
 
 _FILES = ("look", "clip_weights", "regions", "say", "guides")  # options of which a painting only knows the file's name
@@ -242,11 +242,7 @@ def with_locked(planned: Painting, locked: Sequence[Stroke], before: Painting, r
 
 def _paths(strokes: Sequence[Stroke]) -> Floats:
     """Return commanded trajectories (N, 32, 3): those that have another number of points, resampled."""
-    paths = [
-        np.array(stroke.trajectory) if len(stroke.trajectory) == POINTS else resample(np.array(stroke.trajectory))
-        for stroke in strokes
-    ]
-    return np.array(paths, dtype=np.float64).reshape(-1, POINTS, 3)
+    return resampled(np.array(stroke.trajectory) for stroke in strokes)
 
 
 def _colours(strokes: Sequence[Stroke], painting: Painting) -> torch.Tensor:
