@@ -157,6 +157,8 @@ def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
         (np.zeros((3, 4, 4, 3)), "has shape (3, 4, 4, 3); it must be (H, W, 3), or (H, W) for greys"),
         (np.zeros((4, 4, 4)), "has shape (4, 4, 4)"),
         (np.zeros((0, 4, 3)), "has shape (0, 4, 3)"),
+        (Image.fromarray(np.full((4, 4), 128, np.float32)), "grey values are not 16-bit numbers, nor fractions of 1"),
+        (Image.new("RGB", (0, 4)), "has 0 x 4 pixels; it must have one at least"),
         ("none.jpg", "none.jpg; check its name and folder"),
     ],
 )
