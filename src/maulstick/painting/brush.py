@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.kinds import checked
 from maulstick.painting.pens import PENS, PenModel, PrintableName, load_pen
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
@@ -182,6 +183,7 @@ def built_in_brushes() -> list[str]:
     return [name for name, path in BRUSHES.paths().items() if BRUSHES.is_built_in(path)]
 
 
+@checked
 def load_brush(name: str) -> Brush:
     """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
