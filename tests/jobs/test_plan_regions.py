@@ -133,6 +133,14 @@ def test_no_ink_lies_on_bare_paper_though_the_picture_is_dark_there(prepared: Pr
     assert fine[:half, :half].min() < 0.5
 
 
+def test_bare_paper_of_which_the_map_shows_none_moves_no_stroke(folder: Path) -> None:
+    colours = (f"[r{number}]\ncolour='{colour}'\n" for number, colour in enumerate(QUARTERS))
+    regions = prepared_with(folder, "".join(colours) + "[rest]\nbare=true\n").problem.regions
+    assert regions is not None
+    corner = np.array([(0.0, 0.0, 0.5), (0.005, 0.0, 0.5)])
+    assert regions.is_off_bare(corner, ms.load_brush("marker"))
+
+
 def test_strokes_of_a_direction_lie_in_it(painting: Painting) -> None:
     for stroke in strokes_in(painting, "coat"):
         x, y = (np.array(stroke.trajectory[-1]) - stroke.trajectory[0])[:2]

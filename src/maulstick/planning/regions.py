@@ -165,9 +165,10 @@ class Regions:
         """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
         return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
 
-    @property
+    @cached_property
     def _has_bare(self) -> bool:
-        return any(region.bare for region in self.said)
+        bare = [number for number, region in enumerate(self.said) if region.bare]
+        return bool(np.isin(self.labels, bare).any())
 
     def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
         """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
