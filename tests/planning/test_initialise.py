@@ -124,3 +124,14 @@ def test_a_region_where_nothing_is_wanted_keeps_its_share_of_strokes_and_those_t
     ((rows, there),) = new.by_pool(torch.arange(len(own)), own, wanted)
     (moved,) = new.moved(own[rows], parted.paper, there, 0.01)
     assert (regions.style.regions_of(moved.codes) == 1).all()
+
+
+def test_without_a_picture_strokes_that_complete_others_are_of_all_brushes(problem: PlanningProblem) -> None:
+    two = replace(problem, target=None, brushes=(nominal("marker"), nominal("fineliner")))
+    new = initialiser(two, PAINTS, arranged=False)
+    broad = new.first()[0][torch.arange(PAINTS.strokes - 8)]
+    broad.brush_of.fill_(0)
+    completed = new.completed(broad, 0)
+    assert len(completed) == PAINTS.strokes
+    assert completed.brush_of[-8:].unique().tolist() == [0, 1]
+    assert not torch.equal(completed.centres[-8:], broad.centres[:8])
