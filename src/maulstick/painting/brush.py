@@ -150,7 +150,7 @@ class Brush(BaseModel):
     def bare_mark(self, trajectory: Floats) -> tuple[Floats, Floats, float]:
         """Return what a commanded trajectory (n, 3) of x, y in metres and pressure in [0, 1] leaves on paper.
 
-        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.bare` for one stroke.
+        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.marks` for one stroke.
         """
         points, pressure = self.mark(trajectory[:, :2]), trajectory[:, 2]
         paled = min(self.faint + (1 - self.faint) * float(pressure.mean()) / self.solid, 1.0)
@@ -161,7 +161,8 @@ class Brush(BaseModel):
         if len(points) < 2 or not any(self.nib):
             return np.ones(len(points))
         along = np.concatenate([points[1:2] - points[:1], points[2:] - points[:-2], points[-1:] - points[-2:-1]])
-        x, y = along.T
+        moving = np.maximum.accumulate(np.where(along.any(axis=1), np.arange(len(along)), 0))
+        x, y = along[moving].T  # a repeated end goes on as before
         squared = x * x + y * y + _SHORTEST**2
         return np.asarray(1 + (self.nib[0] * (x * x - y * y) + self.nib[1] * 2 * x * y) / squared)
 
