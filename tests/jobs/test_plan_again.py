@@ -100,7 +100,20 @@ def test_each_paint_is_still_taken_up_once(after: Painting) -> None:
 
 def test_its_sheet_and_its_paints_stay(changed: Painting, after: Painting) -> None:
     assert after.sheet == changed.sheet
-    assert {paint.hex for paint in after.paints} <= {paint.hex for paint in changed.paints}
+    assert after.paints == changed.paints
+
+
+def test_a_paint_that_no_stroke_needs_any_more_stays_since_it_may_be_mixed(folder: Path, changed: Painting) -> None:
+    green = changed.paints[0].model_copy(update={"colour": (0.0, 1.0, 0.0)})
+    strokes = tuple(stroke.model_copy(update={"paint": stroke.paint + 1}) for stroke in changed.strokes)
+    more = changed.model_copy(update={"paints": (green, *changed.paints), "strokes": strokes})
+    write_painting(more, folder / "plan" / "more.json")
+    after = again(folder / "plan" / "more.json", brush="fineliner")
+    assert after.paints[:4] == more.paints
+    assert 0 not in {stroke.paint for stroke in after.strokes}
+    assert {stroke.id: stroke for stroke in after.strokes if stroke.locked} == {
+        stroke.id: stroke for stroke in more.strokes if stroke.locked
+    }
 
 
 def test_it_is_the_same_each_time_and_goes_on_from_where_it_was_stopped(folder: Path, after: Painting) -> None:

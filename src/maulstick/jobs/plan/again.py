@@ -240,6 +240,15 @@ def with_locked(planned: Painting, locked: Sequence[Stroke], before: Painting, r
     )
 
 
+def in_paints_of(planned: Painting, before: Painting) -> Painting:
+    """Return a painting in all paints of the one `before` it, with their numbers; those that are new come last."""
+    paints = [*before.paints, *(paint for paint in planned.paints if paint not in before.paints)]
+    numbers = [paints.index(paint) for paint in planned.paints]
+    strokes = tuple(stroke.model_copy(update={"paint": numbers[stroke.paint]}) for stroke in planned.strokes)
+    brushes = {**before.brushes, **planned.brushes}
+    return planned.model_copy(update={"paints": tuple(paints), "brushes": brushes, "strokes": strokes})
+
+
 def _paths(strokes: Sequence[Stroke]) -> Floats:
     """Return commanded trajectories (N, 32, 3): those that have another number of points, resampled."""
     return resampled(np.array(stroke.trajectory) for stroke in strokes)
