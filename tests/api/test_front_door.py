@@ -203,7 +203,7 @@ def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], sai
         (lambda painting: ms.render(painting, px="a"), "px is 'a'; it must be of the kind int"),
         (lambda painting: ms.compare(3, demo_picture()), "painting is 3; it must be of the kind Painting | str | Path"),
         (lambda painting: ms.read_ink("wine.svg", size=3), "size is 3; it must be of the kind str | None"),
-        (lambda painting: ms.load_brush(3), "name is 3; it must be of the kind str"),
+        (lambda painting: ms.load_brush(3), "name is 3; it must be of the kind str | Path"),
         (lambda painting: ms.paint(painting, robot=3), "robot is 3; it must be of the kind str | Robot"),
         (lambda painting: ms.sweep(3), "grid is 3; it must be of the kind str | Path | Mapping[str, object]"),
         (lambda painting: painting.lock("face"), "strokes[0]: Input should be a valid integer"),
@@ -217,6 +217,13 @@ def test_what_is_of_another_kind_is_refused_in_one_line(painting: ms.Painting, c
         call(painting)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_style_and_a_brush_are_loaded_by_any_path(tmp_path: Path) -> None:
+    (tmp_path / "mine.json").write_text(ms.load_brush("marker").model_dump_json())
+    assert ms.load_brush(tmp_path / "mine.json") == ms.load_brush("marker")
+    file = Path(ms.__file__).parent / "style" / "built_in" / "loops.json"
+    assert ms.load_style(file).name == ms.load_style(str(file)).name == "loops"
 
 
 def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> None:

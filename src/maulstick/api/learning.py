@@ -66,7 +66,7 @@ def fit_style(
 
 
 @checked
-def load_style(name: str, size: str = PlanOptions.size) -> Style:
+def load_style(name: str | Path, size: str = PlanOptions.size) -> Style:
     """Return a style by its name or the path of its JSON; ``free`` is sized for a sheet of this `size`.
 
     Raises InputError where there is no such style, or its files cannot be used.
@@ -75,7 +75,7 @@ def load_style(name: str, size: str = PlanOptions.size) -> Style:
         'loops'
     """
     with needs_torch():
-        return load_style_for(name, Canvas(*parse_size(size), 1.0))
+        return load_style_for(str(name), Canvas(*parse_size(size), 1.0))
 
 
 @checked

@@ -185,7 +185,7 @@ def built_in_brushes() -> list[str]:
 
 
 @checked
-def load_brush(name: str) -> Brush:
+def load_brush(name: str | Path) -> Brush:
     """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
     A name of the catalogue of pens is that pen's brush, unless a brush has it.
@@ -194,7 +194,7 @@ def load_brush(name: str) -> Brush:
         >>> load_brush("fineliner").pressure_matters
         False
     """
-    paths = BRUSHES.paths()
+    name, paths = str(name), BRUSHES.paths()
     if name not in paths and name in PENS.paths():
         return pen_brush(name, load_pen(name))
     if name not in paths and Path(name).suffix != ".json":
