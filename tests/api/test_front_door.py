@@ -157,6 +157,8 @@ def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
         (np.zeros((3, 4, 4, 3)), "has shape (3, 4, 4, 3); it must be (H, W, 3), or (H, W) for greys"),
         (np.zeros((4, 4, 4)), "has shape (4, 4, 4)"),
         (np.zeros((0, 4, 3)), "has shape (0, 4, 3)"),
+        (Image.fromarray(np.full((4, 4), 128, np.float32)), "grey values are not 16-bit numbers, nor fractions of 1"),
+        (Image.new("RGB", (0, 4)), "has 0 x 4 pixels; it must have one at least"),
         ("none.jpg", "none.jpg; check its name and folder"),
     ],
 )
@@ -176,6 +178,16 @@ def test_a_picture_of_another_kind_is_refused_and_never_clipped(picture: Any, sa
         ({"background": "none.jpg", "paper": "grey"}, "background shows the sheet as it is, and paper its colour"),
         ({"style": "nobody"}, "there is no style 'nobody'"),
         ({"weights": {"tone": "much"}}, "the weight of tone is 'much'; it must be a number"),
+        ({"size": (0.2, 0.16)}, "size is (0.2, 0.16); it must be of the kind str"),
+        ({"paper": (0, 0, 0)}, "paper is (0, 0, 0); it must be of the kind str"),
+        ({"ink": (0, 0, 0)}, "ink is (0, 0, 0); it must be of the kind str | None"),
+        ({"margin": 0.01}, "margin is 0.01; it must be of the kind str"),
+        ({"weights": ["edges=1"]}, "weights is ['edges=1']; it must be of the kind Mapping[str, float]"),
+        ({"pin": [3]}, "pin is [3]; it must be of the kind tuple[str, ...]"),
+        ({"paints_from": ["red"]}, "paints_from is ['red']; it must be of the kind Path | None"),
+        ({"style": 3}, "style is 3; it must be of the kind str | Style | None"),
+        ({"brush": ["round", 3]}, "brush is ['round', 3]; it must be of the kind str | Brush | Sequence[str | Brush]"),
+        ({"again": 3}, "again is 3; it must be of the kind Painting | str | Path | None"),
     ],
 )
 def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], said: str) -> None:
@@ -183,6 +195,43 @@ def test_options_are_refused_in_the_words_of_python(options: dict[str, Any], sai
         ms.plan(demo_picture(), **options)
     assert said in str(caught.value)
     assert "--" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda painting: ms.render(painting, px="a"), "px is 'a'; it must be of the kind int"),
+        (lambda painting: ms.compare(3, demo_picture()), "painting is 3; it must be of the kind Painting | str | Path"),
+        (lambda painting: ms.read_ink("wine.svg", size=3), "size is 3; it must be of the kind str | None"),
+        (lambda painting: ms.load_brush(3), "name is 3; it must be of the kind str | Path"),
+        (lambda painting: ms.paint(painting, robot=3), "robot is 3; it must be of the kind str | Robot"),
+        (lambda painting: ms.sweep(3), "grid is 3; it must be of the kind str | Path | Mapping[str, object]"),
+        (lambda painting: painting.lock("face"), "strokes[0]: Input should be a valid integer"),
+        (lambda painting: painting.add("line", paint=0), "it must be (n, 3) of x, y and pressure"),
+        (lambda painting: painting.save(3), "path is 3; it must be of the kind str | Path"),
+        (lambda painting: painting.save("x.txt"), "x.txt ends neither in .json nor in .svg"),
+    ],
+)
+def test_what_is_of_another_kind_is_refused_in_one_line(painting: ms.Painting, call: Any, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        call(painting)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_style_and_a_brush_are_loaded_by_any_path(tmp_path: Path) -> None:
+    (tmp_path / "mine.json").write_text(ms.load_brush("marker").model_dump_json())
+    assert ms.load_brush(tmp_path / "mine.json") == ms.load_brush("marker")
+    file = Path(ms.__file__).parent / "style" / "built_in" / "loops.json"
+    assert ms.load_style(file).name == ms.load_style(str(file)).name == "loops"
+
+
+def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> None:
+    file = tmp_path / "drawing.svg"
+    file.write_text(SVG.format('<path d="M-5 50h50"/>'))
+    with pytest.warns(UserWarning, match="cut at its edges") as caught:
+        ms.read_painting(file)
+    assert caught[0].filename == __file__
 
 
 def test_there_must_be_something_to_paint() -> None:

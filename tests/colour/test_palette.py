@@ -91,7 +91,7 @@ def test_a_colour_is_read_from_its_name_or_hexadecimal(text: str, expected: tupl
     assert parse_colour(text) == expected
 
 
-@pytest.mark.parametrize("text", ["", "blackish", "#12345", "0,0,0", "12mm", "rgb(999, 0, 0)"])
+@pytest.mark.parametrize("text", ["", "blackish", "#12345", "0,0,0", "12mm", "rgb(999, 0, 0)", "hsl(0, 200%, 25%)"])
 def test_what_is_no_colour_is_refused(text: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_colour(text)

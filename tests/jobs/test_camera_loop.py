@@ -214,6 +214,24 @@ def made_with(**options: object) -> Painting:
     return planned().model_copy(update={"provenance": made.model_copy(update={"options": {**made.options, **options}})})
 
 
+@pytest.mark.parametrize(("paints", "is_ink"), [(1, False), (None, True)])
+def test_a_single_paint_that_was_mixed_does_not_become_an_ink(
+    monkeypatch: pytest.MonkeyPatch, paints: int | None, is_ink: bool
+) -> None:
+    strokes = tuple(stroke.model_copy(update={"paint": 0}) for stroke in planned().strokes)
+    alone = made_with(paints=paints).model_copy(update={"paints": planned().paints[:1], "strokes": strokes})
+    seen: list[PlannerSettings] = []
+
+    def stop(problem: PlanningProblem, settings: PlannerSettings, **_: object) -> NoReturn:
+        seen.append(settings)
+        raise InterruptedError
+
+    monkeypatch.setattr(camera_loop, "plan", stop)
+    with pytest.raises(InterruptedError):
+        replanned(alone, PAINTED, WHITE, picture())
+    assert seen[0].one_ink == is_ink
+
+
 def without_style() -> Painting:
     strokes = (planned().strokes[0].model_copy(update={"style": None}), *planned().strokes[1:])
     return planned().model_copy(update={"strokes": strokes})

@@ -100,7 +100,20 @@ def test_each_paint_is_still_taken_up_once(after: Painting) -> None:
 
 def test_its_sheet_and_its_paints_stay(changed: Painting, after: Painting) -> None:
     assert after.sheet == changed.sheet
-    assert {paint.hex for paint in after.paints} <= {paint.hex for paint in changed.paints}
+    assert after.paints == changed.paints
+
+
+def test_a_paint_that_no_stroke_needs_any_more_stays_since_it_may_be_mixed(folder: Path, changed: Painting) -> None:
+    green = changed.paints[0].model_copy(update={"colour": (0.0, 1.0, 0.0)})
+    strokes = tuple(stroke.model_copy(update={"paint": stroke.paint + 1}) for stroke in changed.strokes)
+    more = changed.model_copy(update={"paints": (green, *changed.paints), "strokes": strokes})
+    write_painting(more, folder / "plan" / "more.json")
+    after = again(folder / "plan" / "more.json", brush="fineliner")
+    assert after.paints[:4] == more.paints
+    assert 0 not in {stroke.paint for stroke in after.strokes}
+    assert {stroke.id: stroke for stroke in after.strokes if stroke.locked} == {
+        stroke.id: stroke for stroke in more.strokes if stroke.locked
+    }
 
 
 def test_it_is_the_same_each_time_and_goes_on_from_where_it_was_stopped(folder: Path, after: Painting) -> None:
@@ -158,6 +171,20 @@ def test_python_plans_again_with_the_options_of_the_painting(folder: Path, chang
     assert painting.strokes == after.strokes
     assert painting.provenance.options["brush"] == "marker"
     assert ms.plan(folder / "disc.png", again=changed, steps=QUICK).strokes == after.strokes
+
+
+def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_planned_again(folder: Path) -> None:
+    (folder / "tube.csv").write_text("name,colour\nnight,#102040\n")
+    ways: dict[str, Any] = {"paints": 1}, {"ink": "#102040"}, {"paints_from": folder / "tube.csv"}
+    quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
+    for way, is_ink in zip(ways, (False, True, True), strict=True):
+        file = folder / "plan" / "single.json"
+        write_painting(ms.plan(folder / "disc.png", **quick, **way), file)
+        for _ in range(2):
+            prepared = prepared_from(file)
+            assert prepared.settings.one_ink == is_ink, way
+            assert (prepared.tones is not None) == is_ink, way
+            write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
 
 
 def test_a_text_alone_has_no_picture(folder: Path, changed: Painting) -> None:

@@ -133,6 +133,14 @@ def test_no_ink_lies_on_bare_paper_though_the_picture_is_dark_there(prepared: Pr
     assert fine[:half, :half].min() < 0.5
 
 
+def test_bare_paper_of_which_the_map_shows_none_moves_no_stroke(folder: Path) -> None:
+    colours = (f"[r{number}]\ncolour='{colour}'\n" for number, colour in enumerate(QUARTERS))
+    regions = prepared_with(folder, "".join(colours) + "[rest]\nbare=true\n").problem.regions
+    assert regions is not None
+    corner = np.array([(0.0, 0.0, 0.5), (0.005, 0.0, 0.5)])
+    assert regions.is_off_bare(corner, ms.load_brush("marker"))
+
+
 def test_strokes_of_a_direction_lie_in_it(painting: Painting) -> None:
     for stroke in strokes_in(painting, "coat"):
         x, y = (np.array(stroke.trajectory[-1]) - stroke.trajectory[0])[:2]
@@ -160,6 +168,15 @@ def test_it_is_the_same_each_time_and_can_be_planned_again(
         s.id: s.trajectory for s in locked.strokes if s.locked
     }
     assert {stroke.style.name for stroke in strokes_in(again, "coat") if stroke.style} == {"hatching"}
+
+
+def test_a_region_in_a_colour_that_the_painting_has_not_is_refused_when_it_is_planned_again(
+    folder: Path, painting: Painting
+) -> None:
+    (folder / "green.toml").write_text(SAY.replace('["#cc4400", "#552200"]', '["#00aa33"]'))
+    files = {"regions": folder / "map.png", "say": folder / "green.toml"}
+    with pytest.raises(InputError, match="a region is to be painted in #00aa33, which is none of the paints"):
+        ms.plan(folder / "disc.png", again=painting, options=planned_before(painting, {**files, "steps": 3}))
 
 
 def test_an_svg_says_the_same_as_a_picture_of_it(folder: Path) -> None:
@@ -235,6 +252,7 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
         ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
         ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
         ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),
+        ("[face]\ncolour = 'red'\ncolours = []\n", "face.colours: List should have at least 1 item"),
         ("[face]\ncolour = 'red'\nshare = 0.6\n[coat]\ncolour = 'lime'\nshare = 0.6\n", "are more than 1; lower some"),
         (
             "".join(f"[r{i}]\ncolour='{colour}'\nbare=true\n" for i, colour in enumerate(QUARTERS)),

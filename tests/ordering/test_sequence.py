@@ -165,6 +165,17 @@ def test_a_known_hand_goes_out_of_its_way_to_draw_as_it_does() -> None:
     assert _travel(quick) < _travel(by_hand) < 3 * _travel(quick)
 
 
+def test_a_stroke_of_many_points_changes_nothing_of_the_order_in_which_a_hand_draws_others() -> None:
+    rng = np.random.default_rng(0)
+    lines = [_line(*ends) for ends in (0.02 + 0.06 * rng.random((40, 4))).tolist()]
+    (x, y, _), _, (to_x, to_y, _) = lines[0]
+    shares = np.linspace(0, 1, 100).tolist()
+    dense = tuple((x + t * (to_x - x), y + t * (to_y - y), 0.5) for t in shares)
+    sparse, mixed = (_painting([(0, each) for each in (first, *lines[1:])]) for first in (lines[0], dense))
+    orders = [_order(sequenced(each.model_copy(update={"succession": HATCHER}), HOME)) for each in (sparse, mixed)]
+    assert orders[0] == orders[1]
+
+
 def test_the_first_stroke_is_near_the_pen_and_the_next_run_near_the_last_stroke() -> None:
     rows = [
         (paint, _line(x, 0.01 + 0.02 * paint, x + 0.005, 0.01 + 0.02 * paint))

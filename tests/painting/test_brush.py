@@ -243,3 +243,11 @@ def test_the_pressure_for_a_half_width_draws_it_where_a_pressure_can(half_widths
 def test_a_pen_that_can_only_be_lifted_is_pressed_as_lightly_as_can_be() -> None:
     pen = Brush.model_validate(GOOD | {"alpha": 0.0, "beta": 0.001})
     assert np.array_equal(pen.pressure_for(np.array([0.0, 0.001, 0.01])), np.zeros(3))
+
+
+def test_the_mark_of_a_path_whose_ends_are_repeated_is_as_broad_as_it_is_drawn() -> None:
+    brush = Brush.model_validate({**GOOD, "nib": (0.3, -0.4)})
+    path = np.array([(0, 0), (0, 0), (0, 0), (0.01, 0.002), (0.02, 0.01), (0.02, 0.01), (0.02, 0.01)])
+    trajectory = np.column_stack([path, np.full(len(path), 0.5)])
+    drawn = Traj2Stroke.of([brush]).marks(torch.from_numpy(trajectory).float()[None], 1.0)
+    assert brush.bare_mark(trajectory)[1] == pytest.approx(drawn.thickness[0].numpy(), rel=1e-5)

@@ -101,3 +101,37 @@ def test_strokes_that_are_moved_in_regions_are_of_the_kind_they_were(
         (moved,) = new.moved(old[rows], both.paper, there, 0.01)
         assert len(moved) == len(rows) > 5
         assert are_circles(regions.style, moved).all()
+
+
+@pytest.mark.parametrize("arranged", [True, False], ids=["arranged", "each alone"])
+def test_a_region_where_nothing_is_wanted_keeps_its_share_of_strokes_and_those_that_are_moved(
+    problem: PlanningProblem, *, arranged: bool
+) -> None:
+    labels = np.zeros(problem.weights.shape, dtype=np.int64)
+    labels[: labels.shape[0] // 2] = 1
+    labels[:, : labels.shape[1] // 4] = 2
+    said = (
+        Region("rest", HAND, (True,)),
+        Region("sky", HAND, (True,), share=0.5),
+        Region("edge", HAND, (True,), bare=True),
+    )
+    regions = Regions(labels, said, problem.canvas)
+    parted = replace(problem, regions=regions, style=regions.style)
+    new, wanted = initialiser(parted, INK, arranged=arranged), density(parted) * (labels == 0)
+    strokes = new.strokes(parted.paper, wanted, 60)[0]
+    assert regions.style.regions_of(strokes.codes).bincount(minlength=3).tolist() == [30, 30, 0]
+    own = strokes[regions.style.regions_of(strokes.codes) == 1]
+    ((rows, there),) = new.by_pool(torch.arange(len(own)), own, wanted)
+    (moved,) = new.moved(own[rows], parted.paper, there, 0.01)
+    assert (regions.style.regions_of(moved.codes) == 1).all()
+
+
+def test_without_a_picture_strokes_that_complete_others_are_of_all_brushes(problem: PlanningProblem) -> None:
+    two = replace(problem, target=None, brushes=(nominal("marker"), nominal("fineliner")))
+    new = initialiser(two, PAINTS, arranged=False)
+    broad = new.first()[0][torch.arange(PAINTS.strokes - 8)]
+    broad.brush_of.fill_(0)
+    completed = new.completed(broad, 0)
+    assert len(completed) == PAINTS.strokes
+    assert completed.brush_of[-8:].unique().tolist() == [0, 1]
+    assert not torch.equal(completed.centres[-8:], broad.centres[:8])

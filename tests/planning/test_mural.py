@@ -235,6 +235,12 @@ def test_paints_that_there_are_stay_what_they_are(mural: Mural, round_brush: Bru
     assert len(torch.unique(drawn.paint_of)) == 3
 
 
+def test_colours_that_are_pinned_are_among_its_paints(mural: Mural, round_brush: Brush) -> None:
+    red = (1.0, 0.0, 0.0)
+    drawn = planned_as(replace(QUICK, pinned=(red,), steps=2), mural, round_brush)
+    assert red in map(tuple, drawn.paints.tolist())
+
+
 def test_an_empty_picture_leaves_the_sheet_nearly_bare(round_brush: Brush) -> None:
     white = Mural(np.ones((9, 12, 3), dtype=np.float32), Sheet(width=SIDE, height=0.09), Canvas(SIDE, 0.09, 800))
     assert len(planned_as(QUICK, white, round_brush).strokes) <= 6

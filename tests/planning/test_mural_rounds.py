@@ -2,6 +2,7 @@
 
 import tracemalloc
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -129,6 +130,16 @@ def test_a_window_arranges_nothing_since_it_does_not_see_all_strokes() -> None:
     assert SETTINGS.arrange == 1
     plan_strip(noting(asked))
     assert {window.settings.arrange for window in asked} == {0}
+
+
+@pytest.mark.parametrize(("paints", "is_ink"), [(1, False), (None, True)])
+def test_a_window_draws_in_one_ink_where_the_whole_does_and_never_in_a_paint_mixed_alone(
+    paints: int | None, is_ink: bool
+) -> None:
+    asked: list[Window] = []
+    plan_strip(noting(asked), settings=replace(SETTINGS, paints=paints))
+    assert {len(window.settings.palette) for window in asked} == {1}
+    assert {window.settings.one_ink for window in asked} == {is_ink}
 
 
 def test_a_mural_goes_on_from_no_other_plan(states: list[State], planned: PlanResult) -> None:

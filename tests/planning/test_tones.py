@@ -119,6 +119,13 @@ def test_white_and_black_pictures_have_tones(grey: float) -> None:
         assert 0 <= found.tones(strokes).darkest <= 100.01
 
 
+def test_a_picture_too_pale_to_show_anything_keeps_its_tones_though_all_of_it_wants_ink() -> None:
+    pale = replace(supply(of_grey(0.9995)), per_stroke=0.1)
+    assert pale.enough > 1
+    assert not pale.tones(1).compressed
+    assert pale.note(1) is None
+
+
 def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> None:
     layout = of_grey(0.5)
     assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK, with_lines=True) is None

@@ -23,6 +23,12 @@ def test_the_hand_of_another_size_draws_the_same_strokes_as_much_larger(style: S
     assert twice.lengths(9).numpy() == pytest.approx(2 * style.lengths(9).numpy())  # type: ignore[union-attr]
 
 
+def test_a_style_of_its_own_size_is_itself_and_keeps_what_it_has_computed(style: Style) -> None:
+    free = FreeStyle.for_canvas(Canvas(0.2, 0.16, 1000.0))
+    assert style.scaled(1.0) is style
+    assert free.scaled(1.0) is free
+
+
 def test_strokes_of_a_scaled_hand_cost_as_much_as_they_did(style: Style) -> None:
     knots = torch.full((30, 4), 0.5)
     costs = [

@@ -7,6 +7,7 @@ from pathlib import Path
 from maulstick.errors import InputError, needs_torch
 from maulstick.jobs.learn import Recorded, learn_style, strokes_of
 from maulstick.jobs.plan.options import PlanOptions
+from maulstick.kinds import checked
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
 from maulstick.painting.raster import Canvas, parse_length, parse_size
 from maulstick.storage.arrays import kind_of
@@ -17,6 +18,7 @@ from maulstick.style import load_style as load_style_for
 from maulstick.style.cards import STYLES
 
 
+@checked
 def read_ink(path: str | Path, *, size: str | None = None, longest: str | None = None) -> Ink:
     """Read ink: an .ink.npz, InkML, SVG, Wacom's UIM and WILL, or the JSON of pointer events.
 
@@ -37,6 +39,7 @@ def read_ink(path: str | Path, *, size: str | None = None, longest: str | None =
     return read_ink_file(path, sheet, None if longest is None else parse_length(longest))[0]
 
 
+@checked
 def fit_style(
     ink: Recorded | Sequence[Recorded], name: str = "own", *, kind: str = "exemplar", keep: bool = False
 ) -> Style:
@@ -62,7 +65,8 @@ def fit_style(
     return style
 
 
-def load_style(name: str, size: str = PlanOptions.size) -> Style:
+@checked
+def load_style(name: str | Path, size: str = PlanOptions.size) -> Style:
     """Return a style by its name or the path of its JSON; ``free`` is sized for a sheet of this `size`.
 
     Raises InputError where there is no such style, or its files cannot be used.
@@ -71,9 +75,10 @@ def load_style(name: str, size: str = PlanOptions.size) -> Style:
         'loops'
     """
     with needs_torch():
-        return load_style_for(name, Canvas(*parse_size(size), 1.0))
+        return load_style_for(str(name), Canvas(*parse_size(size), 1.0))
 
 
+@checked
 def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> Brush:
     """Fit a brush to a folder of trials: strokes drawn once each, with photographs before and after.
 
@@ -88,7 +93,7 @@ def fit_brush(trials: str | Path, name: str = "own", *, keep: bool = False) -> B
     drawn = Trials.open(Path(trials))
     found = fit(drawn, drawn.pixels_per_metre, name, source=f"{drawn.medium}, fitted in Python", depth=drawn.depth)
     for warning in found.warnings:
-        warnings.warn(warning, stacklevel=2)
+        warnings.warn(warning, stacklevel=3)
     if keep:
         write_brush(found.brush, BRUSHES.own() / f"{name}.json")
     return found.brush

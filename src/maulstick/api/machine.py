@@ -22,6 +22,7 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.status import status_of
+from maulstick.kinds import checked
 from maulstick.painting.painting import Painting, write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
@@ -41,6 +42,7 @@ class PaintResult:
     photograph: Pillow.Image | None
 
 
+@checked
 def paint(
     painting: Painting | str | Path,
     robot: str | Robot = "sim",

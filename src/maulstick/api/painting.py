@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.paintable import read_paintable
+from maulstick.kinds import checked
 from maulstick.painting import painting as records
 from maulstick.painting.picture import encode_png
 from maulstick.painting.stroke_edits import (
@@ -20,6 +21,7 @@ from maulstick.painting.stroke_edits import (
     MoveStrokes,
     RemoveStrokes,
     RepaintStrokes,
+    StrokeEdit,
     UnlockStrokes,
     edited,
 )
@@ -45,14 +47,19 @@ class Painting(records.Painting):
         """Return a painting with the same fields as the record."""
         return cls.model_construct(record.model_fields_set, **dict(record))
 
+    @checked
     def save(self, path: str | Path) -> None:
         """Write painting.json, or an SVG in millimetres where the name ends in .svg.
 
-        Raises OutputError where that fails; what was at `path` is then still there.
+        Raises InputError for a name that ends otherwise, and OutputError where writing fails; what was at `path` is
+        then still there.
 
             >>> painting.save(folder / "cat.json")
         """
-        if Path(path).suffix.lower() == ".svg":
+        ending = Path(path).suffix.lower()
+        if ending not in (".json", ".svg"):
+            raise InputError(f"{path} ends neither in .json nor in .svg, as a painting is kept; give it such a name")
+        if ending == ".svg":
             from maulstick.storage.files import atomic_write
 
             atomic_write(path, self.to_svg().encode())
@@ -75,7 +82,7 @@ class Painting(records.Painting):
             >>> [stroke.locked for stroke in painting.lock(painting.strokes[0].id).strokes][:1]
             [True]
         """
-        return edited(self, [LockStrokes(strokes=ids)]) if ids else self
+        return self._edited(LockStrokes, strokes=ids) if ids else self
 
     def unlock(self, *ids: int) -> Self:
         """Return the painting with these strokes unlocked. Raises InputError for a stroke that is not there.
@@ -83,7 +90,7 @@ class Painting(records.Painting):
         >>> any(stroke.locked for stroke in painting.unlock(painting.strokes[0].id).strokes)
         False
         """
-        return edited(self, [UnlockStrokes(strokes=ids)]) if ids else self
+        return self._edited(UnlockStrokes, strokes=ids) if ids else self
 
     def remove(self, *ids: int) -> Self:
         """Return the painting without these strokes. Raises InputError for a stroke that is not there.
@@ -91,7 +98,7 @@ class Painting(records.Painting):
         >>> len(painting.remove(painting.strokes[0].id).strokes) == len(painting.strokes) - 1
         True
         """
-        return edited(self, [RemoveStrokes(strokes=ids)]) if ids else self
+        return self._edited(RemoveStrokes, strokes=ids) if ids else self
 
     def move(self, *ids: int, by: tuple[float, float] = (0.0, 0.0), turn: float = 0.0) -> Self:
         """Return the painting with these strokes turned about their common middle, then moved, and locked.
@@ -102,7 +109,7 @@ class Painting(records.Painting):
             >>> painting.move(painting.strokes[0].id, by=(0.0, 0.0), turn=0.1).strokes[0].locked
             True
         """
-        return edited(self, [MoveStrokes(strokes=ids, by=by, turn=turn)]) if ids else self
+        return self._edited(MoveStrokes, strokes=ids, by=by, turn=turn) if ids else self
 
     def repaint(self, *ids: int, paint: int) -> Self:
         """Return the painting with these strokes in the paint of this index, after all others of it, and locked.
@@ -112,7 +119,7 @@ class Painting(records.Painting):
             >>> painting.repaint(painting.strokes[0].id, paint=0).strokes[0].paint
             0
         """
-        return edited(self, [RepaintStrokes(strokes=ids, paint=paint)]) if ids else self
+        return self._edited(RepaintStrokes, strokes=ids, paint=paint) if ids else self
 
     def add(self, trajectory: npt.ArrayLike, *, paint: int, speed: Sequence[float] | None = None) -> Self:
         """Return the painting with a person's own stroke, after all others of its paint, and locked.
@@ -125,14 +132,19 @@ class Painting(records.Painting):
             >>> [stroke.origin for stroke in mine.strokes].count("person")
             1
         """
-        points = np.asarray(trajectory, dtype=np.float64)
+        try:
+            points = np.asarray(trajectory, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"a trajectory is no array: {error}; it must be (n, 3) of x, y and pressure") from error
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise InputError(f"a trajectory has shape {points.shape}; it must be (n, 3) of x, y and pressure")
+        return self._edited(AddStroke, paint=paint, trajectory=points.tolist(), speed=speed)
+
+    def _edited(self, kind: type[StrokeEdit], **fields: object) -> Self:
         try:
-            own = AddStroke.model_validate({"paint": paint, "trajectory": points.tolist(), "speed": speed})
+            return edited(self, [kind.model_validate(fields)])
         except ValidationError as error:
             raise InputError(validation_fault(error)) from error
-        return edited(self, [own])
 
     def __repr__(self) -> str:
         """Say how many strokes there are, in how many paints and on which sheet; they themselves fill pages."""
@@ -146,6 +158,7 @@ class Painting(records.Painting):
         return encode_png(preview_of_height(self, _NOTEBOOK_PX))
 
 
+@checked
 def read_painting(path: str | Path, **drawing: Any) -> Painting:
     """Read a painting.json, or an SVG as a painting that a machine draws as it is.
 
@@ -162,5 +175,5 @@ def read_painting(path: str | Path, **drawing: Any) -> Painting:
         raise InputError(validation_fault(error)) from error
     read = read_paintable(path, options)
     for note in read.notes:
-        warnings.warn(note, stacklevel=2)
+        warnings.warn(note, stacklevel=3)
     return Painting.of(read.painting)

@@ -16,6 +16,7 @@ from maulstick.jobs.plan.again import Again, picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
+from maulstick.kinds import checked
 from maulstick.painting import painting as records
 from maulstick.painting.brush import Brush, in_painting_order, load_brush, names_of
 from maulstick.painting.metrics import Metrics
@@ -30,6 +31,7 @@ Progress = Callable[[PlanProgress], bool | None]
 _NAMES = {each.name for each in fields(PlanOptions)}
 
 
+@checked
 def plan(
     picture: Picture | None = None,
     *,
@@ -91,7 +93,7 @@ def plan(
         again=before,
     )
     if prepared.device.note is not None:
-        warnings.warn(prepared.device.note, stacklevel=2)
+        warnings.warn(prepared.device.note, stacklevel=3)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
@@ -99,6 +101,7 @@ def plan(
     return Painting.of(prepared.painting(prepared.plan(watch, None)))
 
 
+@checked
 def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Image:
     """Draw a painting, or the painting.json or SVG at a path, as a Pillow image (RGB) that is `px` pixels high.
 
@@ -111,6 +114,7 @@ def render(painting: records.Painting | str | Path, px: int = 1024) -> Pillow.Im
     return Pillow.fromarray(np.round(255 * pixels).astype(np.uint8))
 
 
+@checked
 def compare(painting: records.Painting | str | Path, picture: Picture) -> Metrics:
     """Measure how near a painting, or the painting.json at a path, comes to a picture, over the picture's area.
 

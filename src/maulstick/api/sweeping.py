@@ -9,11 +9,13 @@ from maulstick.jobs.sweep.grid import grid_of, read_grid
 from maulstick.jobs.sweep.run import RETRIES, SweepRequest
 from maulstick.jobs.sweep.run import sweep as run
 from maulstick.jobs.sweep.sweep import Standing
+from maulstick.kinds import checked
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+@checked
 def sweep(
     grid: str | Path | Mapping[str, object],
     out: str | Path = "sweep",

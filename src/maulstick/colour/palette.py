@@ -62,7 +62,7 @@ def parse_colour(text: str) -> tuple[float, float, float]:
         red, green, blue = ImageColor.getrgb(text)[:3]
     except ValueError:
         raise refusal from None
-    if max(red, green, blue) > 255:  # Pillow takes rgb(999, 0, 0) for a colour
+    if not 0 <= min(red, green, blue) <= max(red, green, blue) <= 255:  # Pillow takes rgb(999, 0, 0) for a colour
         raise refusal
     return red / 255, green / 255, blue / 255
 

@@ -13,6 +13,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.painting import Painting, Stroke
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Bools, Floats, Ints
+from maulstick.strokes.strokes import resampled
 
 _PRECISE = 1e-6  # metres: marks that differ by less are the same; a painting's file keeps no more
 _SMOOTHED = 0.05  # half-widths: tolerance of a mark's simplified centre line; the mark counts as wider by it
@@ -39,8 +40,8 @@ def sequenced(painting: Painting, start: tuple[float, float]) -> Painting:
     for run in runs(paint_of, brushes, _overlaps(refined(painting), paint_of)):
         way = tour(ends[run], may[run], start)
         if painting.succession is not None:
-            part = painting.model_copy(update={"strokes": tuple(painting.strokes[i] for i in run)})
-            way = drawn_by(painting.succession, part.trajectories()[..., :2], may[run], way)
+            paths = resampled(np.array(painting.strokes[i].trajectory) for i in run)[..., :2]
+            way = drawn_by(painting.succession, paths, may[run], way)
         strokes += [
             _turned(painting.strokes[run[i]]) if turned else painting.strokes[run[i]]
             for i, turned in zip(way.order, way.turned, strict=True)

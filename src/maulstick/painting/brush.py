@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from maulstick.errors import InputError, OutputError, validation_fault
+from maulstick.kinds import checked
 from maulstick.painting.pens import PENS, PenModel, PrintableName, load_pen
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import atomic_write, read_whole
@@ -149,7 +150,7 @@ class Brush(BaseModel):
     def bare_mark(self, trajectory: Floats) -> tuple[Floats, Floats, float]:
         """Return what a commanded trajectory (n, 3) of x, y in metres and pressure in [0, 1] leaves on paper.
 
-        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.bare` for one stroke.
+        The centre line (n, 2) and the half-widths (n,), metres, and the opacity: `Traj2Stroke.marks` for one stroke.
         """
         points, pressure = self.mark(trajectory[:, :2]), trajectory[:, 2]
         paled = min(self.faint + (1 - self.faint) * float(pressure.mean()) / self.solid, 1.0)
@@ -160,7 +161,8 @@ class Brush(BaseModel):
         if len(points) < 2 or not any(self.nib):
             return np.ones(len(points))
         along = np.concatenate([points[1:2] - points[:1], points[2:] - points[:-2], points[-1:] - points[-2:-1]])
-        x, y = along.T
+        moving = np.maximum.accumulate(np.where(along.any(axis=1), np.arange(len(along)), 0))
+        x, y = along[moving].T  # a repeated end goes on as before
         squared = x * x + y * y + _SHORTEST**2
         return np.asarray(1 + (self.nib[0] * (x * x - y * y) + self.nib[1] * 2 * x * y) / squared)
 
@@ -182,7 +184,8 @@ def built_in_brushes() -> list[str]:
     return [name for name, path in BRUSHES.paths().items() if BRUSHES.is_built_in(path)]
 
 
-def load_brush(name: str) -> Brush:
+@checked
+def load_brush(name: str | Path) -> Brush:
     """Return a built-in brush or one of the user's own by its name, or any brush by the path of its JSON file.
 
     A name of the catalogue of pens is that pen's brush, unless a brush has it.
@@ -191,7 +194,7 @@ def load_brush(name: str) -> Brush:
         >>> load_brush("fineliner").pressure_matters
         False
     """
-    paths = BRUSHES.paths()
+    name, paths = str(name), BRUSHES.paths()
     if name not in paths and name in PENS.paths():
         return pen_brush(name, load_pen(name))
     if name not in paths and Path(name).suffix != ".json":

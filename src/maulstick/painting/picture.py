@@ -67,20 +67,19 @@ def read_picture(path: str | Path, longest_px: int | None = None) -> Pixels:
         formats = ", ".join(FORMATS)
         raise InputError(f"{path} is not a picture that can be read; save it as one of {formats}") from error
     except Exception as error:  # decoders raise anything on a damaged file
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"cannot read the picture {path}: {reason}; save or copy it again") from error
+        raise InputError(f"cannot read the picture {path}: {_reason(error)}; save or copy it again") from error
 
 
 def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
     """Return (H, W, 3) sRGB in [0, 1] of a path, a Pillow image, or an array (H, W, 3) or (H, W), scaled down.
 
-    Raises InputError for a file that cannot be read, and for an array that is neither uint8 nor float in [0, 1]: its
-    values are never clipped or scaled.
+    Raises InputError for a file or an image that cannot be read or has no pixels, and for an array that is neither
+    uint8 nor float in [0, 1]: its values are never clipped or scaled.
     """
     if isinstance(picture, str | Path):
         return read_picture(picture, longest_px)
     if isinstance(picture, Image.Image):
-        return _decode(picture.copy(), longest_px)
+        return _image_of(picture, longest_px)
     pixels = np.asarray(picture)
     if pixels.ndim not in (2, 3) or (pixels.ndim == 3 and pixels.shape[2] != 3) or 0 in pixels.shape:
         raise InputError(f"the picture has shape {pixels.shape}; it must be (H, W, 3), or (H, W) for greys")
@@ -99,6 +98,15 @@ def image_of(picture: Picture, longest_px: int = READ_PX) -> Pixels:
     if size == (image.shape[1], image.shape[0]):
         return image
     return scaled(image, size, (0, 0, image.shape[1], image.shape[0]))
+
+
+def _image_of(image: Image.Image, longest_px: int) -> Pixels:
+    if 0 in image.size:
+        raise InputError(f"the picture has {image.width} x {image.height} pixels; it must have one at least")
+    try:
+        return _decode(image.copy(), longest_px)
+    except Exception as error:  # one that was opened but not read yet is decoded here, and its file may be damaged
+        raise InputError(f"cannot read the picture: {_reason(error)}; convert it to RGB first") from error
 
 
 def decode_png(content: bytes) -> Pixels:
@@ -123,8 +131,7 @@ def decode_png(content: bytes) -> Pixels:
     except UnidentifiedImageError as error:
         raise InputError("the picture is not a PNG; save it as one") from error
     except Exception as error:  # decoders raise anything on damaged bytes
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"the picture is a damaged PNG: {reason}; embed it again") from error
+        raise InputError(f"the picture is a damaged PNG: {_reason(error)}; embed it again") from error
 
 
 def encode_png(picture: Pixels) -> bytes:
@@ -165,6 +172,10 @@ def spread(picture: Pixels, canvas: Canvas) -> Pixels:
     """Return the picture (H, W, 3) stretched over the whole canvas, (canvas.height_px, canvas.width_px, 3)."""
     height, width = picture.shape[:2]
     return scaled(picture, (canvas.width_px, canvas.height_px), (0, 0, width, height))
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _decode(image: Image.Image, longest_px: int) -> Pixels:

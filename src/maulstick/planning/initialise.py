@@ -59,7 +59,7 @@ class Initialiser:
         """Return as many strokes as are planned, on the sheet as it is, and the median of their spacing, metres."""
         target = self._problem.target
         if target is None:
-            return self._anywhere()
+            return self._anywhere(self._options.strokes)
         image = as_array(target)
         if self._options.one_ink:
             density = ink_density(image, self._paper, self._ink)
@@ -75,7 +75,7 @@ class Initialiser:
         """
         problem, count = self._problem, self._options.strokes - len(start)
         if problem.target is None:
-            return joined([start, self._anywhere()[0][torch.arange(count)]])
+            return joined([start, self._anywhere(count, self._usual_spacing)[0]])
         with torch.no_grad():
             canvas = StrokeCanvas(start, problem).render()
             density = self.missing(TargetView(problem.target, problem.weights, pool), canvas)
@@ -89,7 +89,7 @@ class Initialiser:
         for members, _ in regions.pools:
             own = rows[torch.from_numpy(members)[region_of]]
             if len(own):
-                found.append((own, density * members[regions.labels]))
+                found.append((own, regions.within(members, density)))
         return found
 
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
@@ -113,7 +113,7 @@ class Initialiser:
         if (regions := self._problem.regions) is None:
             return self.pooled(target, density, count, room)
         parts = [
-            self.pooled(target, density * members[regions.labels], own, room)
+            self.pooled(target, regions.within(members, density), own, room)
             for (members, _), own in zip(regions.pools, regions.counts(count), strict=True)
             if own
         ]
@@ -209,7 +209,7 @@ class Initialiser:
         regions, style = self._problem.regions, self._problem.style
         if regions is None:
             return self._groups_of(style, target, density, count, like)
-        ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel() + 1e-9, len(regions.said)))
+        ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel(), len(regions.said)))
         counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
         likes = [None] * len(counts) if like is None else like.split(counts)
         parts = []
@@ -239,13 +239,13 @@ class Initialiser:
         codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
         return strokes_at(places, codes, knots, self._problem.brushes[0], scale)
 
-    def _anywhere(self) -> tuple[StrokeParameters, float]:
-        """Return strokes all over the sheet in random colours, and their spacing as `first` does."""
+    def _anywhere(self, count: int, room: float = np.inf) -> tuple[StrokeParameters, float]:
+        """Return strokes all over the sheet in random colours, and their spacing, both as `strokes` does."""
         density = np.ones_like(self._weights)
-        if (room := self._problem.room) is not None:
-            left, top, right, bottom = (round(edge * self._problem.canvas.pixels_per_metre) for edge in room)
+        if (free := self._problem.room) is not None:
+            left, top, right, bottom = (round(edge * self._problem.canvas.pixels_per_metre) for edge in free)
             density[:] = 0
             density[top:bottom, left:right] = 1
-        strokes, spacing = self.strokes(self._problem.paper, density, self._options.strokes)
+        strokes, spacing = self.strokes(self._problem.paper, density, count, room)
         strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
         return strokes, spacing

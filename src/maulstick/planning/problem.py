@@ -28,6 +28,7 @@ class PlannerSettings:
     paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1]; a palette of one colour is an ink.
     steps: of the optimiser.  ask_every: steps between two calls of the network losses.
     pinned: colours among the `paints` that are used as they are, sRGB in [0, 1].
+    in_colours: whether a palette of one colour is a paint and no ink, since it goes on where that paint was mixed.
     arrange: in [0, 1], how far strokes are arranged as the hand arranges them, where the style knows how.
     seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
     Raises InputError for a value out of its range.
@@ -42,6 +43,7 @@ class PlannerSettings:
     seed: int = 0
     arrange: float = 1.0
     pinned: tuple[Colour, ...] = ()
+    in_colours: bool = False
 
     def __post_init__(self) -> None:
         if self.strokes < 1:
@@ -68,7 +70,7 @@ class PlannerSettings:
     @property
     def one_ink(self) -> bool:
         """Whether there is one ink, so that greys are made of the distance between lines."""
-        return self.paints is None and len(self.palette) == 1
+        return self.paints is None and len(self.palette) == 1 and not self.in_colours
 
 
 @dataclass(frozen=True)

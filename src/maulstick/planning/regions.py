@@ -83,6 +83,12 @@ class Regions:
         counts: list[int] = np.diff(ends, prepend=0).astype(int).tolist()
         return counts
 
+    def within(self, members: Bools, density: Floats) -> Floats:
+        """Return a density (H, W) in a pool's members (R,) alone; where it is 0 in all of them, an even one there."""
+        there = members[self.labels]
+        own = density * there
+        return own if own.any() else there.astype(np.float64)
+
     def at(self, centres: Tensor) -> Tensor:
         """Return the region that each of the centres (N, 2), metres, lies in, (N,)."""
         return torch.from_numpy(self.labels[self._pixels(centres.detach().numpy())])
@@ -159,9 +165,10 @@ class Regions:
         """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
         return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
 
-    @property
+    @cached_property
     def _has_bare(self) -> bool:
-        return any(region.bare for region in self.said)
+        bare = [number for number, region in enumerate(self.said) if region.bare]
+        return bool(np.isin(self.labels, bare).any())
 
     def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
         """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""

@@ -121,7 +121,7 @@ class InkSupply:
         shown = self.amounts > _NOTHING
         lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
         veil, contrast, lines = 0.0, 1.0, 0.0
-        if given < (amounts := Amounts.of(self.amounts)).needed:
+        if shown.any() and given < (amounts := Amounts.of(self.amounts)).needed:
             lines = self.with_lines * (1 - given / amounts.needed)
             seen = Amounts.of(self.glanced[shown])
             choices = _choices(amounts, darkest, given)

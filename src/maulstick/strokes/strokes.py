@@ -1,5 +1,6 @@
 """Strokes as arrays: resampled by arc length, standardised, and placed again (paper: Motion Capture ... Processing)."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -107,6 +108,12 @@ def resample(path: Floats, n: int = POINTS) -> Floats:
     keep = np.concatenate([[True], steps > 0])
     places = np.linspace(0, along[-1], n)
     return np.stack([np.interp(places, along[keep], column[keep]) for column in path.T], axis=1)
+
+
+def resampled(paths: Iterable[Floats]) -> Floats:
+    """Return paths (N, 32, 3), each (m, 3): those of 32 points as they are, others resampled."""
+    even = [path if len(path) == POINTS else resample(path) for path in paths]
+    return np.array(even, dtype=np.float64).reshape(-1, POINTS, 3)
 
 
 def standardise(paths: Floats) -> tuple[Floats, Floats]:

@@ -216,8 +216,8 @@ class Exemplar(Style):
         return self._neighbours.nearest(seen / self._usual)
 
     def scaled(self, times: float) -> Self:
-        """Return the style of the same hand that draws so many times as large; codes mean what they meant."""
-        return replace(self, hand=self.hand.scaled(times))
+        """Return the style of the hand that draws so many times as large, itself for 1; codes mean what they meant."""
+        return self if times == 1 else replace(self, hand=self.hand.scaled(times))
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,) of the strokes of these codes, see `price`; no gradient flows into the residual."""

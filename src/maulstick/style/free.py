@@ -124,7 +124,9 @@ class FreeStyle(Style):
         return float(self.cost(*self.sample(k, generator)).mean())
 
     def scaled(self, times: float) -> Self:
-        """Return the style whose limits are so many times as long."""
+        """Return the style whose limits are so many times as long; itself for 1."""
+        if times == 1:
+            return self
         return replace(self, shortest=self.shortest * times, longest=self.longest * times)
 
     def speeds(self, codes: Tensor) -> Tensor | None:

@@ -21,22 +21,22 @@ class RegionalStyle(Style):
     """Hands of regions as one style. The first number of a code is its region; no gradient flows into it.
 
     hands: one per region.  Codes are as long as the longest of any hand; the rest of a shorter one is 0.
-    A cost of 1 times `usual_cost` is as much as its hand allows.
+    A cost of 1 times `usual_cost` is as much as its hand allows; a hand without a bound keeps its own costs.
     """
 
     def __init__(self, hands: Sequence[Style]) -> None:
         self.hands = tuple(hands)
         self.name = "+".join(dict.fromkeys(hand.name for hand in hands))
         self._sizes = [hand.sample(1, Generator().manual_seed(0))[0].shape[1] for hand in self.hands]
-        self._allowed = [
-            hand.max_mean_cost * hand.usual_cost(_COST_SAMPLES, Generator().manual_seed(0))
+        allowed = {
+            region: hand.max_mean_cost * hand.usual_cost(_COST_SAMPLES, Generator().manual_seed(0))
+            for region, hand in enumerate(self.hands)
             if isfinite(hand.max_mean_cost)
-            else inf
-            for hand in self.hands
-        ]
-        bound = [allowed for allowed in self._allowed if isfinite(allowed)]
-        self._unit = sum(bound) / len(bound) if bound else 1.0
-        self.max_mean_cost = 1.0 if bound else inf
+        }
+        self._unit = sum(allowed.values()) / len(allowed) if allowed else 1.0
+        self._units = [self._unit / allowed[region] if region in allowed else 1.0 for region in range(len(self.hands))]
+        self._bounded = torch.tensor([region in allowed for region in range(len(self.hands))])
+        self.max_mean_cost = 1.0 if allowed else inf
         self._known_lengths: dict[tuple[int, int], Tensor | None] = {}
 
     @property
@@ -131,13 +131,17 @@ class RegionalStyle(Style):
         return self if times == 1 else RegionalStyle([hand.scaled(times) for hand in self.hands])
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
-        """Negative log-likelihood of each stroke by its region's hand, (N,), in a unit that all hands share."""
+        """Negative log-likelihood of each stroke by its region's hand, (N,), in a unit that all bounded hands share."""
 
         def price(region: int, rows: Tensor) -> Tensor:
             costs = self.hands[region].cost(self.own_codes(codes[rows], region), pressure_knots[rows])
-            return costs * (self._unit / self._allowed[region])
+            return costs * self._units[region]
 
         return self._each(self.regions_of(codes), price)
+
+    def is_bounded(self, codes: Tensor) -> Tensor:
+        """Return whether the mean cost of strokes of each code's hand is bounded, (N,)."""
+        return self._bounded[self.regions_of(codes)]
 
     def usual_cost(self, k: int, generator: Generator) -> float:
         """Return the cost that each hand allows its strokes, which is the unit of `cost`."""

@@ -1,6 +1,7 @@
 """Abstract style: decodes codes into strokes, samples codes, and says how likely a stroke is (docs/equations.md)."""
 
 from abc import ABC, abstractmethod
+from math import isfinite
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
@@ -84,6 +85,10 @@ class Style(ABC):
     @abstractmethod
     def cost(self, codes: "Tensor", pressure_knots: "Tensor") -> "Tensor":
         """Negative log-likelihood of each stroke, (N,) nats, about 0 for the likeliest; differentiable."""
+
+    def is_bounded(self, codes: "Tensor") -> "Tensor":
+        """Return whether the mean cost of strokes of each code's hand is bounded, (N,)."""
+        return codes.new_full((len(codes),), isfinite(self.max_mean_cost)).bool()
 
     @abstractmethod
     def usual_cost(self, k: int, generator: "Generator") -> float:

@@ -15,17 +15,19 @@ import torch
 from pydantic import TypeAdapter, ValidationError
 
 from maulstick.errors import InputError, option, validation_fault
+from maulstick.jobs.plan.inputs import not_a_paint
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
 from maulstick.planning.parameters import StrokeParameters
-from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
+from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum
-from maulstick.strokes.strokes import POINTS, resample, standardise
+from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
 
 _SETTLED = ("paper", "paints", "paints_from", "ink")  # options that a painting has settled
@@ -94,8 +96,20 @@ class Again:
         """Names of its paints, by their colours as ``#rrggbb``."""
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
 
+    def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
+        """Return the settings with the painting's paints, or its ink."""
+        in_colours = not is_in_one_ink(self.painting)
+        return replace(settings, paints=None, palette=palette_of(self.painting), pinned=(), in_colours=in_colours)
+
+    def check_regions(self, regions: Regions) -> None:
+        """Raise InputError for a region whose colours are none of the painting's paints."""
+        paints, every = np.array(palette_of(self.painting)), torch.arange(len(regions.said))
+        for region, allowed in zip(regions.said, regions.allowed_paints(every, paints), strict=True):
+            if region.colours is not None and not allowed.any():
+                raise not_a_paint(region.colours[0])
+
     def settings(self, settings: PlannerSettings) -> PlannerSettings:
-        """Return the settings with the painting's paints, for those of the strokes asked for that are not locked."""
+        """Return the settings for those of the strokes asked for that are not locked."""
         locked = len(locked_in(self.painting))
         strokes = max(settings.strokes - self.painted - locked, len(self.left))
         if strokes < 1:
@@ -103,12 +117,23 @@ class Again:
                 f"all {self.painted + locked} strokes are locked or painted, and {option('strokes')} asks for no more; "
                 "unlock some, or ask for more"
             )
-        palette = tuple(dict.fromkeys(paint.colour for paint in self.painting.paints))
-        return replace(settings, strokes=strokes, paints=None, palette=palette, pinned=())
+        return replace(settings, strokes=strokes)
 
     def start(self, problem: PlanningProblem) -> StrokeParameters:
         """Return the strokes that are planned on, as they are."""
         return parameters_of(self.left, self.painting, problem)
+
+
+def palette_of(painting: Painting) -> tuple[Colour, ...]:
+    """Return the colours of a painting, each once, sRGB in [0, 1]."""
+    return tuple(dict.fromkeys(paint.colour for paint in painting.paints))
+
+
+def is_in_one_ink(painting: Painting) -> bool:
+    """Return whether a painting was planned in one ink; one whose only paint was mixed was not."""
+    options = painting.provenance.options
+    mixed = options.get("paints") is not None or options.get("in_colours") is True
+    return len(palette_of(painting)) == 1 and not mixed
 
 
 def locked_in(painting: Painting) -> list[Stroke]:
@@ -214,13 +239,18 @@ def with_locked(planned: Painting, locked: Sequence[Stroke], before: Painting, r
     )
 
 
+def in_paints_of(planned: Painting, before: Painting) -> Painting:
+    """Return a painting in all paints of the one `before` it, with their numbers; those that are new come last."""
+    paints = [*before.paints, *(paint for paint in planned.paints if paint not in before.paints)]
+    numbers = [paints.index(paint) for paint in planned.paints]
+    strokes = tuple(stroke.model_copy(update={"paint": numbers[stroke.paint]}) for stroke in planned.strokes)
+    brushes = {**before.brushes, **planned.brushes}
+    return planned.model_copy(update={"paints": tuple(paints), "brushes": brushes, "strokes": strokes})
+
+
 def _paths(strokes: Sequence[Stroke]) -> Floats:
     """Return commanded trajectories (N, 32, 3): those that have another number of points, resampled."""
-    paths = [
-        np.array(stroke.trajectory) if len(stroke.trajectory) == POINTS else resample(np.array(stroke.trajectory))
-        for stroke in strokes
-    ]
-    return np.array(paths, dtype=np.float64).reshape(-1, POINTS, 3)
+    return resampled(np.array(stroke.trajectory) for stroke in strokes)
 
 
 def _colours(strokes: Sequence[Stroke], painting: Painting) -> torch.Tensor:

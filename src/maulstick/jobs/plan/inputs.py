@@ -74,7 +74,7 @@ def settings_of(
         raise InputError(f"{option('pin')} names colours among paints to mix, and none are mixed; leave it out")
     for colour in of_regions if paints is None else ():
         if hex_colour(colour) not in map(hex_colour, palette):
-            raise InputError(f"a region is to be painted in {hex_colour(colour)}, which is none of the paints")
+            raise not_a_paint(colour)
     pinned = () if paints is None else tuple(dict.fromkeys((*pinned, *of_regions, *of_guides)))
     strokes = MOST_AUTO if options.strokes == AUTO else options.strokes
     return PlannerSettings(
@@ -88,6 +88,11 @@ def settings_of(
         options.arrange,
         pinned,
     )
+
+
+def not_a_paint(colour: Colour) -> InputError:
+    """Return the fault of a colour that a region names among paints that are not mixed for it."""
+    return InputError(f"a region is to be painted in {hex_colour(colour)}, which is none of the paints")
 
 
 def enough(supply: InkSupply | None) -> int:

@@ -1,7 +1,7 @@
 """Options of a plan: one set of defaults and checks for the command line, the studio and Python."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import isfinite
 from pathlib import Path
 from typing import Final, Literal
@@ -9,6 +9,7 @@ from typing import Final, Literal
 from pydantic import ConfigDict
 
 from maulstick.errors import InputError, option
+from maulstick.kinds import check_kinds
 from maulstick.painting.edit import WHOLE, Crop, PictureEdit
 from maulstick.painting.fit import FITS
 from maulstick.painting.raster import is_turned_by_picture, parse_margin, parse_sheet
@@ -125,6 +126,7 @@ class PlanOptions:
     device: str = "auto"
 
     def __post_init__(self) -> None:
+        check_kinds(vars(self), {each.name: each.type for each in fields(self)})
         for name in FILES:  # so that a plan can go on from any folder
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, Path(getattr(self, name)).absolute())

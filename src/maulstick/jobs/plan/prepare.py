@@ -69,6 +69,8 @@ def prepare(
     style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
     tubes = _tubes(options)
     settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
+    if again is not None:
+        settings = again.in_paints(settings)
     supply = _supply(options, settings, layout, brushes, style) if settings.one_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
@@ -80,6 +82,8 @@ def prepare(
     locked = [] if kept is None else locked_in(kept)
     tones = None if supply is None else supply.tones(settings.strokes + len(locked))
     regions = directing.regions(layout, style, brushes, usual)
+    if again is not None and regions is not None:
+        again.check_regions(regions)
     loss_options, network = _losses(options, picture), LoadedOnce(partial(network_of, options))
     problem = problem_of(
         layout,

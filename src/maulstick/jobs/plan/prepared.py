@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from maulstick.jobs.plan.again import Again, locked_in, with_locked
+from maulstick.jobs.plan.again import Again, in_paints_of, locked_in, with_locked
 from maulstick.jobs.plan.device import Choice
 from maulstick.jobs.plan.options import AUTO
 from maulstick.jobs.plan.request import PlanRequest
@@ -139,6 +139,8 @@ class Prepared:
         )
         if self.kept is not None:
             painting = with_locked(painting, locked_in(self.kept), self.kept, planned)
+        if self.again is not None:
+            painting = in_paints_of(painting, self.again.painting)
         arrangement = self.style.arrangement
         if arrangement is not None and self.settings.one_ink and self.settings.arrange:
             painting = painting.model_copy(update={"succession": arrangement.succession})

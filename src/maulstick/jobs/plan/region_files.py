@@ -43,7 +43,7 @@ class _Said(BaseModel):
     share: Annotated[float, Field(gt=0, lt=1)] | None = None
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
-    colours: list[str] | None = None
+    colours: Annotated[list[str], Field(min_length=1)] | None = None
     direction: float | Literal["guides"] | None = None
     soft: str | None = None
     bare: bool = False

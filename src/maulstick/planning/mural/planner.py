@@ -151,7 +151,8 @@ class _Planning:
         """Return the settings of a window, for so many strokes in the given paints (k, 3)."""
         seed = int(np.random.SeedSequence((self._options.seed, index)).generate_state(1)[0])
         palette = tuple((red, green, blue) for red, green, blue in paints.tolist())
-        return replace(self._options, strokes=strokes, paints=None, palette=palette, seed=seed, arrange=0.0)
+        settled = replace(self._options, paints=None, palette=palette, pinned=(), in_colours=not self._options.one_ink)
+        return replace(settled, strokes=strokes, seed=seed, arrange=0.0)
 
     def _put_together(self, before: "_Snapshot", windows: list[int]) -> None:
         """End a round: put the strokes of its windows, in their order, behind those that no window planned."""

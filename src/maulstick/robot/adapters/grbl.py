@@ -149,9 +149,8 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     def _recover(self) -> None:
         if self._line is None:
             return
-        self._stream = GrblStream(
-            self._line, self._patience, self._stopping
-        )  # the old one waits for what a reset drops
+        # The old one waits for answers to what the reset drops.
+        self._stream = GrblStream(self._line, self._patience, self._stopping)
         stream = GrblStream(self._line, self._patience, Stopping())  # a flag of its own, so that no stop interrupts it
         stream.hold()
         stream.reset()
