@@ -203,7 +203,7 @@ def test_the_photograph_shows_what_is_on_the_sheet(monkeypatch: pytest.MonkeyPat
         (("--replan", "5", "--picture", "none.png"), "none.png; check its name and folder"),
         (
             ("--replan", "5", "--picture", "picture.png", "--tag", "0"),
-            "the side of a tag is 0 mm; it must be between 5 and 500 mm",
+            "--tag is 0 mm; it must be between 5 and 120 mm",
         ),
     ],
 )
