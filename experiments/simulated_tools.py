@@ -21,7 +21,8 @@ from maulstick.calibration.colour import Colours, Whites, lamp_of, whites_of
 from maulstick.calibration.eye import Eye
 from maulstick.jobs.paint.camera_loop import practice, room_of
 from maulstick.painting.brush import Brush, load_brush
-from maulstick.painting.painting import Painting, Sheet, write_painting
+from maulstick.painting.painting import Painting, Sheet
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.tag_frame import TagFrame
 from maulstick.robot.journal import Journal, journal_of

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from tests.support.pages import DOCS, lines, typed
 
 LINES = lines(DOCS / "directing.md")

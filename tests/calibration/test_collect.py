@@ -13,7 +13,8 @@ from maulstick.calibration.eye import Eye
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint.camera_loop import practice, room_of
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Sheet, write_painting
+from maulstick.painting.painting import Sheet
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.robot.camera.tag_frame import TagFrame

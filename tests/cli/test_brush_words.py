@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from maulstick.painting.brush import BRUSHES, Brush, write_brush
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.pens import PENS
 from tests.cli.conftest import paint, run
 from tests.cli.test_brush_fit import rows

@@ -14,7 +14,7 @@ from maulstick.brush_fit.trials import Trials
 from maulstick.calibration import collect as collecting
 from maulstick.errors import OutputError
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.robot.journal import Journal
 from tests.cli.conftest import Ran, run
 from tests.plots.test_brush_fit_plot import a_fit

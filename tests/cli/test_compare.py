@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, StyleUse, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, StyleUse
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.rendering.preview import preview

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, run
 from tests.support.tolerances import FILE_METRES
 
@@ -91,7 +92,9 @@ def test_an_edit_says_what_it_wrote(folder: Path) -> None:
         (("--repaint", "1:9"), "the paint is 9; it must be from 1 to 3"),
         (("--move", "1:2"), "--move is '1:2'; it must be like 12:2.5,-1"),
         (("--move", "1:900,0"), "stroke 1 reaches "),
+        (("--move", "1:nan,0"), "--move is '1:nan,0'; it must be like 12:2.5,-1"),
         (("--turn", "1:right"), "--turn is '1:right'; it must be like 12-14:30"),
+        (("--turn", "1:inf"), "--turn is '1:inf'; it must be like 12-14:30"),
         (("--add", "line.json"), "--add is 'line.json'; it must be a paint's number and a file, as in 2:signature"),
         (("--add", "1:nothing.json"), "there is no drawing nothing.json; check its name and folder"),
     ],
@@ -105,6 +108,7 @@ def test_it_must_be_said_where_to_write(folder: Path) -> None:
     assert ran.mistake == "name the file to write, with --out cat/mine.json"
 
 
-def test_what_a_painting_has_settled_is_not_said_again(folder: Path) -> None:
-    ran = run("plan", "--again", folder / "plan" / "painting.json", "--paints", "4", "--out", folder / "no")
-    assert ran.mistake == "--again keeps the sheet and the paints of the painting; leave out --paints"
+@pytest.mark.parametrize("words", [("--paints", "4"), ("--pin", "red")])
+def test_what_a_painting_has_settled_is_not_said_again(folder: Path, words: tuple[str, str]) -> None:
+    ran = run("plan", "--again", folder / "plan" / "painting.json", *words, "--out", folder / "no")
+    assert ran.mistake == f"--again keeps the sheet and the paints of the painting; leave out {words[0]}"

@@ -7,7 +7,8 @@ import pytest
 from gcodeparser import parse_gcode_lines
 
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.easel import Easel, write_easel
 from tests.cli.conftest import run
 from tests.robot.test_export import places_of

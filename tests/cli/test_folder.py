@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.cli.plan import run as paint_run
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.storage import folders as folder
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run_command
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.logbook import logbook_path
 from tests.cli.conftest import Ran, Running, run

@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 
 from maulstick.colour.tubes import USUAL_PAINTS
-from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
+from maulstick.painting.painting_file import write_painting
 from tests.cli.conftest import run
 from tests.support.nominal import nominal
 

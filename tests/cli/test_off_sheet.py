@@ -8,7 +8,7 @@ import pytest
 
 import maulstick as ms
 from maulstick.errors import InputError
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.studio.wording import error_text
 from maulstick.studio.workers.planned_paints import planned_paints
 from tests.cli.conftest import run

@@ -8,7 +8,8 @@ import pytest
 from PIL import Image
 
 from maulstick.painting.brush import built_in_brushes, load_brush, write_brush
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, contents, paint, run
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import Ran, paint, run
 
 BOTH = ("--size", "100x80mm", "--brush", "marker,wash", "--paints", "3")

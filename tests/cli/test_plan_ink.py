@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.strokes.strokes import write_strokes
 from maulstick.style.cards import style_path
 from maulstick.style.store import read_style

@@ -12,7 +12,8 @@ import torch
 from PIL import Image
 from safetensors.torch import save_file
 
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import decode_png
 from maulstick.painting.raster import Canvas
 from maulstick.planning.mural.planner import plan_mural

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.brush import load_brush, write_brush
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import QUICK, paint, run
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.robot.easel import Easel, Pen, write_easel
 from tests.cli.conftest import paint, run
 from tests.support.robot.fake_ebb import FakeEbb

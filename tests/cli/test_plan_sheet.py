@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.painting.edit import PictureEdit
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, contents, paint, run
 from tests.cli.test_plan_resume import killed
 

@@ -15,7 +15,8 @@ from rich.console import Console
 from maulstick.cli.plan import tries
 from maulstick.cli.progress import stop_on_interrupt
 from maulstick.jobs.plan.request import PlanRequest, state_files
-from maulstick.painting.painting import Painting, Provenance, read_painting
+from maulstick.painting.painting import Painting, Provenance
+from maulstick.painting.painting_file import read_painting
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, paint, run
 
 TRIES = ("plan", PORTRAIT, *QUICK, "--tries", "2")

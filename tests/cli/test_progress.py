@@ -10,7 +10,7 @@ from PIL import Image, ImageSequence
 from maulstick.cli.progress import VideoRecorder
 from maulstick.errors import how_to_add
 from maulstick.jobs.plan import prepare
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.video import Video
 from maulstick.planning.result import PlanProgress
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Running, paint

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from maulstick.jobs.paint import camera_loop
 from maulstick.jobs.paint.simulation import Simulation
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_png, read_picture
 from maulstick.robot.simulated.camera import SimulatedCamera
 from maulstick.storage.arrays import Floats

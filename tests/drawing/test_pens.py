@@ -5,7 +5,7 @@ import pytest
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.pens import LayerName
 from maulstick.drawing.read import read_drawing
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.svg import AXIDRAW_SPEED, axidraw_svg
 from tests.drawing.conftest import Read, labels, points
 

@@ -13,7 +13,7 @@ from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
 from maulstick.ordering.sequence import sequenced
-from maulstick.painting.painting import read_painting, write_painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.refined import refined
 from maulstick.storage.arrays import Floats
 from tests.drawing.conftest import SPACES, Read, labels, millimetres, points

@@ -13,7 +13,8 @@ import pytest
 from maulstick.errors import InputError, MachineError, OutputError
 from maulstick.jobs.paint import camera_loop
 from maulstick.jobs.paint.simulation import Simulation
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.easel import Pen, write_easel

@@ -11,7 +11,8 @@ from maulstick.jobs.paint.camera_loop import check_replannable, practice, replan
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting, write_painting
+from maulstick.painting.painting import Painting, Sheet, Stroke
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.layout import Layout
 from maulstick.planning.planner import plan

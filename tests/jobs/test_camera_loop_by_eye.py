@@ -8,7 +8,8 @@ import pytest
 
 from maulstick.errors import MachineError
 from maulstick.jobs.paint.camera_loop import paint_by_eye, revision_of
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from maulstick.jobs.paint.camera_loop import paint_by_eye
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.workplace import Workplace

@@ -18,7 +18,8 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.painting import Paint, Painting, Stroke, read_painting, write_painting
+from maulstick.painting.painting import Paint, Painting, Stroke
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.stroke_edits import AddStroke, LockStrokes, MoveStrokes, RemoveStrokes, RepaintStrokes, edited
 from maulstick.strokes.strokes import resample
 from tests.support.planned import picture

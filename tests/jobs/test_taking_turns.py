@@ -9,7 +9,8 @@ from PIL import Image, ImageDraw
 
 import maulstick as ms
 from maulstick.errors import InputError
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.stroke_edits import LockStrokes, edited
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import run

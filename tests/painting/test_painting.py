@@ -15,18 +15,8 @@ from PIL import Image
 from pydantic import ValidationError
 
 from maulstick.errors import InputError, OutputError
-from maulstick.painting.painting import (
-    OFF_SHEET,
-    Paint,
-    Painting,
-    Provenance,
-    Sheet,
-    Stroke,
-    StyleUse,
-    hex_colour,
-    read_painting,
-    write_painting,
-)
+from maulstick.painting.painting import OFF_SHEET, Paint, Painting, Provenance, Sheet, Stroke, StyleUse, hex_colour
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.painting.succession import Succession

@@ -10,15 +10,8 @@ from skimage.data import astronaut
 from maulstick.colour.palette import lightness
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import Metrics
-from maulstick.painting.painting import (
-    OFF_SHEET,
-    Painting,
-    Provenance,
-    Sheet,
-    hex_colour,
-    read_painting,
-    write_painting,
-)
+from maulstick.painting.painting import OFF_SHEET, Painting, Provenance, Sheet, hex_colour
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for

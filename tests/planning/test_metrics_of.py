@@ -9,7 +9,8 @@ import torch
 
 from maulstick.painting.brush import Brush
 from maulstick.painting.metrics import PlanMetrics, compare
-from maulstick.painting.painting import Painting, Sheet, read_painting, write_painting
+from maulstick.painting.painting import Painting, Sheet
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.planning.from_picture import as_painting, metrics_of, problem_of, provenance_of, with_metrics
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import MachineError, OutputError
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import PaintProgress, Pause, execute
 from maulstick.robot.journal import Journal, journal_of

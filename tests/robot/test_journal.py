@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError, OutputError
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from tests.support.robot.small_paintings import SIX
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError, OutputError
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress, execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.logbook import LoggedRun, PenUse, Tally, logbook_path, read_logbook, totals

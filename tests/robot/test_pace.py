@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.adapters.grbl import Grbl
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import PaintProgress, execute

@@ -18,7 +18,8 @@ from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import paint, rehearse
 from maulstick.jobs.paint.setup import PaintSetup
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.adapters.reaches import UFACTORY_REACHES, UR_REACHES
 from maulstick.robot.adapters.ur import UR_LIMITS
 from maulstick.robot.adapters.xarm import LITE6

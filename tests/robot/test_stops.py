@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.duration import seconds_of
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal, journal_of

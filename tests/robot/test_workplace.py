@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw, PaintLoad, Prompt
 from maulstick.robot.workplace import Workplace

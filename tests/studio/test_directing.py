@@ -8,7 +8,7 @@ import pytest
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.studio.panels.direct.chosen import chosen_in_words
 from maulstick.studio.state.directing import Directing
 from maulstick.studio.state.versions import version_title

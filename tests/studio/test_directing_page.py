@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Locator, Page, Route, expect
 
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.robot.journal import Journal, journal_of
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_zoom_page import pinch

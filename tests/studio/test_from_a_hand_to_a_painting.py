@@ -8,7 +8,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.style.cards import read_card
 from tests.studio.conftest import RunningStudio

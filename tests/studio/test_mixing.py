@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from maulstick.colour.mixing import mixing_advice
 from maulstick.colour.tubes import USUAL_PAINTS, NamedPaint
 from maulstick.errors import InputError
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.tray import read_tray
 from maulstick.storage.records import write_record
 from maulstick.studio.panels.paints.paints import legible_on

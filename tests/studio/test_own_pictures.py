@@ -12,7 +12,7 @@ from PIL import Image
 
 from maulstick.errors import InputError
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.storage.files import file_sum
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.own_pictures import with_own

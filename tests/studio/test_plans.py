@@ -15,7 +15,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.request import PlanRequest, demo_picture
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.gallery import keep_picture, picture_of
 from maulstick.studio.state.plan import Phase, Plan

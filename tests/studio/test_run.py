@@ -17,7 +17,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import rehearse
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import read_picture
 from maulstick.robot.easel import Easel, Pen, read_easel, write_easel
 from maulstick.robot.journal import Journal, journal_of

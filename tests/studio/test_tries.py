@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from maulstick.jobs.plan.request import state_files
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.studio.panels.plan.card import outcome
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plan import Phase, Plan

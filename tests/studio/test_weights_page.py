@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Locator, Page, expect
 
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.plans_to_paint import put_plan_to_direct
 

@@ -23,7 +23,8 @@ from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paint.status import status_of
 from maulstick.kinds import checked
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.routine import Prompt

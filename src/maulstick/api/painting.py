@@ -14,6 +14,7 @@ from maulstick.errors import InputError, validation_fault
 from maulstick.jobs.paintable import read_paintable
 from maulstick.kinds import checked
 from maulstick.painting import painting as records
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.stroke_edits import (
     AddStroke,
@@ -64,7 +65,7 @@ class Painting(records.Painting):
 
             atomic_write(path, self.to_svg().encode())
         else:
-            records.write_painting(self, path)
+            write_painting(self, path)
 
     def to_svg(self) -> str:
         """Return an SVG for plotters: real millimetres, one layer per paint, one open path per stroke.

@@ -20,7 +20,8 @@ from maulstick.cli.show import check_picture, kind_in
 from maulstick.errors import InputError
 from maulstick.painting.edit import PictureEdit
 from maulstick.painting.fit import lay_out
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.picture import READ_PX, read_picture
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from math import radians
+from math import isfinite, radians
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -11,7 +11,8 @@ import typer
 
 from maulstick.cli.folder import check_absent
 from maulstick.errors import InputError
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.stroke_edits import (
     AddStroke,
     LockStrokes,
@@ -76,7 +77,7 @@ def edit(
         ids, by = _parts(text, "--move", "12:2.5,-1", _millimetres, before)
         edits.append(MoveStrokes(strokes=ids, by=by))
     for text in turn or []:
-        ids, degrees = _parts(text, "--turn", "12-14:30", float, before)
+        ids, degrees = _parts(text, "--turn", "12-14:30", _finite, before)
         edits.append(MoveStrokes(strokes=ids, turn=radians(degrees)))
     for text in add or []:
         edits.extend(_drawn(text, before))
@@ -145,6 +146,13 @@ def _ids(text: str, name: str, painting: Painting) -> tuple[int, ...]:
     return tuple(ids)
 
 
+def _finite(text: str) -> float:
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(text)
+    return number
+
+
 def _millimetres(text: str) -> tuple[float, float]:
-    x, y = (float(number) / 1e3 for number in text.split(","))
+    x, y = (_finite(number) / 1e3 for number in text.split(","))
     return x, y

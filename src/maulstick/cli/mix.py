@@ -9,7 +9,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from maulstick.painting.painting import Paint, hex_colour, read_painting
+from maulstick.painting.painting import Paint, hex_colour
+from maulstick.painting.painting_file import read_painting
 
 if TYPE_CHECKING:
     from maulstick.colour.mixing import Recipe

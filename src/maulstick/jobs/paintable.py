@@ -9,7 +9,8 @@ import numpy as np
 
 from maulstick.drawing.options import DrawingOptions
 from maulstick.errors import InputError, Remedy, needs_torch
-from maulstick.painting.painting import Painting, read_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import file_sum
 

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from maulstick.errors import InputError
 from maulstick.painting.fields import Length, Metres, NineDigits, Point
-from maulstick.painting.painting import Painting, Stroke, painting_fault
+from maulstick.painting.painting import Painting, Stroke
+from maulstick.painting.painting_file import painting_fault
 
 Some = TypeVar("Some", bound=Painting)
 Ids = Annotated[tuple[int, ...], Field(min_length=1)]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import read_picture
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import run

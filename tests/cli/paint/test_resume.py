@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import contents, run

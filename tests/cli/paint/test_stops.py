@@ -10,7 +10,7 @@ import pytest
 
 from maulstick.cli.paint.operator import TerminalOperator
 from maulstick.painting.brush import load_brush
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.pace import Pace

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import Running, run
 from tests.support.robot.small_paintings import line, painting_of

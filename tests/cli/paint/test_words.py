@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from maulstick.painting.painting import write_painting
+from maulstick.painting.painting_file import write_painting
 from tests.cli.conftest import run
 from tests.support.nominal import nominal
 from tests.support.robot.recorder import LIMITS, Recorder

@@ -23,7 +23,8 @@ from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.session import paint
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.robot.easel import write_easel
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
-from maulstick.painting.painting import read_painting, write_painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.robot.execute import execute
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import routine

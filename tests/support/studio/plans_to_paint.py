@@ -8,7 +8,8 @@ import numpy as np
 
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.storage.files import file_sum
 from maulstick.storage.records import write_record

@@ -15,7 +15,8 @@ from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.options import PaintOptions
 from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import BRUSHES, Brush, load_brush
-from maulstick.painting.painting import Painting, Sheet, read_painting, write_painting
+from maulstick.painting.painting import Painting, Sheet
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of

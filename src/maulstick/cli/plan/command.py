@@ -15,7 +15,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, state_files
 from maulstick.painting.brush import load_pen_brush
 from maulstick.painting.edit import WHOLE
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 
 _OPTION_OF = {"weights": "weight"}  # options of planning that have another name here
 

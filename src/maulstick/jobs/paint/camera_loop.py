@@ -17,7 +17,8 @@ from maulstick.jobs.plan.again import is_in_one_ink, neighbours_of, palette_of, 
 from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush, finest_of
 from maulstick.painting.edit import PictureEdit
-from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke, write_painting
+from maulstick.painting.painting import Paint, Painting, Provenance, Sheet, Stroke
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas, parse_margin
 from maulstick.planning.from_picture import as_painting, problem_of

@@ -19,7 +19,8 @@ from maulstick.jobs.plan.inputs import not_a_paint
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
-from maulstick.painting.painting import Painting, Sheet, Stroke, read_painting
+from maulstick.painting.painting import Painting, Sheet, Stroke
+from maulstick.painting.painting_file import read_painting
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
@@ -30,7 +31,7 @@ from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
 
-_SETTLED = ("paper", "paints", "paints_from", "ink")  # options that a painting has settled
+_SETTLED = ("paper", "paints", "paints_from", "pin", "ink")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
 

@@ -4,7 +4,8 @@ import io
 from pathlib import Path
 
 from maulstick.colour.palette import swatches
-from maulstick.painting.painting import Painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import write_painting
 from maulstick.painting.picture import encode_png
 from maulstick.painting.raster import Canvas
 from maulstick.painting.svg import painting_svg

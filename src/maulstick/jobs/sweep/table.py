@@ -10,7 +10,7 @@ from typing import Final
 
 from maulstick.jobs.sweep.cell import read_cell
 from maulstick.jobs.sweep.sweep import Standing
-from maulstick.painting.painting import read_painting
+from maulstick.painting.painting_file import read_painting
 from maulstick.plots.cells import Print, contact_sheet
 from maulstick.storage.files import atomic_write
 

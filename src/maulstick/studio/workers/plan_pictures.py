@@ -53,7 +53,7 @@ def keep_large_picture(folder: Path) -> bool:
 
     There is none of a plan whose strokes would take too long to draw so large. Raises OutputError where no room is.
     """
-    from maulstick.painting.painting import read_painting
+    from maulstick.painting.painting_file import read_painting
     from maulstick.painting.picture import encode_png
     from maulstick.rendering.preview import preview_of_height  # loads torch
 

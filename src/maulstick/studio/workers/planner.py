@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from maulstick.jobs.plan.request import PlanRequest, state_file, state_files
-from maulstick.painting.painting import Painting, read_painting, write_painting
+from maulstick.painting.painting import Painting
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.picture import encode_jpeg
 from maulstick.painting.raster import Canvas
 from maulstick.storage.files import atomic_write, held

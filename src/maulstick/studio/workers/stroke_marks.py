@@ -10,7 +10,8 @@ import numpy as np
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
-from maulstick.painting.painting import Painting, Stroke, hex_colour, read_painting, write_painting
+from maulstick.painting.painting import Painting, Stroke, hex_colour
+from maulstick.painting.painting_file import read_painting, write_painting
 from maulstick.painting.refined import refined
 from maulstick.painting.stroke_edits import STROKE_EDIT, AddStroke, edited
 from maulstick.storage.arrays import Floats
