@@ -71,6 +71,18 @@ def side_of(image: Tensor) -> int:
     return next(side for side in range(12, 0, -1) if in_squares(image, side))
 
 
+@pytest.mark.parametrize("side", [2, 3])
+def test_slopes_of_squares_are_those_of_repeated_pixels(side: int) -> None:
+    coarse = torch.rand((2, 3, 4), dtype=torch.float64, requires_grad=True)
+    canvas = torch.rand((2, 3 * side - 1, 4 * side), dtype=torch.float64)
+    assert torch.autograd.gradcheck(lambda drawn: to_canvas(drawn, side, canvas), coarse)
+    repeated = coarse.repeat_interleave(side, 1).repeat_interleave(side, 2)[:, : canvas.shape[1]]
+    slopes = [
+        torch.autograd.grad((drawn * canvas).sum(), coarse)[0] for drawn in (to_canvas(coarse, side, canvas), repeated)
+    ]
+    assert torch.allclose(*slopes)
+
+
 def test_a_canvas_on_coarse_pixels_is_nearly_the_average_of_the_fine_one(problem: PlanningProblem) -> None:
     strokes = plan(problem, options(strokes=12, steps=10)).strokes
     with torch.no_grad():

@@ -5,6 +5,7 @@ end outlines matter: a pixel takes marks that share it to lie on one another by 
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -66,9 +67,25 @@ def to_canvas(drawn: Tensor, side: float, like: Tensor) -> Tensor:
     if side < 1:
         finer = round(1 / side)
         return drawn.reshape(channels, height // finer, finer, width // finer, finer).mean(dim=(2, 4))
-    side = int(side)
-    squares = drawn[:, :, None, :, None].expand(channels, height, side, width, side)
-    return squares.reshape(channels, side * height, side * width)[:, : like.shape[1], : like.shape[2]]
+    squares: Tensor = _Squares.apply(drawn, int(side), *like.shape[1:])
+    return squares
+
+
+class _Squares(torch.autograd.Function):
+    """Each pixel of an image (C, h, w) as a square of `side`, cut to (C, height, width).
+
+    Their slopes are summed by one pooling: PyTorch's own way back takes three times as long.
+    """
+
+    @staticmethod
+    def forward(ctx: Any, drawn: Tensor, side: int, height: int, width: int) -> Tensor:
+        ctx.side = side
+        rows = drawn.repeat_interleave(side, dim=2)[:, :, :width]
+        return rows.repeat_interleave(side, dim=1)[:, :height]
+
+    @staticmethod
+    def backward(ctx: Any, *slopes: Tensor) -> tuple[Tensor, None, None, None]:
+        return avg_pool2d(slopes[0], ctx.side, ceil_mode=True, divisor_override=1), None, None, None
 
 
 def _is_large(image: Tensor) -> bool:
