@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_info
 
 # Workers share the cores: with more threads than cores each waits for the others.
 if "PYTEST_XDIST_WORKER" in os.environ and "OMP_NUM_THREADS" not in os.environ:
-    torch.set_num_threads(max(1, (os.cpu_count() or 1) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])))
+    torch.set_num_threads(max(1, len(os.sched_getaffinity(0)) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])))
 
 from maulstick.rendering.kernels import cpu  # it has as many threads as torch has when it is imported
 

@@ -267,7 +267,10 @@ def test_several_brushes_are_named_or_given(painting: ms.Painting) -> None:
         ms.plan(demo_picture(), brush=[brushes[1], brushes[1]], **QUICK)
 
 
-def test_a_hand_that_was_learned_plans_without_being_kept(drawing: Path) -> None:
+def test_a_hand_that_was_learned_plans_without_being_kept(
+    drawing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     style = ms.fit_style(ms.read_ink(drawing), "arcs")
     painting = ms.plan(demo_picture(), **QUICK, style=style, brush=ms.load_brush("marker"))
     assert {stroke.style.name for stroke in painting.strokes if stroke.style is not None} == {"arcs"}

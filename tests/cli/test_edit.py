@@ -68,6 +68,12 @@ def test_all_strokes_are_locked_at_once(folder: Path) -> None:
     assert all(stroke.locked for stroke in edited(folder, "--lock", "all").strokes)
 
 
+def test_strokes_are_unlocked_before_others_are_locked(folder: Path) -> None:
+    assert edited(folder, "--lock", "1,3-5").strokes
+    after = edited(folder, "--unlock", "all", "--lock", "2")
+    assert [stroke.id for stroke in after.strokes if stroke.locked] == [2]
+
+
 def test_an_edit_says_what_it_wrote(folder: Path) -> None:
     ran = run("edit", folder / "plan" / "painting.json", "--lock", "0-3", "--out", folder / "said.json")
     assert ran.stdout == f"{folder / 'said.json'}: 20 strokes, 4 of them locked\n"

@@ -3,7 +3,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import time
 import tomllib
 from pathlib import Path
@@ -17,6 +16,7 @@ from maulstick.jobs.sweep import local
 from maulstick.jobs.sweep.cell import is_finished, read_cell
 from maulstick.jobs.sweep.grid import grid_of
 from tests.cli.conftest import PORTRAIT, QUICK, RESULTS, Ran, Running, contents, run
+from tests.support.studio.processes import children_of, command_of, have_ended
 
 OPTIONS = "[options]\nsteps = 30\nstrokes = 20\npx = 48\n"  # those of QUICK
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,8 +41,7 @@ def results_in(folder: Path) -> dict[str, bytes]:
 
 def workers_of(parent: int) -> list[int]:
     """Processes that a sweep started, by their ids."""
-    ran = subprocess.run(["ps", "--ppid", str(parent), "-o", "pid=,args="], capture_output=True, text=True)
-    return [int(line.split()[0]) for line in ran.stdout.splitlines() if "maulstick.jobs.sweep.worker" in line]
+    return [child for child in children_of(parent) if b"maulstick.jobs.sweep.worker" in command_of(child)]
 
 
 @pytest.fixture(scope="module")
@@ -168,8 +167,7 @@ def test_a_sweep_that_is_killed_leaves_no_process_behind(tmp_path: Path, at: str
     (worker,) = workers_of(running.pid)
     running.kill()
     running.leave()
-    while Path(f"/proc/{worker}").exists():
-        time.sleep(0.1)
+    assert have_ended([worker])
     assert len(state_files(cell)) == (at == "work")
 
 

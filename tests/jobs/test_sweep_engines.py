@@ -18,6 +18,7 @@ from maulstick.errors import InputError, MachineError
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.jobs.sweep import run
 from maulstick.jobs.sweep.on_slurm import OnSlurm, PlanCell
+from tests.support.studio.processes import children_of
 
 OPTIONS = {"picture": str(demo_picture()), "strokes": 20, "steps": 30, "px": 48}
 GRID: dict[str, Any] = {"axes": {"seed": [0, 1]}, "options": OPTIONS}
@@ -73,8 +74,8 @@ def test_a_job_that_is_taken_from_its_machine_is_requeued_and_finishes(engines: 
     def take(shares: Mapping[str, float]) -> None:
         if not taken and shares["seed-0"] > 0:
             taken.append(engines[0]._jobs[0])
-            ran = subprocess.run(["ps", "--ppid", str(taken[0]._process.pid), "-o", "pid="], capture_output=True)
-            os.kill(int(ran.stdout), signal.SIGUSR2)  # as Slurm does before it takes a machine away
+            (job,) = children_of(taken[0]._process.pid)
+            os.kill(job, signal.SIGUSR2)  # as Slurm does before it takes a machine away
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # a failure would be one

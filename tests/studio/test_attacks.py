@@ -12,7 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from maulstick.studio.server.gate import LARGEST
-from maulstick.studio.server.patience import LONGEST, MOST
+from maulstick.studio.server.patience import LONGEST
 from maulstick.studio.state.folder import KINDS
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.intruder import Intruder
@@ -44,6 +44,7 @@ def _running(root: Path, *words: str) -> Iterator[RunningStudio]:
         yield running
     finally:
         running.close()
+    assert "Traceback" not in running.output, running.output
 
 
 @pytest.fixture(scope="module")
@@ -315,20 +316,6 @@ def test_a_request_whose_head_never_ends_is_given_up_and_stop_is_heard_meanwhile
             assert line.recv(1) == b"", "closed, and nothing was said"
 
 
-def test_nobody_has_all_connections(intruder: Intruder) -> None:
-    with ExitStack() as open_sockets:
-        lines = [
-            open_sockets.enter_context(socket.create_connection(("127.0.0.1", intruder.port))) for _ in range(MOST + 50)
-        ]
-        closed = 0
-        for line in lines[MOST:]:
-            line.settimeout(PATIENCE)
-            with suppress(ConnectionResetError):
-                assert line.recv(1) == b""
-            closed += 1
-        assert closed == 50
-
-
 def test_a_page_stays_open_however_long_nothing_happens(intruder: Intruder) -> None:
     with intruder.tab("/") as tab:
         time.sleep(LONGEST + 2)
@@ -375,6 +362,9 @@ def test_the_link_with_its_token_leads_in_and_the_token_is_nowhere_else(
 
 
 def test_strangers_leave_no_trace_in_the_terminal(abroad: RunningStudio) -> None:
+    stranger = Intruder(abroad.port)
+    for path in ("/", "/nothing", "/?token=a", "/%00", "//survey/x"):
+        assert stranger.ask(path).status in (400, 403, 404)
     assert len(abroad.output.splitlines()) == 2, abroad.output
 
 

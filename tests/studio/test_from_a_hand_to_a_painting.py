@@ -14,6 +14,7 @@ from maulstick.style.cards import read_card
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_pen import FORCES, count, pressure
 from tests.studio.test_plan_page import bring_a_picture
+from tests.support.studio.processes import wait_until_nobody_paints
 
 _PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
 _STROKES, _DRAWN = 30, 20
@@ -42,7 +43,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     count(tab, f"^{_DRAWN} strokes, enough for a good style$")
     tab.get_by_label("Name of this hand").fill("Änna")
     tab.get_by_role("button", name="Learn this hand").click()
-    expect(tab.get_by_role("heading", name="This is how Änna draws")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_role("heading", name="This is how Änna draws")).to_be_visible()
     card = read_card(studio.data / "styles" / "anna.json")
     assert (card.name, card.title, card.strokes) == ("anna", "Änna", _DRAWN)
 
@@ -54,7 +55,7 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     tab.get_by_label("How carefully").click()
     tab.get_by_role("option", name=re.compile("sketch")).click()
     tab.get_by_role("button", name="Plan it").click()
-    tab.get_by_role("button", name="Mix and paint").click(timeout=_PATIENCE)
+    tab.get_by_role("button", name="Mix and paint").click()
     path = studio.folder / "plans" / "my-sunset" / "painting.json"
     painting = read_painting(path)
     assert {stroke.style.name for stroke in painting.strokes if stroke.style} == {"anna"}
@@ -64,35 +65,31 @@ def test_a_hand_becomes_a_painting_though_the_studio_is_killed_while_the_machine
     tab.get_by_label("Machine", exact=True).click()
     tab.get_by_role("option", name="AxiDraw").click()
     tab.get_by_role("button", name="Start painting").click()
-    expect(tab.get_by_text("must be mixed first; tick what is mixed under Mix")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_text("must be mixed first; tick what is mixed under Mix")).to_be_visible()
     assert not journal_of(path).exists()
     tab.goto(studio.url + "/paints?plan=my-sunset")
-    tab.get_by_role("button", name="All are mixed").click(timeout=_PATIENCE)
+    tab.get_by_role("button", name="All are mixed").click()
     expect(tab.locator(".tick [aria-checked=true], .tick[aria-checked=true]")).to_have_count(len(painting.paints))
 
     tab.goto(studio.url + "/paint?plan=my-sunset")
     tab.get_by_role("button", name="Start painting").click()
-    expect(tab.locator(".doing")).to_have_text(re.compile("painting My Sunset!: stroke"), timeout=_PATIENCE)
+    expect(tab.locator(".doing")).to_have_text(re.compile("painting My Sunset!: stroke"))
     until = time.monotonic() + _PATIENCE / 1e3
     while lines(journal_of(path)) < 3 and time.monotonic() < until:
         time.sleep(0.05)
     studio.kill()
-    time.sleep(3)  # in which the machine, alone now, is to stop by itself
+    wait_until_nobody_paints(path)  # the machine, alone now, is to stop by itself
     painted = lines(journal_of(path))
     assert 3 <= painted < len(painting.strokes)
-    time.sleep(2)
-    assert lines(journal_of(path)) == painted
 
     studio.start()
     tab.goto(studio.url + "/paint?plan=my-sunset")
-    expect(tab.get_by_text(f"{painted} of {len(painting.strokes)} strokes are painted")).to_be_visible(
-        timeout=_PATIENCE
-    )
+    expect(tab.get_by_text(f"{painted} of {len(painting.strokes)} strokes are painted")).to_be_visible()
     again = tab.get_by_text("No, paint it again")
     if again.is_visible():
         again.click()
     tab.get_by_role("button", name="Go on where it stopped").click()
-    expect(tab.get_by_text("My Sunset! is painted.")).to_be_visible(timeout=_PATIENCE)
+    expect(tab.get_by_text("My Sunset! is painted.")).to_be_visible()
     with Journal.open(journal_of(path)) as journal:
         assert journal.painted == {stroke.id for stroke in painting.strokes}
     assert path.with_name("painting-painted.png").is_file()

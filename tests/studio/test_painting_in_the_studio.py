@@ -1,19 +1,17 @@
 """Panel where a machine paints, in a real browser."""
 
 import re
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from maulstick.errors import InputError
-from maulstick.robot.journal import Journal, journal_of, locked
+from maulstick.robot.journal import Journal, journal_of
 from tests.studio.conftest import RunningStudio
 from tests.support.studio.plans_to_paint import STROKES, put_plan
+from tests.support.studio.processes import wait_until_nobody_paints
 
-PATIENCE = 120_000  # milliseconds, for a machine that does much else
 QUICK = "Simulated easel, as fast as it can"
 
 
@@ -47,15 +45,6 @@ def go_on(page: Page) -> None:
 
 def painted(painting: Path) -> set[int]:
     return Journal.read(journal_of(painting)).painted
-
-
-def wait_until_nobody_paints(painting: Path) -> None:
-    for _ in range(PATIENCE // 100):
-        try:
-            with locked(journal_of(painting)):
-                return
-        except InputError:
-            time.sleep(0.1)
 
 
 def test_two_tabs_show_the_same_machine_and_each_can_stop_it(page: Callable[..., Page], painting: Path) -> None:

@@ -11,8 +11,6 @@ from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.studio.conftest import RunningStudio
 
-_PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
-
 
 def picture_to_bring(root: Path) -> Path:
     x, y = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 48))
@@ -25,7 +23,7 @@ def bring_a_picture(page: Page, root: Path) -> None:
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Bring a picture").click()
     chooser.value.set_files(picture_to_bring(root))
-    expect(page.get_by_role("radio", name="My Sunset!")).to_be_checked(timeout=_PATIENCE)
+    expect(page.get_by_role("radio", name="My Sunset!")).to_be_checked()
 
 
 def ask_for_little(page: Page) -> None:
@@ -52,18 +50,16 @@ def test_a_picture_is_planned_before_all_eyes_stopped_kept_thrown_away_and_taken
     mine.get_by_role("option", name=re.compile("Fine")).click()
     mine.get_by_role("button", name="Plan it").click()
     for each in (mine, theirs):
-        expect(card(each).locator(".compare img").first).to_have_attribute(
-            "src", re.compile("/live/my-sunset/[1-9]"), timeout=_PATIENCE
-        )
+        expect(card(each).locator(".compare img").first).to_have_attribute("src", re.compile("/live/my-sunset/[1-9]"))
         expect(each.locator(".doing")).to_have_text("planning My Sunset!")
     card(theirs).get_by_role("button", name="What matters").click()
     outlines = card(theirs).get_by_label("Outlines")
     outlines.focus()
     for _ in range(4):
         outlines.press("ArrowRight")
-    expect(card(mine).locator("figcaption")).to_contain_text("Outlines", timeout=_PATIENCE)
+    expect(card(mine).locator("figcaption")).to_contain_text("Outlines")
     card(theirs).get_by_role("button", name="Stop and keep").click()
-    expect(card(mine).locator(".phase")).to_have_text("stopped early", timeout=_PATIENCE)
+    expect(card(mine).locator(".phase")).to_have_text("stopped early")
     expect(card(mine).get_by_text(re.compile("^25 strokes, "))).to_be_visible()
 
     shown = card(mine).locator(".compare img").first
@@ -100,9 +96,7 @@ def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
     with opened.expect_file_chooser() as chooser:
         opened.get_by_role("button", name="Bring a picture").click()
     chooser.value.set_files(tmp_path / "letter.png")
-    expect(opened.get_by_text(re.compile("^letter.png is not a picture that can be read"))).to_be_visible(
-        timeout=_PATIENCE
-    )
+    expect(opened.get_by_text(re.compile("^letter.png is not a picture that can be read"))).to_be_visible()
     assert list((studio.folder / "pictures").iterdir()) == []
     assert [path.name for path in studio.folder.iterdir() if path.name.startswith(".incoming")] == []
     held: list[Route] = []
@@ -114,7 +108,7 @@ def test_a_wish_that_cannot_be_is_refused_in_a_sentence(
     expect(opened.get_by_role("button", name="Bring a picture")).to_be_disabled()
     held[0].continue_()
     opened.unroute("**/upload/*")
-    expect(opened.get_by_role("radio", name="My Sunset!")).to_be_checked(timeout=_PATIENCE)
+    expect(opened.get_by_role("radio", name="My Sunset!")).to_be_checked()
     expect(opened.get_by_text("Reading it …").filter(visible=True)).to_have_count(0)
     both = opened.get_by_text("They count beside the picture")
     expect(both).to_be_hidden()
@@ -193,7 +187,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     choose("How carefully", "Fine, and slowly")
     opened.get_by_role("button", name="Plan it").click()
     notes = card(opened).get_by_role("list", name="Notes")
-    expect(notes).to_contain_text("strokes, chosen for the picture's ink", timeout=_PATIENCE)
+    expect(notes).to_contain_text("strokes, chosen for the picture's ink")
     asked = (
         "elephant at 0.4 times its size, fineliner, as many strokes as it needs, one ink, 200 by 160 mm, lines alone"
     )
@@ -203,7 +197,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     assert {name: options[name] for name in wanted} == wanted
 
     card(opened).get_by_role("button", name="Stop and keep").click()
-    expect(card(opened).locator(".phase")).to_have_text("stopped early", timeout=_PATIENCE)
+    expect(card(opened).locator(".phase")).to_have_text("stopped early")
     expect(notes).to_contain_text("strokes, chosen for the picture's ink")
     opened.reload()
     expect(notes).to_contain_text("strokes, chosen for the picture's ink")

@@ -15,7 +15,7 @@ from maulstick.errors import InputError, how_to_add
 from maulstick.studio.server.server import serve
 from maulstick.studio.state.folder import Folder
 from tests.studio.conftest import COMMAND, RunningStudio
-from tests.support.studio.processes import PATIENCE, have_ended
+from tests.support.studio.processes import PATIENCE, children_of, have_ended
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def test_ctrl_c_ends_the_studio_and_all_its_processes_while_pages_are_open(tmp_p
         connect(engine, origin=origin, additional_headers=carries),  # type: ignore[arg-type]
         socket.create_connection(("127.0.0.1", studio.port)) as never_asks,
     ):
-        children = _children(process.pid)
+        children = children_of(process.pid)
         for _ in range(times):
             process.send_signal(signal.SIGINT)
             time.sleep(0.1)  # two at once would be delivered as one
@@ -113,8 +113,3 @@ def test_ctrl_c_ends_the_studio_and_all_its_processes_while_pages_are_open(tmp_p
         assert never_asks.recv(1) == b""
     assert "Traceback" not in studio.output, studio.output
     assert have_ended(children)
-
-
-def _children(process: int) -> list[int]:
-    told = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    return [int(child) for child in told]

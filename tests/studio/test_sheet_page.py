@@ -14,7 +14,6 @@ from maulstick.storage.arrays import Pixels
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_plan_page import card
 
-_PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
 _WHITE = 250  # of 255: paper, in a JPEG
 
 
@@ -22,13 +21,13 @@ def bring(page: Page, path: Path) -> None:
     with page.expect_file_chooser() as chooser:
         page.get_by_role("button", name="Bring a picture").click()
     chooser.value.set_files(path)
-    expect(page.get_by_role("radio", name=path.stem)).to_be_checked(timeout=_PATIENCE)
+    expect(page.get_by_role("radio", name=path.stem)).to_be_checked()
 
 
 def target_of(page: Page, folder: Path) -> Pixels:
     """Wait until a plan begins; return its picture as it lies on the sheet, and stop it."""
     shown = card(page, folder.name.replace("-", " "))
-    expect(shown.locator(".compare .target")).to_have_attribute("src", re.compile("target.jpg"), timeout=_PATIENCE)
+    expect(shown.locator(".compare .target")).to_have_attribute("src", re.compile("target.jpg"))
     shown.get_by_role("button", name="Stop and keep").click()
     with Image.open(folder / "target.jpg") as target:
         return np.asarray(target)

@@ -12,8 +12,6 @@ from maulstick.style.store import write_style
 from tests.studio.conftest import RunningStudio
 from tests.support.style.synthetic_hands import circle, exemplar_of
 
-PATIENCE = 60_000  # milliseconds, for a machine that does much else
-
 
 @pytest.fixture
 def own(studio: RunningStudio) -> str:
@@ -28,11 +26,11 @@ def test_a_gallery_leads_to_the_strokes_of_a_hand_by_mouse_and_by_keyboard(page:
         ["contour", "cursive", "elephant", "hatching", "loops", "marks", "moscow", "scribble"]
     )
     expect(shown.get_by_role("button", name="Compare", exact=True)).to_be_disabled()
-    expect(shown.locator(".style-card img")).to_have_count(8, timeout=PATIENCE)
+    expect(shown.locator(".style-card img")).to_have_count(8)
 
     shown.get_by_role("button", name="Look closer at marks").press("Enter")
     told = shown.locator(".large-stroke")
-    expect(told).to_contain_text("No stroke is chosen yet.", timeout=PATIENCE)
+    expect(told).to_contain_text("No stroke is chosen yet.")
     assert shown.get_by_role("button", name="Delete").count() == 0, "it comes with Maulstick"
     strokes = shown.locator(".stroke-map path[data-stroke]")
     expect(strokes).to_have_count(62)
@@ -54,9 +52,9 @@ def test_a_gallery_leads_to_the_strokes_of_a_hand_by_mouse_and_by_keyboard(page:
     for name in ("loops", "hatching"):
         shown.get_by_role("checkbox", name=f"Compare {name}").click()
     shown.get_by_role("button", name="Compare", exact=True).click()
-    expect(shown.get_by_role("row", name="loops 4.0")).to_be_visible(timeout=PATIENCE)
+    expect(shown.get_by_role("row", name="loops 4.0")).to_be_visible()
     expect(shown.get_by_text("Beside loops, the strokes of hatching")).to_be_visible()
-    expect(shown.locator(".stroke-map path.whose-1")).to_have_count(80, timeout=PATIENCE)
+    expect(shown.locator(".stroke-map path.whose-1")).to_have_count(80)
 
 
 def test_the_address_leads_back_and_forward_and_stands_a_reload(page: Callable[..., Page]) -> None:
