@@ -34,6 +34,32 @@ def test_a_photograph_is_taken_and_a_picture_is_pasted(
     expect(tab.get_by_role("radio", name="pasted")).to_be_checked()
 
 
+def test_a_camera_that_is_let_in_after_it_was_left_is_switched_off(page: Callable[..., Page]) -> None:
+    tab = page("/plan")
+    tab.evaluate("""() => {
+      const ask = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
+      const allowed = new Promise((allow) => { window.allow = allow; });
+      navigator.mediaDevices.getUserMedia = async (wanted) => {
+        await allowed;
+        return window.seen = await ask(wanted);
+      };
+    }""")
+    tab.get_by_role("button", name="Take a photograph").click()
+    tab.get_by_role("button", name="Leave it").click()
+    expect(tab.get_by_role("dialog")).to_have_count(0)
+    tab.evaluate("allow()")
+    tab.wait_for_function("window.seen?.getTracks().every((each) => each.readyState === 'ended')")
+
+
+def test_a_camera_that_is_left_is_switched_off(page: Callable[..., Page]) -> None:
+    tab = page("/plan")
+    tab.get_by_role("button", name="Take a photograph").click()
+    expect(tab.get_by_role("button", name="Take it")).to_be_enabled()
+    stream = tab.locator("video").evaluate_handle("(video) => video.srcObject")
+    tab.get_by_role("button", name="Leave it").click()
+    tab.wait_for_function("(seen) => seen.getTracks().every((each) => each.readyState === 'ended')", arg=stream)
+
+
 def test_a_browser_without_a_camera_is_told_so(studio: RunningStudio, page: Callable[..., Page]) -> None:
     tab = page("/plan")
     tab.evaluate(
