@@ -89,7 +89,7 @@ export class Pointers {
       if (before.wide) stage.zoom(after.wide / before.wide, after.middle);
     } else if (act?.kind === "draw") {
       const all = event.getCoalescedEvents?.() ?? [];
-      for (const each of all.length ? all : [event]) this.record(each);
+      for (const each of all.length ? all : [event]) if (stage.act) this.record(each);
     } else if (act?.kind === "lasso" || act?.kind === "say") {
       act.line.push(stage.onSheet(at));
     } else if (act?.kind === "turn") {
@@ -139,7 +139,12 @@ export class Pointers {
   record(event) {
     const [x, y] = this.stage.onSheet(this.place(event));
     const { wide, high, act } = this.stage;
-    if (x >= 0 && y >= 0 && x <= wide && y <= high) act.points.push(x, y, felt(event));
+    if (x >= 0 && y >= 0 && x <= wide && y <= high) {
+      act.points.push(x, y, felt(event));
+    } else if (act.points.length) { // or a chord would lead to where it comes back
+      this.stage.act = null;
+      this.finish(act);
+    }
   }
 
   finish(act) {

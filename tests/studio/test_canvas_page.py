@@ -1,0 +1,59 @@
+"""What hands and keys do on the canvas on which a plan is directed, in a browser."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_directing_page import sharp
+from tests.support.studio.plans_to_paint import put_plan_to_direct
+
+# Places are millimetres of the sheet. Pointers that no hand holds cannot be captured, and must not be asked to.
+_POINTERS = """() => {
+Element.prototype.setPointerCapture = () => {};
+window.point = (type, x, y, told = {}) => {
+  const view = document.querySelector(".strokes-view"), box = view.getBoundingClientRect();
+  const scale = Math.min(box.width, box.height) / 60;
+  const clientX = box.left + box.width / 2 + scale * (x - 30), clientY = box.top + box.height / 2 + scale * (y - 30);
+  const all = { pointerId: 7, pointerType: "pen", button: 0, buttons: 1, pressure: 0.4, bubbles: true, clientX, clientY };
+  view.dispatchEvent(new PointerEvent(type, { ...all, ...told }));
+};
+}"""
+
+
+@pytest.fixture(autouse=True)
+def _coast(tmp_path: Path) -> None:
+    put_plan_to_direct(tmp_path / "studio", "coast")
+
+
+def opened(page: Callable[..., Page], tool: str = "Choose") -> tuple[Page, Locator]:
+    """Open the canvas with a tool and pointers that a script moves; return the page and the view."""
+    tab = page("/plan/coast")
+    view = tab.get_by_role("group", name="The strokes of coast")
+    sharp(view, 0)
+    tab.get_by_role("button", name=tool, exact=True).click()
+    expect(view).to_have_class(f"strokes-view {tool.lower()}")
+    tab.evaluate(_POINTERS)
+    return tab, view
+
+
+def acts(studio: RunningStudio) -> list[dict[str, Any]]:
+    """Return what was done, as the studio has kept it."""
+    (file,) = (studio.folder / "plans" / "coast").glob("edits-*.jsonl")
+    return [json.loads(line) for line in file.read_text().splitlines()]
+
+
+def test_a_stroke_ends_at_the_edge_of_the_sheet(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      point("pointerdown", 50, 20);
+      for (const [x, y] of [[55, 20], [65, 20], [65, 50], [55, 50], [50, 50]]) point("pointermove", x, y);
+      point("pointerup", 50, 50);
+    }""")
+    sharp(view, 1)
+    (act,) = acts(studio)
+    assert max(y for _, y, _ in act["edit"]["trajectory"]) < 0.025
