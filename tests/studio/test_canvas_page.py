@@ -57,3 +57,23 @@ def test_a_stroke_ends_at_the_edge_of_the_sheet(studio: RunningStudio, page: Cal
     sharp(view, 1)
     (act,) = acts(studio)
     assert max(y for _, y, _ in act["edit"]["trajectory"]) < 0.025
+
+
+def test_palms_leave_a_pen_alone(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      const palm = { pointerType: "touch", pointerId: 20 }, other = { ...palm, pointerId: 21 };
+      point("pointerdown", 40, 50, palm);
+      point("pointerdown", 10, 20);
+      point("pointermove", 12, 20);
+      point("pointerdown", 45, 50, other);
+      for (const each of [palm, other]) point("pointermove", 48, 55, each);
+      point("pointercancel", 48, 55, palm);
+      point("pointermove", 20, 20);
+      point("pointerup", 20, 20);
+      point("pointerup", 48, 55, other);
+    }""")
+    sharp(view, 1)
+    drawn = acts(studio)[0]["edit"]["trajectory"]
+    assert max(x for x, _, _ in drawn) - min(x for x, _, _ in drawn) > 0.009
+    assert max(y for _, y, _ in drawn) < 0.025

@@ -15,6 +15,7 @@ export class Pointers {
   constructor(stage, keys) {
     Object.assign(this, { stage, keys });
     this.places = new Map(); // by pointer
+    this.pen = null; // the pointer that it was last
     const act = { pointerdown: "begin", pointermove: "move", pointerup: "end", pointercancel: "cancel" };
     for (const [event, name] of Object.entries(act)) stage.root.addEventListener(event, (each) => this[name](each));
     stage.root.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -30,12 +31,17 @@ export class Pointers {
     if (event.button > 1) return;
     const { stage } = this;
     const { tool, paint } = stage.props;
+    const isTouch = event.pointerType === "touch";
+    if (isTouch && this.places.has(this.pen)) return; // a palm
+    if (event.pointerType === "pen") {
+      if (this.places.size) this.leave(); // the palm came first
+      this.pen = event.pointerId;
+    }
     stage.root.setPointerCapture(event.pointerId);
     const at = this.place(event);
     this.places.set(event.pointerId, at);
-    this.knowsPen ||= event.pointerType === "pen";
-    const isPalm = event.pointerType === "touch" && this.knowsPen && tool !== "choose";
-    if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || isPalm) {
+    const pans = isTouch && this.pen !== null && tool !== "choose";
+    if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || pans) {
       stage.giveUp(); // what one finger had begun
       this.pan(true);
     } else if (tool === "draw") {
@@ -131,7 +137,12 @@ export class Pointers {
   }
 
   cancel(event) {
-    this.places.delete(event.pointerId);
+    if (this.places.has(event.pointerId)) this.leave();
+  }
+
+  // What was begun is given up, and who had begun it is ignored from now on.
+  leave() {
+    this.places.clear();
     this.pan(false);
     this.stage.giveUp();
   }
