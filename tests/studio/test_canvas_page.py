@@ -77,3 +77,14 @@ def test_palms_leave_a_pen_alone(studio: RunningStudio, page: Callable[..., Page
     drawn = acts(studio)[0]["edit"]["trajectory"]
     assert max(x for x, _, _ in drawn) - min(x for x, _, _ in drawn) > 0.009
     assert max(y for _, y, _ in drawn) < 0.025
+
+
+def test_the_sheet_is_as_sharp_as_the_screen_to_which_its_window_is_moved(page: Callable[..., Page]) -> None:
+    tab, view = opened(page)
+    screen = {"width": 1280, "height": 720, "deviceScaleFactor": 2, "mobile": False}
+    tab.context.new_cdp_session(tab).send("Emulation.setDeviceMetricsOverride", screen)
+    tab.wait_for_function("devicePixelRatio === 2")
+    view.press("m")
+    canvas = view.locator("canvas").first
+    tab.wait_for_function("(canvas) => canvas.width === 2 * canvas.clientWidth", arg=canvas.element_handle())
+    sharp(view, 0)

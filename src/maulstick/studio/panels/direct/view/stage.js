@@ -211,6 +211,7 @@ export class Stage {
     const { root, sheet } = this;
     const [wide, high] = [root.clientWidth, root.clientHeight].map((side) => Math.round(side * devicePixelRatio));
     if (!wide || !high) return;
+    this.ratio = devicePixelRatio;
     if (sheet.width !== wide || sheet.height !== high) [sheet.width, sheet.height] = [wide, high];
     if (this.fits) this.fit();
     else this.lay(this.view.scale, this.view.x, this.view.y);
@@ -246,6 +247,7 @@ export class Stage {
   repaint() {
     this.frame ??= requestAnimationFrame(() => {
       this.frame = undefined;
+      if (this.ratio !== devicePixelRatio) return this.resize(); // the window is on another screen
       const isSharp = paintFrame(this) && this.known !== undefined && !this.stale && !this.drawing;
       this.root.toggleAttribute("data-sharp", isSharp);
     });
