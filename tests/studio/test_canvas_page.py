@@ -88,3 +88,24 @@ def test_the_sheet_is_as_sharp_as_the_screen_to_which_its_window_is_moved(page: 
     canvas = view.locator("canvas").first
     tab.wait_for_function("(canvas) => canvas.width === 2 * canvas.clientWidth", arg=canvas.element_handle())
     sharp(view, 0)
+
+
+def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened(page)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    for _ in range(4):
+        tab.keyboard.down("l")
+    tab.keyboard.up("l")
+    sharp(view, 1)
+    tab.get_by_role("button", name="Save this as it is").click()
+    expect(tab.get_by_role("dialog")).to_be_visible()
+    tab.keyboard.press("Control+z")
+    tab.keyboard.press("Escape")
+    expect(tab.get_by_role("dialog")).to_have_count(0)
+    view.press("Shift+ArrowLeft")
+    sharp(view, 2)
+    assert [act["edit"]["kind"] for act in acts(studio)] == ["lock", "move"]

@@ -42,13 +42,13 @@ export class Keys {
     return key.toLowerCase() === "a" ? () => this.stage.chooseAll() : null;
   }
 
-  plain({ key, shiftKey }) {
+  plain({ key, shiftKey, repeat }) {
     const { stage } = this;
     const [step, turn] = shiftKey ? [NUDGE / 10, TURN / 5] : [NUDGE, TURN];
     const some = (act) => (stage.chosen.ids.length ? act : () => {});
     const turned = (by) => some(() => this.nudge(0, 0, by));
     const [next, before] = [1, -1].map((by) => () => stage.choose({ by }, shiftKey));
-    const ask = (what) => () => this.ask(what);
+    const ask = (what) => () => repeat || this.ask(what);
     const away = DRAWS_LINES.includes(stage.props.tool) ? ask("take_out") : some(ask("remove"));
     return {
       "+": () => stage.nearer(), "=": () => stage.nearer(), "-": () => stage.farther(), 0: () => stage.fit(),
@@ -97,6 +97,7 @@ export class Keys {
   undo(event) {
     const key = event.key.toLowerCase();
     if (!(event.ctrlKey || event.metaKey) || event.altKey || !"zy".includes(key)) return;
+    if (document.querySelector(".q-dialog")) return;
     if (event.target.closest?.("input:not([type=range]), textarea, [contenteditable]")) return;
     event.preventDefault();
     this.ask(key === "y" || event.shiftKey ? "redo" : "undo");
