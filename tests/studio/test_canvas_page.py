@@ -109,3 +109,32 @@ def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
     view.press("Shift+ArrowLeft")
     sharp(view, 2)
     assert [act["edit"]["kind"] for act in acts(studio)] == ["lock", "move"]
+
+
+def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened(page)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    view.press("l")
+    sharp(view, 1)
+    undo = tab.get_by_role("button", name="Undo")
+    expect(undo).to_be_enabled()
+    view.evaluate(
+        """(view, undo) => {
+          view.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+          undo.focus();
+          undo.click();
+        }""",
+        undo.element_handle(),
+    )
+    sharp(view, 3)
+    view.evaluate("""(view) => {
+      view.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+      for (const type of ["pointerdown", "pointerup"]) point(type, 30, 30, { pointerType: "mouse", button: 1 });
+    }""")
+    sharp(view, 4)
+    kinds = [act["edit"]["kind"] if "edit" in act else act["act"] for act in acts(studio)]
+    assert kinds == ["lock", "move", "undo", "move"]

@@ -13,7 +13,7 @@ export class Keys {
     this.space = false; // whether it is down, and dragging moves the view
     stage.root.addEventListener("keydown", (event) => this.down(event));
     stage.root.addEventListener("keyup", (event) => event.key === " " && this.hold(false));
-    stage.root.addEventListener("blur", () => this.hold(false));
+    stage.root.addEventListener("blur", () => this.leave());
     stage.beforeChoice = () => this.sendShift();
     this.heard = (event) => this.undo(event);
     document.addEventListener("keydown", this.heard); // also where a button of the page has the focus
@@ -22,6 +22,11 @@ export class Keys {
   close() {
     document.removeEventListener("keydown", this.heard);
     clearTimeout(this.resting);
+  }
+
+  leave() {
+    this.hold(false);
+    this.rest();
   }
 
   hold(space) {
@@ -77,7 +82,12 @@ export class Keys {
     stage.shift = { dx: stage.shift.dx + dx, dy: stage.shift.dy + dy, turn: stage.shift.turn + turn };
     stage.repaint();
     clearTimeout(this.resting);
-    this.resting = setTimeout(() => this.sendShift(), REST);
+    this.resting = setTimeout(() => this.rest(), REST);
+  }
+
+  // What arrow keys moved is sent, unless a pointer moves on with it.
+  rest() {
+    if (!this.stage.isMoved) this.sendShift();
   }
 
   // Tell the server how far what is chosen was moved, once.

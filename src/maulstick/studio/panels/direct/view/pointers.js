@@ -37,12 +37,13 @@ export class Pointers {
       if (this.places.size) this.leave(); // the palm came first
       this.pen = event.pointerId;
     }
+    this.keys.rest();
     stage.root.setPointerCapture(event.pointerId);
     const at = this.place(event);
     this.places.set(event.pointerId, at);
     const pans = isTouch && this.pen !== null && tool !== "choose";
     if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || pans) {
-      stage.giveUp(); // what one finger had begun
+      stage.leave(); // what one finger had begun
       this.pan(true);
     } else if (tool === "draw") {
       stage.act = { kind: "draw", paint, points: [] };
@@ -50,7 +51,6 @@ export class Pointers {
     } else if (DRAWS_LINES.includes(tool)) {
       stage.act = { kind: "say", tool, began: at, line: [stage.onSheet(at)] };
     } else {
-      this.keys.sendShift();
       stage.act = { began: at, adds: event.shiftKey, kind: this.kindAt(at), line: [stage.onSheet(at)] };
     }
     stage.repaint();
@@ -143,8 +143,8 @@ export class Pointers {
   // What was begun is given up, and who had begun it is ignored from now on.
   leave() {
     this.places.clear();
+    this.stage.leave();
     this.pan(false);
-    this.stage.giveUp();
   }
 
   record(event) {

@@ -261,9 +261,22 @@ export class Stage {
     return [(u + dx) * scale + x - HANDLE * Math.sin(turn), (v + dy) * scale + y + HANDLE * Math.cos(turn)];
   }
 
+  // Whether a pointer moves what is chosen.
+  get isMoved() {
+    return ["move", "turn"].includes(this.act?.kind);
+  }
+
+  // What a pointer had begun is given up.
+  leave() {
+    if (this.isMoved) this.settle();
+    this.act = null;
+    this.repaint();
+  }
+
   // The server has refused what was drawn or moved.
   giveUp() {
     this.sent = null;
-    this.settle();
+    if (this.shift.isSent) this.settle();
+    this.repaint();
   }
 }
