@@ -138,3 +138,13 @@ def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     sharp(view, 4)
     kinds = [act["edit"]["kind"] if "edit" in act else act["act"] for act in acts(studio)]
     assert kinds == ["lock", "move", "undo", "move"]
+
+
+def test_strokes_that_did_not_come_are_asked_for_again(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      const { fetch } = window;
+      window.fetch = (...asked) => { window.fetch = fetch; return Promise.reject(new TypeError("there is no line")); };
+      for (const [type, x] of [["down", 10], ["move", 20], ["up", 20]]) point(`pointer${type}`, x, 10);
+    }""")
+    sharp(view, 1)

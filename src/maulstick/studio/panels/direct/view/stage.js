@@ -8,6 +8,7 @@ import { viewOf } from "./views.js";
 const STEP = 1.25; // times larger by a key or a button
 const NEAREST = 64; // times the true size, or the size that fits
 const TRUE = 96 / 25.4; // CSS pixels per millimetre where a millimetre is one of the screen
+const AGAIN = 1000; // milliseconds after which the studio is asked again where it did not answer
 const STILL = 50; // milliseconds after which a view that was moved is drawn sharply, whatever was being drawn
 const HANDLE = -56; // CSS pixels from the middle of what is chosen to the handle that turns it
 
@@ -42,6 +43,8 @@ export class Stage {
   }
 
   close() {
+    this.isClosed = true;
+    clearTimeout(this.waiting);
     this.worker.terminate();
     this.fitting.disconnect();
     clearTimeout(this.resting);
@@ -55,7 +58,10 @@ export class Stage {
       const wanted = this.props.version;
       const since = this.known === undefined ? "" : `?since=${this.known}`;
       const answer = await fetch(`${this.props.source}/${wanted}${since}`).catch(() => null);
-      if (!answer) break; // the page says that the studio does not answer
+      if (!answer) { // which the page says
+        if (!this.isClosed) this.waiting = setTimeout(() => this.load(), AGAIN);
+        break;
+      }
       if (!answer.ok) {
         this.emit("refused", await answer.text());
         break;
