@@ -1,5 +1,6 @@
 """Acts of a person on a plan: kept beside it, undone and redone in any order, and told to pages as marks."""
 
+import asyncio
 import json
 from pathlib import Path
 
@@ -108,6 +109,25 @@ def test_acts_are_undone_and_redone_also_in_a_later_studio_and_the_plan_stays_as
     assert now[10].locked
     assert now[12].paint == 1
     assert read_painting(file) == SIX
+
+
+def test_what_is_undone_while_an_act_is_worked_out_is_that_act(tmp_path: Path) -> None:
+    put_plan(tmp_path, "six", SIX)
+
+    async def act(directing: Directing) -> None:
+        await directing.edit(_LOCK)
+        drawn, line = [0.01, 0.01, 0.5, 0.02, 0.02, 0.7], [0.01, 0.01, 0.03, 0.01, 0.03, 0.03]
+        for begun in (
+            directing.draw(1, drawn),
+            directing.saying.enclose(line, bare=False),
+            directing.saying.guide(line),
+        ):
+            await asyncio.gather(begun, directing.undo())
+            assert [json.loads(each)["kind"] for each in directing.edits] == ["lock"]
+            assert (directing.saying.now.regions, directing.saying.now.guides) == ((), ())
+            assert directing.can_redo
+
+    assert acting(tmp_path, act).version == 7
 
 
 @pytest.mark.parametrize("line", [b'{"edit": {"kind": "of another version"}}', b"\xff", b"[" * 100_000])

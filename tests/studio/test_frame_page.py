@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from maulstick.robot.journal import journal_of
 from tests.studio.conftest import RunningStudio, patient
 from tests.support.studio.plans_to_paint import put_plan
 
@@ -40,6 +41,22 @@ def test_the_tab_says_how_far_it_is_at_any_panel_and_a_new_plan_comes_into_view(
     expect(new.get_by_role("heading", name="portrait")).to_be_in_viewport()
     expect(tab).to_have_title(re.compile(r"^\d+% portrait · Maulstick$"))
     new.get_by_role("button", name="Stop and keep").click()
+
+
+def test_a_click_that_waits_for_a_broken_line_does_nothing_after_a_stop(
+    page: Callable[..., Page], studio: RunningStudio
+) -> None:
+    tab = page("/paint?plan=lines-3", viewport=SIZE)
+    start = tab.get_by_role("button", name="Start painting")
+    expect(start).to_be_enabled()
+    tab.evaluate("window.socket.disconnect()")
+    start.click()
+    tab.get_by_role("button", name="STOP").click()
+    expect(tab.get_by_text("Nothing moves: there was nothing to stop.")).to_be_visible()
+    tab.evaluate("window.socket.connect()")
+    tab.get_by_role("link", name="Plan").click()
+    expect(tab).to_have_title("Plan · Maulstick")
+    assert not journal_of(studio.folder / "plans" / "lines-3" / "painting.json").exists()
 
 
 def test_an_address_that_leads_nowhere_says_so_and_leads_back(studio: RunningStudio, browser: Browser) -> None:

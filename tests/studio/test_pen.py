@@ -163,6 +163,19 @@ def test_strokes_are_undone_redone_and_rubbed_out(page: Opened) -> None:
     count(tab, "^4 strokes")
 
 
+def test_keys_undo_nothing_behind_a_dialog(page: Opened) -> None:
+    tab = page()
+    pressure(tab, line(0.2), FORCES)
+    count(tab, "^1 stroke;")
+    tab.get_by_role("button", name="New sheet").click()
+    expect(tab.get_by_role("dialog", name="A new sheet")).to_be_visible()
+    tab.keyboard.press("Control+z")
+    tab.keyboard.press("Escape")
+    expect(tab.get_by_role("dialog")).to_have_count(0)
+    pressure(tab, line(0.5), FORCES)
+    count(tab, "^2 strokes")
+
+
 def test_the_eraser_end_of_a_pen_rubs_out_and_palms_do_not_draw(page: Opened) -> None:
     tab = page()
     tab.evaluate(_POINTERS)

@@ -191,6 +191,21 @@ def test_it_pauses_after_a_stroke_stops_at_once_with_the_pen_lifted_and_goes_on_
     assert sorted(events(painting, "end")) == list(range(STROKES))
 
 
+def test_what_is_stopped_while_its_paints_are_looked_up_does_not_begin(tmp_path: Path) -> None:
+    put_plan(tmp_path, "six", SIX)
+
+    async def paint() -> None:
+        async with opened(tmp_path) as run:
+            beginning = asyncio.create_task(run.begin("six", PaintOptions(robot="grbl:/dev/null/none")))
+            await asyncio.sleep(0)  # until it waits for the desk
+            assert run.stop() == "Nothing moves: there was nothing to stop."
+            with pytest.raises(InputError, match="six was stopped before it began"):
+                await beginning
+            assert not run.is_busy
+
+    asyncio.run(paint())
+
+
 def test_one_machine_paints_at_a_time_and_only_what_is_planned_and_mixed(tmp_path: Path) -> None:
     put_plan(tmp_path, "lines")
     put_plan(tmp_path, "six", SIX, mixed=False)

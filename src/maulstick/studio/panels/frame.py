@@ -36,9 +36,11 @@ _PAGES = {**_PANELS, _TRASH: ("Trash", "delete_outline", "maulstick.studio.panel
 
 # Esc closes an open dialog or menu first; where none is open it stops the machine. The button always stops it.
 # A request of its own works while the websocket is busy, and the websocket where no new connection can be had.
+# What was pressed before, and waits for the websocket to be mended, would start a machine after it was stopped.
 _STOP = """<script>
   let doubt, word;
   function stopMachine() {
+    forgetWaiting();
     clearTimeout(doubt);
     doubt = setTimeout(() => { document.querySelector(".silent").hidden = false; }, 3000);
     const bySocket = () => emitEvent("stop");

@@ -22,4 +22,8 @@
       if (done) for (const message of waiting.splice(0)) socket.emit(...message);
     },
   });
+  window.forgetWaiting = () => {
+    waiting.length = 0;
+    if (socket) socket.sendBuffer = socket.sendBuffer.filter(({ data: [name] }) => name !== "event");
+  };
 }

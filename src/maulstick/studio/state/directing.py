@@ -84,14 +84,16 @@ class Directing:
             edit = STROKE_EDIT.validate_python(sent)
         except ValidationError as error:
             raise InputError(f"that is no edit of strokes: {validation_fault(error)}; choose them again") from error
-        await self._do(STROKE_EDIT.dump_json(edit).decode())
+        async with self._acts.turn:
+            await self._do(STROKE_EDIT.dump_json(edit).decode())
 
     async def draw(self, paint: int, points: Sequence[float]) -> None:
         """Add a stroke that a person drew. points: x, y in metres and pressure of each; raises as `drawn_edit`."""
         if not points or len(points) > 3 * _MOST_DRAWN or len(points) % 3:
             raise InputError(f"a stroke has {len(points) // 3} points; draw one with 1 to {_MOST_DRAWN}")
         triples = list(zip(points[::3], points[1::3], points[2::3], strict=True))
-        await self._do(await self._desk.do(drawn_edit, self._painting, paint, triples))
+        async with self._acts.turn:  # or what is undone meanwhile would be the act before
+            await self._do(await self._desk.do(drawn_edit, self._painting, paint, triples))
 
     async def undo(self) -> None:
         """Undo the last act that is not undone, if there is one."""
@@ -110,9 +112,9 @@ class Directing:
         return await self._desk.do(changes_of, self._painting, self.edits)
 
     async def _do(self, edit: str) -> None:
-        async with self._acts.turn:
-            await self._desk.do(check_edits, self._painting, (*self.edits, edit))
-            self._acts.add(_EDIT, edit)
+        """Do an edit in its turn."""
+        await self._desk.do(check_edits, self._painting, (*self.edits, edit))
+        self._acts.add(_EDIT, edit)
 
 
 def _sum_of(painting: Path) -> str:

@@ -87,6 +87,7 @@ class Run:
         self.easels = Easels(folder)
         self._folder, self._desk, self._mixing, self._plans = folder, desk, mixing, plans
         self._process: Process | None = None
+        self._stops = 0
 
     @property
     def is_busy(self) -> bool:
@@ -144,6 +145,7 @@ class Run:
 
     def stop(self) -> str:
         """Stop the machine at once and lift its pen, whatever it does; return what was stopped, for people."""
+        self._stops += 1
         if self._process is None:
             return "Nothing moves: there was nothing to stop."
         if self.state.phase == "checking":  # nothing moves
@@ -214,8 +216,11 @@ class Run:
         request.options.check()
         self._check_free()
         self._check_planned(plan)
+        stops = self._stops
         if not request.options.simulated and (missing := await self._mixing.missing(plan)):
             raise InputError(_unmixed_fault(self._folder.title("plans", plan), missing))
+        if stops != self._stops:
+            raise InputError(f"{self._folder.title('plans', plan)} was stopped before it began; start it once more")
         self._check_free()  # another page may have been quicker
         self._check_planned(plan)
         if not request.resume:

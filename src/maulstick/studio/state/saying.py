@@ -1,7 +1,7 @@
 """What a person says of places on the sheet of a plan: acts among those on its strokes, undone and redone with them."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -54,8 +54,9 @@ class Saying:
 
     async def enclose(self, points: Sequence[float], *, bare: bool) -> int:
         """Say a region that a line encloses; return its id. points: x, y in metres of each; raises as `enclosed`."""
-        area = await self._desk.do(enclosed, self._painting, _spots(points))
-        return await self._add(lambda said: _region(said, _BARE if bare else _REGION, area, bare=bare))
+        async with self._acts.turn:  # or what is undone meanwhile would be the act before
+            area = await self._desk.do(enclosed, self._painting, _spots(points))
+            return self._put(_region(self.now, _BARE if bare else _REGION, area, bare=bare))
 
     async def emphasise(self, points: Sequence[float], width: float, importance: float) -> int:
         """Say that what a round brush of a width covers along a line counts so many times; return the region's id.
@@ -74,8 +75,9 @@ class Saying:
 
     async def guide(self, points: Sequence[float]) -> int:
         """Say a guide along a line; return its id. points: x, y in metres of each; raises as `guide`."""
-        line = await self._desk.do(guide, self._painting, _spots(points))
-        return await self._add(lambda said: PutGuide(guide=SaidGuide(id=said.free_id, line=line)))
+        async with self._acts.turn:
+            line = await self._desk.do(guide, self._painting, _spots(points))
+            return self._put(PutGuide(guide=SaidGuide(id=self.now.free_id, line=line)))
 
     async def change(self, id: int, **fields: Any) -> None:
         """Say something else of the region with this id. fields: those of `SaidRegion`; a name is cleaned.
@@ -92,7 +94,8 @@ class Saying:
 
     async def take_out(self, id: int) -> None:
         """Take out the region or the guide with this id. Raises InputError where it is taken out already."""
-        await self._add(lambda _: TakeOut(id=id))
+        async with self._acts.turn:
+            self._put(TakeOut(id=id))
 
     async def files(self, request: PlanRequest) -> dict[str, bytes]:
         """Return `said_files` of what is said now, for planning that request."""
@@ -111,10 +114,6 @@ class Saying:
                 f"strokes of “{lost[0]}” are to follow guides, and there is none on the picture; draw one, or choose "
                 "another direction"
             )
-
-    async def _add(self, act_on: Callable[[Said], SaidAct]) -> int:
-        async with self._acts.turn:
-            return self._put(act_on(self.now))
 
     def _say_of(self, region: SaidRegion, **fields: Any) -> None:
         """Say something else of a region in its turn; what is said already is no act."""

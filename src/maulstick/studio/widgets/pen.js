@@ -177,6 +177,7 @@ export default {
     key(event) {
       const key = event.key.toLowerCase();
       if (!(event.ctrlKey || event.metaKey) || event.altKey || !"zy".includes(key)) return;
+      if (document.querySelector(".q-dialog")) return;
       if (event.target.closest?.("input, textarea, [contenteditable]")) return;
       event.preventDefault();
       this.$emit(key === "y" || event.shiftKey ? "redo" : "undo");

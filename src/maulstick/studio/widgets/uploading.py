@@ -35,6 +35,8 @@ _TAKE_OWN_DROP = """(event) => {
 _TAKE_PASTE = """
 const paste = (event) => {
   if (!document.body.contains(getHtmlElement(CHOOSER))) return removeEventListener("paste", paste);
+  const isText = event.target.closest?.(":read-write"); // which Excel copies with a picture of it
+  if (isText || document.querySelector(".q-dialog")) return;
   if (event.clipboardData.files.length) runMethod(CHOOSER, "addFiles", [event.clipboardData.files]);
 };
 addEventListener("paste", paste);

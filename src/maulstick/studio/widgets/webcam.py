@@ -11,7 +11,9 @@ _LONGEST: Final = 60.0  # seconds for a person to let the page use the camera
 _SEE = """(async () => {
   const video = getHtmlElement(VIDEO);
   try {
-    video.srcObject = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1920 } } });
+    const stream = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1920 } } });
+    if (video.isLeft) return stream.getTracks().forEach((track) => track.stop());
+    video.srcObject = stream;
     await video.play();
     return "";
   } catch (error) { return error.name; }
@@ -23,7 +25,11 @@ _TAKE = """(async () => {
   const blob = await new Promise((done) => canvas.toBlob(done, "image/jpeg", 0.95));
   runMethod(CHOOSER, "addFiles", [[new File([blob], "photograph.jpg", { type: "image/jpeg" })]]);
 })()"""
-_LEAVE = "getHtmlElement(VIDEO)?.srcObject?.getTracks().forEach((track) => track.stop())"
+_LEAVE = """() => {
+  const video = getHtmlElement(VIDEO);
+  video.isLeft = true;
+  video.srcObject?.getTracks().forEach((track) => track.stop());
+}"""
 _REFUSALS: Final = {
     "NotAllowedError": "the browser may not use the camera; allow it beside the page's address",
     "NotFoundError": "there is no camera; connect one",
@@ -49,7 +55,8 @@ class _Camera:
                 ui.button("Leave it", on_click=self._dialog.close).props("flat")
                 self._take = ui.button("Take it", icon="photo_camera", on_click=self._bring)
         self._take.disable()
-        self._dialog.on("hide", self._leave)
+        self._dialog.on("before-hide", js_handler=self._filled(_LEAVE))  # afterwards there is no video on the page
+        self._dialog.on("hide", self._dialog.delete)
 
     async def see(self) -> None:
         """Show what the camera sees. Raises InputError where there is none that may be used."""
@@ -64,12 +71,10 @@ class _Camera:
         await self._run(_TAKE)
         self._dialog.close()
 
-    async def _leave(self) -> None:
-        await self._run(_LEAVE)
-        self._dialog.delete()
-
     async def _run(self, script: str) -> object:
         client: Client = self._client
-        filled = script.replace("VIDEO", str(self._video.id)).replace("CHOOSER", str(self._chooser.id))
-        answer: object = await client.run_javascript(f"return {filled}", timeout=_LONGEST)
+        answer: object = await client.run_javascript(f"return {self._filled(script)}", timeout=_LONGEST)
         return answer
+
+    def _filled(self, script: str) -> str:
+        return script.replace("VIDEO", str(self._video.id)).replace("CHOOSER", str(self._chooser.id))

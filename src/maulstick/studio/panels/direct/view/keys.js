@@ -13,7 +13,7 @@ export class Keys {
     this.space = false; // whether it is down, and dragging moves the view
     stage.root.addEventListener("keydown", (event) => this.down(event));
     stage.root.addEventListener("keyup", (event) => event.key === " " && this.hold(false));
-    stage.root.addEventListener("blur", () => this.hold(false));
+    stage.root.addEventListener("blur", () => this.leave());
     stage.beforeChoice = () => this.sendShift();
     this.heard = (event) => this.undo(event);
     document.addEventListener("keydown", this.heard); // also where a button of the page has the focus
@@ -22,6 +22,11 @@ export class Keys {
   close() {
     document.removeEventListener("keydown", this.heard);
     clearTimeout(this.resting);
+  }
+
+  leave() {
+    this.hold(false);
+    this.rest();
   }
 
   hold(space) {
@@ -42,13 +47,13 @@ export class Keys {
     return key.toLowerCase() === "a" ? () => this.stage.chooseAll() : null;
   }
 
-  plain({ key, shiftKey }) {
+  plain({ key, shiftKey, repeat }) {
     const { stage } = this;
     const [step, turn] = shiftKey ? [NUDGE / 10, TURN / 5] : [NUDGE, TURN];
     const some = (act) => (stage.chosen.ids.length ? act : () => {});
     const turned = (by) => some(() => this.nudge(0, 0, by));
     const [next, before] = [1, -1].map((by) => () => stage.choose({ by }, shiftKey));
-    const ask = (what) => () => this.ask(what);
+    const ask = (what) => () => repeat || this.ask(what);
     const away = DRAWS_LINES.includes(stage.props.tool) ? ask("take_out") : some(ask("remove"));
     return {
       "+": () => stage.nearer(), "=": () => stage.nearer(), "-": () => stage.farther(), 0: () => stage.fit(),
@@ -77,7 +82,12 @@ export class Keys {
     stage.shift = { dx: stage.shift.dx + dx, dy: stage.shift.dy + dy, turn: stage.shift.turn + turn };
     stage.repaint();
     clearTimeout(this.resting);
-    this.resting = setTimeout(() => this.sendShift(), REST);
+    this.resting = setTimeout(() => this.rest(), REST);
+  }
+
+  // What arrow keys moved is sent, unless a pointer moves on with it.
+  rest() {
+    if (!this.stage.isMoved) this.sendShift();
   }
 
   // Tell the server how far what is chosen was moved, once.
@@ -97,6 +107,7 @@ export class Keys {
   undo(event) {
     const key = event.key.toLowerCase();
     if (!(event.ctrlKey || event.metaKey) || event.altKey || !"zy".includes(key)) return;
+    if (document.querySelector(".q-dialog")) return;
     if (event.target.closest?.("input:not([type=range]), textarea, [contenteditable]")) return;
     event.preventDefault();
     this.ask(key === "y" || event.shiftKey ? "redo" : "undo");

@@ -15,6 +15,7 @@ export class Pointers {
   constructor(stage, keys) {
     Object.assign(this, { stage, keys });
     this.places = new Map(); // by pointer
+    this.pen = null; // the pointer that it was last
     const act = { pointerdown: "begin", pointermove: "move", pointerup: "end", pointercancel: "cancel" };
     for (const [event, name] of Object.entries(act)) stage.root.addEventListener(event, (each) => this[name](each));
     stage.root.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -30,13 +31,19 @@ export class Pointers {
     if (event.button > 1) return;
     const { stage } = this;
     const { tool, paint } = stage.props;
+    const isTouch = event.pointerType === "touch";
+    if (isTouch && this.places.has(this.pen)) return; // a palm
+    if (event.pointerType === "pen") {
+      if (this.places.size) this.leave(); // the palm came first
+      this.pen = event.pointerId;
+    }
+    this.keys.rest();
     stage.root.setPointerCapture(event.pointerId);
     const at = this.place(event);
     this.places.set(event.pointerId, at);
-    this.knowsPen ||= event.pointerType === "pen";
-    const isPalm = event.pointerType === "touch" && this.knowsPen && tool !== "choose";
-    if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || isPalm) {
-      stage.giveUp(); // what one finger had begun
+    const pans = isTouch && this.pen !== null && tool !== "choose";
+    if (this.places.size > 1 || this.keys.space || event.button === 1 || tool === "pan" || pans) {
+      stage.leave(); // what one finger had begun
       this.pan(true);
     } else if (tool === "draw") {
       stage.act = { kind: "draw", paint, points: [] };
@@ -44,7 +51,6 @@ export class Pointers {
     } else if (DRAWS_LINES.includes(tool)) {
       stage.act = { kind: "say", tool, began: at, line: [stage.onSheet(at)] };
     } else {
-      this.keys.sendShift();
       stage.act = { began: at, adds: event.shiftKey, kind: this.kindAt(at), line: [stage.onSheet(at)] };
     }
     stage.repaint();
@@ -89,7 +95,7 @@ export class Pointers {
       if (before.wide) stage.zoom(after.wide / before.wide, after.middle);
     } else if (act?.kind === "draw") {
       const all = event.getCoalescedEvents?.() ?? [];
-      for (const each of all.length ? all : [event]) this.record(each);
+      for (const each of all.length ? all : [event]) if (stage.act) this.record(each);
     } else if (act?.kind === "lasso" || act?.kind === "say") {
       act.line.push(stage.onSheet(at));
     } else if (act?.kind === "turn") {
@@ -131,15 +137,25 @@ export class Pointers {
   }
 
   cancel(event) {
-    this.places.delete(event.pointerId);
+    if (this.places.has(event.pointerId)) this.leave();
+  }
+
+  // What was begun is given up, and who had begun it is ignored from now on.
+  leave() {
+    this.places.clear();
+    this.stage.leave();
     this.pan(false);
-    this.stage.giveUp();
   }
 
   record(event) {
     const [x, y] = this.stage.onSheet(this.place(event));
     const { wide, high, act } = this.stage;
-    if (x >= 0 && y >= 0 && x <= wide && y <= high) act.points.push(x, y, felt(event));
+    if (x >= 0 && y >= 0 && x <= wide && y <= high) {
+      act.points.push(x, y, felt(event));
+    } else if (act.points.length) { // or a chord would lead to where it comes back
+      this.stage.act = null;
+      this.finish(act);
+    }
   }
 
   finish(act) {

@@ -8,6 +8,7 @@ import { viewOf } from "./views.js";
 const STEP = 1.25; // times larger by a key or a button
 const NEAREST = 64; // times the true size, or the size that fits
 const TRUE = 96 / 25.4; // CSS pixels per millimetre where a millimetre is one of the screen
+const AGAIN = 1000; // milliseconds after which the studio is asked again where it did not answer
 const STILL = 50; // milliseconds after which a view that was moved is drawn sharply, whatever was being drawn
 const HANDLE = -56; // CSS pixels from the middle of what is chosen to the handle that turns it
 
@@ -42,6 +43,8 @@ export class Stage {
   }
 
   close() {
+    this.isClosed = true;
+    clearTimeout(this.waiting);
     this.worker.terminate();
     this.fitting.disconnect();
     clearTimeout(this.resting);
@@ -55,7 +58,10 @@ export class Stage {
       const wanted = this.props.version;
       const since = this.known === undefined ? "" : `?since=${this.known}`;
       const answer = await fetch(`${this.props.source}/${wanted}${since}`).catch(() => null);
-      if (!answer) break; // the page says that the studio does not answer
+      if (!answer) { // which the page says
+        if (!this.isClosed) this.waiting = setTimeout(() => this.load(), AGAIN);
+        break;
+      }
       if (!answer.ok) {
         this.emit("refused", await answer.text());
         break;
@@ -211,6 +217,7 @@ export class Stage {
     const { root, sheet } = this;
     const [wide, high] = [root.clientWidth, root.clientHeight].map((side) => Math.round(side * devicePixelRatio));
     if (!wide || !high) return;
+    this.ratio = devicePixelRatio;
     if (sheet.width !== wide || sheet.height !== high) [sheet.width, sheet.height] = [wide, high];
     if (this.fits) this.fit();
     else this.lay(this.view.scale, this.view.x, this.view.y);
@@ -246,6 +253,7 @@ export class Stage {
   repaint() {
     this.frame ??= requestAnimationFrame(() => {
       this.frame = undefined;
+      if (this.ratio !== devicePixelRatio) return this.resize(); // the window is on another screen
       const isSharp = paintFrame(this) && this.known !== undefined && !this.stale && !this.drawing;
       this.root.toggleAttribute("data-sharp", isSharp);
     });
@@ -259,9 +267,22 @@ export class Stage {
     return [(u + dx) * scale + x - HANDLE * Math.sin(turn), (v + dy) * scale + y + HANDLE * Math.cos(turn)];
   }
 
+  // Whether a pointer moves what is chosen.
+  get isMoved() {
+    return ["move", "turn"].includes(this.act?.kind);
+  }
+
+  // What a pointer had begun is given up.
+  leave() {
+    if (this.isMoved) this.settle();
+    this.act = null;
+    this.repaint();
+  }
+
   // The server has refused what was drawn or moved.
   giveUp() {
     this.sent = null;
-    this.settle();
+    if (this.shift.isSent) this.settle();
+    this.repaint();
   }
 }

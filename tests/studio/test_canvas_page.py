@@ -1,0 +1,150 @@
+"""What hands and keys do on the canvas on which a plan is directed, in a browser."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.studio.conftest import RunningStudio
+from tests.studio.test_directing_page import sharp
+from tests.support.studio.plans_to_paint import put_plan_to_direct
+
+# Places are millimetres of the sheet. Pointers that no hand holds cannot be captured, and must not be asked to.
+_POINTERS = """() => {
+Element.prototype.setPointerCapture = () => {};
+window.point = (type, x, y, told = {}) => {
+  const view = document.querySelector(".strokes-view"), box = view.getBoundingClientRect();
+  const scale = Math.min(box.width, box.height) / 60;
+  const clientX = box.left + box.width / 2 + scale * (x - 30), clientY = box.top + box.height / 2 + scale * (y - 30);
+  const all = { pointerId: 7, pointerType: "pen", button: 0, buttons: 1, pressure: 0.4, bubbles: true, clientX, clientY };
+  view.dispatchEvent(new PointerEvent(type, { ...all, ...told }));
+};
+}"""
+
+
+@pytest.fixture(autouse=True)
+def _coast(tmp_path: Path) -> None:
+    put_plan_to_direct(tmp_path / "studio", "coast")
+
+
+def opened(page: Callable[..., Page], tool: str = "Choose") -> tuple[Page, Locator]:
+    """Open the canvas with a tool and pointers that a script moves; return the page and the view."""
+    tab = page("/plan/coast")
+    view = tab.get_by_role("group", name="The strokes of coast")
+    sharp(view, 0)
+    tab.get_by_role("button", name=tool, exact=True).click()
+    expect(view).to_have_class(f"strokes-view {tool.lower()}")
+    tab.evaluate(_POINTERS)
+    return tab, view
+
+
+def acts(studio: RunningStudio) -> list[dict[str, Any]]:
+    """Return what was done, as the studio has kept it."""
+    (file,) = (studio.folder / "plans" / "coast").glob("edits-*.jsonl")
+    return [json.loads(line) for line in file.read_text().splitlines()]
+
+
+def test_a_stroke_ends_at_the_edge_of_the_sheet(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      point("pointerdown", 50, 20);
+      for (const [x, y] of [[55, 20], [65, 20], [65, 50], [55, 50], [50, 50]]) point("pointermove", x, y);
+      point("pointerup", 50, 50);
+    }""")
+    sharp(view, 1)
+    (act,) = acts(studio)
+    assert max(y for _, y, _ in act["edit"]["trajectory"]) < 0.025
+
+
+def test_palms_leave_a_pen_alone(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      const palm = { pointerType: "touch", pointerId: 20 }, other = { ...palm, pointerId: 21 };
+      point("pointerdown", 40, 50, palm);
+      point("pointerdown", 10, 20);
+      point("pointermove", 12, 20);
+      point("pointerdown", 45, 50, other);
+      for (const each of [palm, other]) point("pointermove", 48, 55, each);
+      point("pointercancel", 48, 55, palm);
+      point("pointermove", 20, 20);
+      point("pointerup", 20, 20);
+      point("pointerup", 48, 55, other);
+    }""")
+    sharp(view, 1)
+    drawn = acts(studio)[0]["edit"]["trajectory"]
+    assert max(x for x, _, _ in drawn) - min(x for x, _, _ in drawn) > 0.009
+    assert max(y for _, y, _ in drawn) < 0.025
+
+
+def test_the_sheet_is_as_sharp_as_the_screen_to_which_its_window_is_moved(page: Callable[..., Page]) -> None:
+    tab, view = opened(page)
+    screen = {"width": 1280, "height": 720, "deviceScaleFactor": 2, "mobile": False}
+    tab.context.new_cdp_session(tab).send("Emulation.setDeviceMetricsOverride", screen)
+    tab.wait_for_function("devicePixelRatio === 2")
+    view.press("m")
+    canvas = view.locator("canvas").first
+    tab.wait_for_function("(canvas) => canvas.width === 2 * canvas.clientWidth", arg=canvas.element_handle())
+    sharp(view, 0)
+
+
+def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened(page)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    for _ in range(4):
+        tab.keyboard.down("l")
+    tab.keyboard.up("l")
+    sharp(view, 1)
+    tab.get_by_role("button", name="Save this as it is").click()
+    expect(tab.get_by_role("dialog")).to_be_visible()
+    tab.keyboard.press("Control+z")
+    tab.keyboard.press("Escape")
+    expect(tab.get_by_role("dialog")).to_have_count(0)
+    view.press("Shift+ArrowLeft")
+    sharp(view, 2)
+    assert [act["edit"]["kind"] for act in acts(studio)] == ["lock", "move"]
+
+
+def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened(page)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    view.press("l")
+    sharp(view, 1)
+    undo = tab.get_by_role("button", name="Undo")
+    expect(undo).to_be_enabled()
+    view.evaluate(
+        """(view, undo) => {
+          view.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+          undo.focus();
+          undo.click();
+        }""",
+        undo.element_handle(),
+    )
+    sharp(view, 3)
+    view.evaluate("""(view) => {
+      view.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+      for (const type of ["pointerdown", "pointerup"]) point(type, 30, 30, { pointerType: "mouse", button: 1 });
+    }""")
+    sharp(view, 4)
+    kinds = [act["edit"]["kind"] if "edit" in act else act["act"] for act in acts(studio)]
+    assert kinds == ["lock", "move", "undo", "move"]
+
+
+def test_strokes_that_did_not_come_are_asked_for_again(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    tab.evaluate("""() => {
+      const { fetch } = window;
+      window.fetch = (...asked) => { window.fetch = fetch; return Promise.reject(new TypeError("there is no line")); };
+      for (const [type, x] of [["down", 10], ["move", 20], ["up", 20]]) point(`pointer${type}`, x, 10);
+    }""")
+    sharp(view, 1)
