@@ -288,17 +288,14 @@ def test_a_key_that_is_held_lowers_the_tip_once_for_all_repeats_that_came_meanwh
 
 def test_ctrl_c_and_a_terminal_that_is_closed_lift_the_tip(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    for leave in ("\x03", None):
+    for leave in (signal.SIGINT, signal.SIGHUP):
         with FakeGrbl(pace=1000.0) as device:
             words = ("calibrate", "touch", "--robot", f"grbl:{device.port}", "--size", "100x60mm")
             running = Running(*words, keys=True)
             running.wait_for("press Enter")
             os.write(running._terminal, jogs("2", (6, LOWER)).encode())
             running.wait_for("z -1.0 mm")
-            if leave is None:
-                os.kill(running.pid, signal.SIGHUP)
-            else:
-                os.write(running._terminal, leave.encode())
+            os.kill(running.pid, leave)
             assert running.leave() == 130
             assert device.place[2] == pytest.approx(5)
 

@@ -1,4 +1,5 @@
 import logging
+import re
 import sys
 import warnings
 import zipfile
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, how_to_add
 from maulstick.recording.files.page import Page
 from maulstick.recording.files.wacom import read_uim, read_will
 from maulstick.storage.arrays import Floats
@@ -122,9 +123,7 @@ def test_without_wacoms_library_the_remedy_is_told(monkeypatch: pytest.MonkeyPat
     for content, reader in ((uim([a_stroke()]), read_uim), (will([]), read_will)):
         for name in [name for name in sys.modules if name.split(".")[0] == "uim"]:
             monkeypatch.setitem(sys.modules, name, None)
-        with pytest.raises(
-            InputError, match=r"reading it needs Wacom's library; run: pip install 'maulstick\[wacom\]'"
-        ):
+        with pytest.raises(InputError, match=re.escape(f"reading it needs Wacom's library; {how_to_add('wacom')}")):
             reader(content)
         monkeypatch.undo()
 

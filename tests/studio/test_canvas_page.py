@@ -19,7 +19,8 @@ window.point = (type, x, y, told = {}) => {
   const view = document.querySelector(".strokes-view"), box = view.getBoundingClientRect();
   const scale = Math.min(box.width, box.height) / 60;
   const clientX = box.left + box.width / 2 + scale * (x - 30), clientY = box.top + box.height / 2 + scale * (y - 30);
-  const all = { pointerId: 7, pointerType: "pen", button: 0, buttons: 1, pressure: 0.4, bubbles: true, clientX, clientY };
+  const pen = { pointerId: 7, pointerType: "pen", button: 0, buttons: 1, pressure: 0.4, bubbles: true };
+  const all = { ...pen, clientX, clientY };
   view.dispatchEvent(new PointerEvent(type, { ...all, ...told }));
 };
 }"""
