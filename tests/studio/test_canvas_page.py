@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_directing_page import sharp
@@ -20,8 +20,7 @@ window.point = (type, x, y, told = {}) => {
   const scale = Math.min(box.width, box.height) / 60;
   const clientX = box.left + box.width / 2 + scale * (x - 30), clientY = box.top + box.height / 2 + scale * (y - 30);
   const pen = { pointerId: 7, pointerType: "pen", button: 0, buttons: 1, pressure: 0.4, bubbles: true };
-  const all = { ...pen, clientX, clientY };
-  view.dispatchEvent(new PointerEvent(type, { ...all, ...told }));
+  view.dispatchEvent(new PointerEvent(type, { ...pen, clientX, clientY, ...told }));
 };
 }"""
 
@@ -149,3 +148,29 @@ def test_strokes_that_did_not_come_are_asked_for_again(page: Callable[..., Page]
       for (const [type, x] of [["down", 10], ["move", 20], ["up", 20]]) point(`pointer${type}`, x, 10);
     }""")
     sharp(view, 1)
+
+
+def test_each_stroke_is_seen_until_the_studio_has_it(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Draw")
+    held: list[Route] = []
+    tab.route("**/strokes/coast/*", lambda route: held.append(route), times=1)
+    with tab.expect_request("**/strokes/coast/*"):
+        bare, first, both = (
+            view.evaluate(
+                """async (view, y) => {
+                  const line = y ? [["down", 10], ["move", 30], ["up", 30]] : [];
+                  for (const [type, x] of line) point(`pointer${type}`, x, y);
+                  for (let frames = 0; frames < 3; frames++) await new Promise(requestAnimationFrame);
+                  const upper = document.createElement("canvas"), sheet = view.querySelector("canvas");
+                  [upper.width, upper.height] = [sheet.width, sheet.height / 2];
+                  upper.getContext("2d").drawImage(sheet, 0, 0);
+                  return upper.toDataURL();
+                }""",
+                y,
+            )
+            for y in (0, 10, 50)
+        )
+    assert bare != first
+    assert first == both
+    held[0].continue_()
+    sharp(view, 2)

@@ -71,7 +71,7 @@ function paintAct(stage, now) {
     outline(ink);
     ink.setLineDash([]);
   }
-  for (const each of [act, sent]) {
+  for (const each of [act, ...sent]) {
     if (each?.kind === "say") stage.places.paintLine(ink, each, now, props.broad);
     if (each?.kind !== "draw") continue;
     drawingStroke(ink, each.points, view, props.colours[each.paint], props.halfWidths[each.paint]);

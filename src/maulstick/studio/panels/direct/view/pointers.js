@@ -160,7 +160,7 @@ export class Pointers {
 
   finish(act) {
     if (!act.points.length) return;
-    this.stage.sent = act;
+    this.stage.sent.push(act);
     this.stage.emit("drawn", { paint: act.paint, points: act.points });
   }
 
@@ -171,7 +171,7 @@ export class Pointers {
       stage.emit("region", stage.places.at(act.line[0]));
       return;
     }
-    stage.sent = act;
+    stage.sent.push(act);
     stage.emit("said", { tool: act.tool, points: act.line.flat() });
   }
 

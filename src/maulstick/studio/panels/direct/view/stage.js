@@ -23,7 +23,8 @@ export class Stage {
     this.chosen = { ids: [], middle: null };
     this.shift = { dx: 0, dy: 0, turn: 0 }; // of what is chosen, until the server has moved it; millimetres, radians
     this.act = null; // what a pointer does: { kind, … }
-    this.sent = null; // what was drawn, until the server has it
+    this.sent = []; // what was drawn, each until the server has it
+    this.acts = this.drawnActs = props.version; // that the worker has, and that are seen
     this.places = new Places();
     this.showPlaces();
     this.beforeChoice = () => {};
@@ -68,7 +69,7 @@ export class Stage {
       }
       const bytes = await answer.arrayBuffer();
       this.known = wanted;
-      this.tell({ act: "take", bytes }, [bytes]);
+      this.tell({ act: "take", bytes, acts: wanted }, [bytes]);
     }
     this.loading = false;
   }
@@ -82,7 +83,6 @@ export class Stage {
       this.layers[message.layer]?.bitmap.close();
       this.layers[message.layer] = message;
       if (message.layer === "view") this.drawn();
-      if (message.layer === "view" && this.settles) this.sent = null;
       if (message.layer === "loupe") this.loupe.paint(message);
       if (message.layer === "chosen" && this.settles) this.arrive();
       if (message.layer === "chosen") this.root.toggleAttribute("data-chosen", this.chosen.ids.length > 0);
@@ -99,11 +99,11 @@ export class Stage {
   }
 
   // The worker has strokes as they are after some acts; where they are others than before, they are drawn next.
-  taken({ strokes, areOthers }) {
-    Object.assign(this.root.dataset, { strokes, acts: this.known });
-    this.settles = areOthers;
+  taken({ strokes, acts, areOthers }) {
+    Object.assign(this.root.dataset, { strokes, acts });
+    [this.acts, this.settles] = [acts, areOthers];
     if (!areOthers) {
-      this.sent = null;
+      if (!this.drawing) this.unsend();
       return this.arrive();
     }
     this.root.removeAttribute("data-sharp");
@@ -239,7 +239,14 @@ export class Stage {
 
   drawn() {
     this.drawing = false;
+    this.unsend();
     if (this.stale) this.see();
+  }
+
+  // Each act that is seen now was the oldest one of those that were sent.
+  unsend() {
+    this.sent.splice(0, this.acts - this.drawnActs);
+    this.drawnActs = this.acts;
   }
 
   middle() {
@@ -281,7 +288,7 @@ export class Stage {
 
   // The server has refused what was drawn or moved.
   giveUp() {
-    this.sent = null;
+    this.sent = [];
     if (this.shift.isSent) this.settle();
     this.repaint();
   }

@@ -150,10 +150,10 @@ const told = {
     const scale = WHOLE / Math.max(...size);
     surfaces.whole.see({ scale, x: 0, y: 0, wide: Math.ceil(size[0] * scale), high: Math.ceil(size[1] * scale) });
   },
-  take({ bytes }) {
+  take({ bytes, acts }) {
     const box = strokes.take(bytes);
     for (const surface of Object.values(surfaces)) surface.spoil(box);
-    postMessage({ taken: { strokes: strokes.order.length, areOthers: Boolean(box) }, chosen: known() });
+    postMessage({ taken: { strokes: strokes.order.length, acts, areOthers: Boolean(box) }, chosen: known() });
   },
   see({ layer, view }) {
     surfaces[layer].see(view);
