@@ -172,5 +172,7 @@ def test_each_stroke_is_seen_until_the_studio_has_it(page: Callable[..., Page]) 
         )
     assert bare != first
     assert first == both
+    while not held:
+        tab.wait_for_timeout(20)  # a request is told before its route is
     held[0].continue_()
     sharp(view, 2)
