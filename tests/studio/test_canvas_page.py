@@ -47,6 +47,14 @@ def acts(studio: RunningStudio) -> list[dict[str, Any]]:
     return [json.loads(line) for line in file.read_text().splitlines()]
 
 
+def opened_with_a_chosen_stroke(page: Callable[..., Page]) -> tuple[Page, Locator]:
+    tab, view = opened(page)
+    view.focus()
+    view.press(".")
+    expect(view).to_have_attribute("data-chosen", "")
+    return tab, view
+
+
 def test_a_stroke_ends_at_the_edge_of_the_sheet(studio: RunningStudio, page: Callable[..., Page]) -> None:
     tab, view = opened(page, "Draw")
     tab.evaluate("""() => {
@@ -93,10 +101,7 @@ def test_the_sheet_is_as_sharp_as_the_screen_to_which_its_window_is_moved(page: 
 def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
-    tab, view = opened(page)
-    view.focus()
-    view.press(".")
-    expect(view).to_have_attribute("data-chosen", "")
+    tab, view = opened_with_a_chosen_stroke(page)
     for _ in range(4):
         tab.keyboard.down("l")
     tab.keyboard.up("l")
@@ -114,10 +119,7 @@ def test_a_key_that_is_held_acts_once_and_none_undoes_behind_a_dialog(
 def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     studio: RunningStudio, page: Callable[..., Page]
 ) -> None:
-    tab, view = opened(page)
-    view.focus()
-    view.press(".")
-    expect(view).to_have_attribute("data-chosen", "")
+    tab, view = opened_with_a_chosen_stroke(page)
     view.press("l")
     sharp(view, 1)
     undo = tab.get_by_role("button", name="Undo")
