@@ -18,7 +18,7 @@ from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
-from maulstick.style.arrangement.neighbourhoods import Laid
+from maulstick.style.arrangement.laid import Laid
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
 from maulstick.style.regional import RegionalStyle

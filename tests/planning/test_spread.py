@@ -6,7 +6,7 @@ from maulstick.planning.spread import spread
 from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement import Arrangement
-from maulstick.style.arrangement.neighbourhoods import Laid
+from maulstick.style.arrangement.laid import Laid
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
 from tests.support.drawn import as_strokes, hatching, rotation

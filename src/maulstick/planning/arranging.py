@@ -12,7 +12,7 @@ from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.style import Style
 from maulstick.style.arrangement import Arrangement
-from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid
+from maulstick.style.arrangement.laid import NEAREST, Laid
 from maulstick.style.traits import quantiles
 
 _WEIGHT = 3e-3  # beside a loss of tones; a third of it leaves groups apart

@@ -9,7 +9,7 @@ from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import place
 from maulstick.style import Style
 from maulstick.style.arrangement import Arrangement
-from maulstick.style.arrangement.neighbourhoods import NEAREST, Laid
+from maulstick.style.arrangement.laid import NEAREST, Laid
 
 _STEPS = 150
 _MOVED, _TURNED = 0.02, 0.02  # median lengths, and radians, a step

@@ -5,14 +5,14 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from maulstick.storage.arrays import Floats, Ints
-from maulstick.style.arrangement import _corners
+from maulstick.style.arrangement import _neighbourhoods
 
 CORNERS = 16
 
 
 def nearest(lines: Floats, corners: int = CORNERS // 2) -> Ints:
     found = np.empty((len(lines), corners), dtype=np.int64)
-    _corners.nearest(lines, found)
+    _neighbourhoods.nearest(lines, found)
     return found
 
 

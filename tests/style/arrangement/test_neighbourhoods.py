@@ -3,7 +3,8 @@ import pytest
 import torch
 
 from maulstick.storage.arrays import Floats
-from maulstick.style.arrangement.neighbourhoods import Laid, Neighbourhoods, describe
+from maulstick.style.arrangement.laid import Laid, describe
+from maulstick.style.arrangement.neighbourhoods import Neighbourhoods
 from tests.support.drawn import hatching, rotation, scattered
 
 PATCHES = hatching(8, seed=0)

@@ -11,7 +11,8 @@ import torch
 from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
-from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Laid, Neighbourhoods
+from maulstick.style.arrangement.laid import Laid
+from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Neighbourhoods
 from maulstick.style.arrangement.order import succession_of
 
 FEWEST = 30

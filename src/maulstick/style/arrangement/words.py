@@ -5,7 +5,8 @@ import shapely
 
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement.arrangement import Arrangement
-from maulstick.style.arrangement.neighbourhoods import MEAN_GAP, NEAREST
+from maulstick.style.arrangement.laid import NEAREST
+from maulstick.style.arrangement.neighbourhoods import MEAN_GAP
 
 _PARALLEL, _LOOSE = 0.6, 0.2  # mean of cos 2Δθ of strokes side by side, times their straightness; 0: any direction
 _LEANING = 0.3  # resultant of the directions: below, strokes go all ways

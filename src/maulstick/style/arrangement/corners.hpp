@@ -1,6 +1,5 @@
 // Of corners of lines, the nearest of another line: by a grid of cells that hold a few corners each.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
+#pragma once
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace nb = nanobind;
-
-namespace {
-
-template <class T, int Dimensions>
-using Array = nb::ndarray<T, nb::ndim<Dimensions>, nb::c_contig, nb::device::cpu>;
+namespace maulstick {
 
 constexpr double in_a_cell = 2;              // corners, on average
 
@@ -76,17 +70,4 @@ struct Grid {
   }
 };
 
-// points: (N, n, 2), of N > 1 lines.  found: (N, m), of every (n / m)th corner the nearest of another line, numbered
-// through all lines.
-void nearest(Array<const double, 3> points, Array<int64_t, 2> found) {
-  nb::gil_scoped_release release;
-  const int64_t lines = points.shape(0), corners = points.shape(1), every = corners / found.shape(1);
-  const Grid grid(points.data(), lines * corners);
-  for (int64_t line = 0; line < lines; ++line)
-    for (int64_t k = 0; k < int64_t(found.shape(1)); ++k)
-      found(line, k) = grid.nearest(line * corners + k * every, line * corners, (line + 1) * corners);
-}
-
-}  // namespace
-
-NB_MODULE(_corners, m) { m.def("nearest", &nearest); }
+}  // namespace maulstick

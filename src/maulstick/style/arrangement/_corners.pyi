@@ -1,3 +1,0 @@
-from typing import Any
-
-def nearest(*arrays: Any) -> None: ...
