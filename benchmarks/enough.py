@@ -1,19 +1,25 @@
 """How many strokes one ink needs: `--strokes auto` beside bisecting, as one JSON object per line.
 
-    .venv/bin/python benchmarks/enough.py
+    .venv/bin/python benchmarks/enough.py            # how many of a fineliner
+    .venv/bin/python benchmarks/enough.py --tones    # how near so many come, of three pens
 
 A plan of so many strokes, whose tones are not compressed, reaches a picture where its mean ink is 97 % of that.
 Bisecting finds the fewest that do, to 3 %, with plans of 300 steps; `ratio` is what `--strokes auto` takes over that.
+--tones: `psnr_blurred`, dB after a blur of 2 mm, of usual plans of so many strokes beside the picture in the tones that
+    they can give, whose L* are `lightest` and `darkest`.
 """
 
+import argparse
 import json
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
 import torch
-from held import PX, SHEET, style_of
+from held import BRUSHES, PX, SHEET, style_of
 from photographs import load
 
+import maulstick as ms
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
@@ -49,12 +55,28 @@ def fewest(hand: str, picture: str) -> tuple[int, int]:
     return supply.enough, high
 
 
-def main() -> None:
-    """One row for each hand and picture."""
-    torch.set_num_threads(1)
+def numbers() -> Iterator[dict[str, object]]:
+    """What is taken beside what is needed: a row for each hand and picture."""
     for hand, picture in product(HANDS, PICTURES):
         taken, found = fewest(hand, picture)
-        row = {"hand": hand, "picture": picture, "auto": taken, "bisected": found, "ratio": round(taken / found, 3)}
+        yield {"hand": hand, "picture": picture, "auto": taken, "bisected": found, "ratio": round(taken / found, 3)}
+
+
+def tones() -> Iterator[dict[str, object]]:
+    """How near plans of what is taken come: a row for each brush, hand and picture."""
+    size = "x".join(f"{side * 1e3:g}" for side in SHEET) + "mm"
+    for brush, hand, picture in product(BRUSHES, HANDS, PICTURES):
+        style = style_of(hand)
+        found = ms.plan(load(picture), style=style, brush=brush, strokes="auto", ink="black", size=size, px=PX, seed=0)
+        metrics = {key: round(found.provenance.metrics[key], 1) for key in ("psnr_blurred", "lightest", "darkest")}
+        yield {"brush": brush, "hand": hand, "picture": picture, "auto": len(found.strokes), **metrics}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tones", action="store_true", help="how near plans of so many strokes come to their tones")
+    torch.set_num_threads(1)
+    for row in tones() if parser.parse_args().tones else numbers():
         print(json.dumps(row), flush=True)
 
 
