@@ -142,6 +142,26 @@ def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     assert kinds == ["lock", "move", "undo", "move"]
 
 
+def test_what_an_arrow_key_has_moved_is_kept_where_the_tab_is_closed_at_once(page: Callable[..., Page]) -> None:
+    tab, view = opened_with_a_chosen_stroke(page)
+    view.press("ArrowLeft")
+    tab.close(run_before_unload=True)
+    sharp(page("/plan/coast").get_by_role("group", name="The strokes of coast"), 1)
+
+
+def test_an_answer_that_breaks_off_is_asked_for_again(page: Callable[..., Page]) -> None:
+    tab, view = opened_with_a_chosen_stroke(page)
+    tab.evaluate("""() => {
+      const { arrayBuffer } = Response.prototype;
+      Response.prototype.arrayBuffer = function () {
+        Response.prototype.arrayBuffer = arrayBuffer;
+        return Promise.reject(new TypeError("the line is broken"));
+      };
+    }""")
+    view.press("Delete")
+    sharp(view, 1)
+
+
 def test_strokes_that_did_not_come_are_asked_for_again(page: Callable[..., Page]) -> None:
     tab, view = opened(page, "Draw")
     tab.evaluate("""() => {

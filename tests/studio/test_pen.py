@@ -323,6 +323,36 @@ def test_the_pen_draws_again_when_a_broken_line_is_mended(studio: RunningStudio,
     assert tab.evaluate("window.isTheSamePage")
 
 
+def test_what_is_drawn_before_a_silence_is_noticed_is_kept_once(studio: RunningStudio, page: Opened) -> None:
+    tab = page()
+    pressure(tab, line(0.2), FORCES)
+    first = on_disk(studio, 1)
+    tab.evaluate("window.isTheSamePage = true")
+    tab.evaluate("window.socket.io.engine.transport.ws.send = () => {}")
+    pressure(tab, line(0.4), FORCES)
+    pressure(tab, line(0.6), FORCES)
+    before = ink(tab)
+    tab.evaluate("window.socket.io.engine.close()")
+    count(tab, "^3 strokes")
+    assert on_disk(studio, 3)[:1] == first
+    assert ink(tab) == before
+    assert tab.evaluate("window.isTheSamePage")
+
+
+def test_a_stroke_that_comes_twice_is_drawn_once(studio: RunningStudio, page: Opened) -> None:
+    """What was said to the page about it was lost."""
+    tab = page()
+    tab.evaluate("""() => {
+      const { emit } = window.socket;
+      window.socket.emit = (...message) => emit.apply(window.socket, message) && emit.apply(window.socket, message);
+    }""")
+    pressure(tab, line(0.2), FORCES)
+    pressure(tab, line(0.6), FORCES)
+    count(tab, "^2 strokes")
+    assert len(on_disk(studio, 2)) == 2
+    expect(tab.get_by_text("is on the sheet already")).to_have_count(0)
+
+
 def test_a_hand_is_drawn_and_learned_and_put_away(studio: RunningStudio, page: Opened) -> None:
     tab = page()
     learn = tab.get_by_role("button", name="Learn this hand")

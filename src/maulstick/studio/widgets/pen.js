@@ -21,6 +21,7 @@ export default {
   },
   created() {
     this.strokes = new Map(); // by id: { points: [x, y, pressure, x, …], box }; beside Vue, which would watch each number
+    this.unheard = new Map(); // points of strokes, by id, of which the studio has not said yet that it has them
     this.stroke = null; // what is being drawn
     this.rubber = null; // where it was
     this.swipe = null; // number of the movement that rubs out
@@ -55,7 +56,11 @@ export default {
         this.draw(points);
       }
     },
+    heard(id) {
+      this.unheard.delete(id);
+    },
     drop(id) {
+      this.unheard.delete(id);
       const stroke = this.strokes.get(id);
       if (!stroke) return;
       this.strokes.delete(id);
@@ -67,8 +72,10 @@ export default {
       this.lift();
       this.drawAll();
     },
+    // What was drawn before the silence was noticed is sent again.
     regain() {
       this.deaf = false;
+      for (const [id, points] of this.unheard) this.$emit("stroke", { id, points });
     },
 
     begin(event) {
@@ -162,6 +169,7 @@ export default {
       if (!stroke?.points.length) return;
       this.tail(stroke.points);
       this.strokes.set(stroke.id, { points: stroke.points, box: boxOf(stroke.points) });
+      this.unheard.set(stroke.id, stroke.told);
       this.$emit("stroke", { id: stroke.id, points: stroke.told });
     },
     rub(place) {

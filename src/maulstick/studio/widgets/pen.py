@@ -27,6 +27,7 @@ class DrawingSheet(Element, component="pen.js"):
         self._drawing, self._say = drawing, say
         self._is_ready = False
         self._drawn_here: object = None
+        self._heard = set[int]()  # ids of strokes that came from here; they come again if the page is not told
         width, height = drawing.size
         self._props.update(width=in_mm(width), height=in_mm(height), longest=MOST_OF_A_STROKE, rubs=False)
         self.on("ready", self._show_all, [])
@@ -59,13 +60,16 @@ class DrawingSheet(Element, component="pen.js"):
 
     def _add(self, event: events.GenericEventArguments) -> None:
         sent = event.args if isinstance(event.args, dict) else {}
-        self._drawn_here = sent.get("id")
+        self._drawn_here = id = sent.get("id")
         try:
-            self._drawing.add(sent.get("id"), sent.get("points"))
+            if not (type(id) is int and id in self._heard):
+                self._drawing.add(id, sent.get("points"))
         except InputError as error:
-            self.run_method("drop", sent.get("id"))
+            self.run_method("drop", id)
             self._say(error_text(error))
         else:
+            self._heard.add(id)
+            self.run_method("heard", id)
             self._say("")
         finally:
             self._drawn_here = None

@@ -17,10 +17,13 @@ export class Keys {
     stage.beforeChoice = () => this.sendShift();
     this.heard = (event) => this.undo(event);
     document.addEventListener("keydown", this.heard); // also where a button of the page has the focus
+    this.hidden = () => document.hidden && this.leave();
+    document.addEventListener("visibilitychange", this.hidden); // as a tab is that is closed, and keeps its focus
   }
 
   close() {
     document.removeEventListener("keydown", this.heard);
+    document.removeEventListener("visibilitychange", this.hidden);
     clearTimeout(this.resting);
   }
 

@@ -59,17 +59,17 @@ export class Stage {
       const wanted = this.props.version;
       const since = this.known === undefined ? "" : `?since=${this.known}`;
       const answer = await fetch(`${this.props.source}/${wanted}${since}`).catch(() => null);
-      if (!answer) { // which the page says
+      const whole = await (answer?.ok ? answer.arrayBuffer() : answer?.text())?.catch(() => null);
+      if (whole == null) { // none, or one that broke off, which the page says
         if (!this.isClosed) this.waiting = setTimeout(() => this.load(), AGAIN);
         break;
       }
       if (!answer.ok) {
-        this.emit("refused", await answer.text());
+        this.emit("refused", whole);
         break;
       }
-      const bytes = await answer.arrayBuffer();
       this.known = wanted;
-      this.tell({ act: "take", bytes, acts: wanted }, [bytes]);
+      this.tell({ act: "take", bytes: whole, acts: wanted }, [whole]);
     }
     this.loading = false;
   }
