@@ -27,7 +27,7 @@ class DrawingSheet(Element, component="pen.js"):
         self._drawing, self._say = drawing, say
         self._is_ready = False
         self._drawn_here: object = None
-        self._heard = set[int]()  # ids of strokes that came from here; they come again if the page is not told
+        self._heard = set[object]()  # ids of strokes that came from here; they come again if the page is not told
         width, height = drawing.size
         self._props.update(width=in_mm(width), height=in_mm(height), longest=MOST_OF_A_STROKE, rubs=False)
         self.on("ready", self._show_all, [])
