@@ -1,6 +1,6 @@
 """Whether a plan is arranged as the hand arranges its strokes, as one JSON object per line.
 
-    .venv/bin/python benchmarks/arrangement.py [ROW ...] [--quick | --photographs N]
+    .venv/bin/python benchmarks/arrangement.py [ROW ...] [--quick]
 
 Each ROW is a way to plan: `held`, the hand's strokes each placed alone, or `arranged`, as it does; or `today`, how
 plans were before, which is only printed; `arranged_small`, in a hand that draws so small that as many strokes lie no
@@ -12,7 +12,7 @@ All of them by default.
 A style is learned from one half of a drawing, a photograph is planned in it (one ink, fineliner, 800 strokes), and the
 other half judges: see `judge.py`. Eight hands, four splits into halves, four photographs, two seeds: 256 plans.
 --quick: 8 plans, of four hands and two photographs, with one seed; the first photograph is planned in the first half of
-each drawing, the second in its second.  --photographs: so many of them, 32 plans each, with one seed.
+each drawing, the second in its second.
 
 Rows are kept in measured/arrangement.jsonl as they are measured, plans beside it in a folder that git ignores, and an
 interrupted run goes on where it stopped. What is kept is not measured again, and all that is kept of the rows is
@@ -70,7 +70,7 @@ class Case:
     seed: int | None = None
 
 
-def cases(row: str, *, quick: bool = False, photographs: int | None = None) -> Iterator[Case]:
+def cases(row: str, *, quick: bool = False) -> Iterator[Case]:
     """All cases of a row, those first that a run may be interrupted after, or the ones that are asked for."""
     splits = range(len(SPLITS))
     if row == "people":
@@ -82,8 +82,8 @@ def cases(row: str, *, quick: bool = False, photographs: int | None = None) -> I
     elif quick:
         yield from (Case(row, hand, split, PHOTOGRAPHS[split], 0) for split in (0, 1) for hand in QUICK)
     else:
-        for seed in range(1 if photographs else SEEDS):
-            for photograph in PHOTOGRAPHS[:photographs]:
+        for seed in range(SEEDS):
+            for photograph in PHOTOGRAPHS:
                 yield from (Case(row, hand, split, photograph, seed) for split in splits for hand in HANDS)
 
 
@@ -156,10 +156,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     names = [*CONTROLS, KEPT, *PLANS]
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(names)}")
-    fewer = parser.add_mutually_exclusive_group()
-    fewer.add_argument("--quick", action="store_true", help="8 plans of each way instead of 256")
-    which = range(1, len(PHOTOGRAPHS) + 1)
-    fewer.add_argument("--photographs", type=int, choices=which, help="of so many photographs alone, with one seed")
+    parser.add_argument("--quick", action="store_true", help="8 plans of each way instead of 256")
     asked = parser.parse_args()
     if unknown := [row for row in asked.rows if row not in names]:
         parser.error(f"there is no row {unknown[0]}; there are: {', '.join(names)}")
@@ -170,9 +167,7 @@ def main() -> None:
         Case(**{field.name: row[field.name] for field in fields(Case)}): row
         for row in (rows_of("arrangement") if path.exists() else [])
     }
-    wanted = [
-        case for row in rows if row != KEPT for case in cases(row, quick=asked.quick, photographs=asked.photographs)
-    ]
+    wanted = [case for row in rows if row != KEPT for case in cases(row, quick=asked.quick)]
     for case in kept:
         if case.row in rows:
             print(json.dumps(kept[case]))

@@ -50,7 +50,7 @@ COMMANDS = {
     "plans": ["benchmarks/style.py", "plans"],
     "splines": ["benchmarks/splines.py"],
     "held": ["benchmarks/held.py"],
-    "arrangement": ["benchmarks/arrangement.py", "--photographs", "4"],
+    "arrangement": ["benchmarks/arrangement.py"],
     "order": ["benchmarks/order.py"],
     "sim_to_real": ["experiments/sim_to_real.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing

@@ -25,8 +25,10 @@ def arrangement_table() -> str:
         of_hands[line[0]] = {hand: normalised(above_floor(each, people, _KEYS[0])) for hand, each in hands.items()}
         line.append(f"{np.mean([row['taken_for'] == row['hand'] for row in every]):.2f}")
         counted = [row for each in hands.values() for row in each]
+        of_last_seed = [row for row in counted if row["seed"] == counted[-1]["seed"]]
         for key, written in _MEANS.items():
-            line.append(written.format(np.mean([row[key] for row in counted])) if key in counted[0] else "")
+            of = of_last_seed if key == "seconds" else counted  # the first seed was planned at other speeds
+            line.append(written.format(np.mean([row[key] for row in of])) if key in of[0] else "")
         lines.append(line)
     titles = [f"{hand} (tunes nothing)" if hand in TUNE_NOTHING else hand for hand in HANDS]
     each = [
