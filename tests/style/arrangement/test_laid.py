@@ -46,3 +46,8 @@ def test_slopes_of_numbers_are_their_differences() -> None:
     laid = lay(scattered(8, seed=3), seed=3)
     given = [tensor.clone().requires_grad_() for tensor in vars(laid).values()]
     assert torch.autograd.gradcheck(lambda *tensors: describe(Laid(*tensors), 0.02), given, eps=1e-8, atol=1e-3)
+
+
+def test_fewer_strokes_than_are_near_one_are_refused() -> None:
+    with pytest.raises(ValueError, match="too few strokes"):
+        describe(lay(scattered(4, seed=0), seed=0), 0.02)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <stdexcept>
 
 #include "corners.hpp"
 
@@ -69,6 +70,7 @@ struct Offset {
 void describe(double unit, double least, Array<const int64_t, 2> beside, Points points, Vectors centres, Numbers axes,
               Numbers straightness, Numbers lengths, Array<double, 2> numbers, Array<int64_t, 2> sides,
               Array<double, 2> gaps_of) {
+  if (int64_t(points.shape(0)) <= near) throw std::invalid_argument("there are too few strokes to be near one");
   nb::gil_scoped_release release;
   const int64_t lines = points.shape(0), corners = points.shape(1), every = corners / gaps;
   const double* all = points.data();
