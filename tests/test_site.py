@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -10,10 +9,10 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
-from playwright.sync_api import sync_playwright
 
 import maulstick as ms
 from maulstick.cli.lazy import SUMMARIES
+from tests.support.chromium import chromium
 from tests.support.pages import ROOT
 
 FETCHED = {"script": ("src",), "img": ("src", "srcset"), "iframe": ("src",), "source": ("src", "srcset")}
@@ -122,18 +121,13 @@ def test_the_page_of_rooms_draws_imports_and_all_point_down(site: Path) -> None:
 
 
 def test_search_finds_pages_from_the_disk_and_asks_no_server(site: Path) -> None:
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        pytest.skip("chromium is not installed")
-    with sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+    asked: list[str] = []
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
-        asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))
         page.goto((site / "index.html").as_uri())
         page.locator(".md-search__input").first.click()
         page.keyboard.type("margin")
         page.locator(".md-search-result__link").first.wait_for()
         assert page.locator(".md-search-result__link").count() > 3
-        browser.close()
     assert [address for address in asked if not address.startswith(("file:", "data:", "blob:"))] == []

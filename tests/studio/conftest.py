@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -13,13 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Page, expect
+
+from tests.support.chromium import chromium
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
 _PATIENCE_OF_A_PAGE = 240.0  # seconds, for plans, which are made below everything else
 _LONGEST = 900.0  # seconds, of a test in a browser
-_OPTIONS = ["--no-sandbox", "--disable-gpu", "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+_OPTIONS = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 _OF_A_DEAD_SERVER = re.compile(r"net::ERR_|WebSocket connection")
 
 
@@ -142,15 +143,10 @@ def patient(context: BrowserContext) -> BrowserContext:
 # While Playwright's own loop is held open, asyncio.run fails: tests with a browser have modules of their own.
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        pytest.skip("there is no Chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=_OPTIONS)
+    with chromium(*_OPTIONS) as browser:
         expect.set_options(timeout=1e3 * _PATIENCE_OF_A_PAGE)
         yield browser
         expect.set_options(timeout=None)  # it belongs to all modules
-        browser.close()
 
 
 @pytest.fixture

@@ -1,29 +1,21 @@
 """Surveys as participants take them, in a real browser, by keyboard alone."""
 
-import shutil
 from pathlib import Path
-
-import pytest
 
 from maulstick.survey.answers import Answers
 from maulstick.survey.app import participants
 from maulstick.survey.questionnaire import read_survey
 from maulstick.survey.questions import OPINIONS, questions
 from maulstick.survey.results import Opinion, results, right_rows
+from tests.support.chromium import chromium
 from tests.support.whole_drawings import HANDS, build_of_whole_drawings
 from tests.survey.conftest import SYSTEMS, Server
 
-CHROMIUM = shutil.which("chromium")
-
 
 def test_two_people_answer_everything_by_keyboard_and_the_tables_show_it(folder: Path, server: Server) -> None:
-    if CHROMIUM is None:
-        pytest.skip("Chromium is not installed")
-    playwright = pytest.importorskip("playwright.sync_api")
     tokens = Answers(folder).mint(2)
     complaints: list[str] = []
-    with playwright.sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+    with chromium() as browser:
         for token, likes in zip(tokens, SYSTEMS, strict=True):
             page = browser.new_context().new_page()
             page.on("console", lambda message: complaints.append(message.text))
@@ -45,7 +37,6 @@ def test_two_people_answer_everything_by_keyboard_and_the_tables_show_it(folder:
                     page.keyboard.press("ArrowDown")
                 page.keyboard.press("Enter")
             page.get_by_text("Thank you!").wait_for()
-        browser.close()
     assert complaints == []
     found = results(folder)
     assert (found.begun, found.finished) == (2, 2)
@@ -55,16 +46,12 @@ def test_two_people_answer_everything_by_keyboard_and_the_tables_show_it(folder:
 
 
 def test_people_say_whose_drawing_a_plan_is_beside_whole_drawings_by_all(running: Server, tmp_path: Path) -> None:
-    if CHROMIUM is None:
-        pytest.skip("Chromium is not installed")
-    playwright = pytest.importorskip("playwright.sync_api")
     folder = tmp_path / "survey"
     survey = build_of_whole_drawings(folder, tmp_path)
     tokens = Answers(folder).mint(3)
     running.app = participants(folder, lambda: None)
     complaints: list[str] = []
-    with playwright.sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+    with chromium() as browser:
         for token in tokens:
             page = browser.new_context().new_page()
             page.on("console", lambda message: complaints.append(message.text))
@@ -84,7 +71,6 @@ def test_people_say_whose_drawing_a_plan_is_beside_whole_drawings_by_all(running
             page.get_by_role("radio", name=f"Drawing {letter}").check()
             page.get_by_role("button", name="Finish").click()
             page.get_by_text("Thank you!").wait_for()
-        browser.close()
     assert complaints == []
     found = results(folder).matching
     assert found is not None
