@@ -18,6 +18,7 @@ from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import preview, truth
 from maulstick.storage.arrays import Image as Picture
 from maulstick.strokes import strokes
@@ -279,6 +280,22 @@ def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
     assert metrics["loss"] == metrics["tone"] + metrics["edges"]
     blank = with_metrics(bare(painting), layout, problem).provenance.metrics
     assert all(0 < metrics[name] < blank[name] for name in ("tone", "edges"))
+
+
+def test_tones_of_an_ink_are_judged_beside_what_the_ink_can_show_of_a_coloured_picture(
+    painting: Painting, layout: Layout, round_brush: Brush
+) -> None:
+    black = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, ink=(0.0, 0.0, 0.0))
+    assert layout.target is not None
+    grey = replace(layout, target=np.repeat(layout.target.mean(axis=2, keepdims=True), 3, axis=2))
+    in_colours, in_grey = (
+        with_metrics(
+            painting, each, problem_of(each, (round_brush,), load_style("free", each.canvas), QUICK, NO_NETWORK), black
+        ).provenance.metrics
+        for each in (layout, grey)
+    )
+    assert in_colours["psnr"] != pytest.approx(in_grey["psnr"], abs=0.1)
+    assert in_colours["psnr_blurred"] == pytest.approx(in_grey["psnr_blurred"], abs=1e-3)
 
 
 def test_a_term_counts_in_the_file_as_it_was_weighed(painting: Painting, layout: Layout, round_brush: Brush) -> None:

@@ -37,7 +37,7 @@ def supply(layout: Layout, ink: tuple[float, float, float] = BLACK, *, with_line
 
 def asked(layout: Layout, strokes: int) -> torch.Tensor:
     target, paper = (torch.from_numpy(each.transpose(2, 0, 1).copy()) for each in (layout.target, layout.under))
-    return supply(layout).tones(strokes).apply(target, paper, BLACK)
+    return supply(layout).tones(strokes).apply(target, paper)
 
 
 def test_a_stroke_hides_its_length_times_its_width_nearly() -> None:
@@ -121,7 +121,7 @@ def test_white_and_black_pictures_have_tones(grey: float) -> None:
 
 def test_a_picture_too_pale_to_show_anything_keeps_its_tones_though_all_of_it_wants_ink() -> None:
     pale = replace(supply(of_grey(0.9995)), per_stroke=0.1)
-    assert pale.enough > 1
+    assert pale.fewest > 1
     assert not pale.tones(1).compressed
     assert pale.note(1) is None
 
@@ -136,10 +136,23 @@ def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -
     assert ink_per_stroke(round_brush, HAND, 1000.0) > 10 * ink_per_stroke(PEN, HAND, 1000.0)
 
 
+def test_of_a_brush_that_is_pressed_as_many_strokes_are_enough_as_show_the_picture_not_as_hide_it(
+    round_brush: Brush,
+) -> None:
+    layout = of_grey(0.9, 0.6, 0.3)
+    pressed, pen = (InkSupply.of(layout, brush, HAND, BLACK, with_lines=True) for brush in (round_brush, PEN))
+    assert pressed is not None
+    assert pen is not None
+    assert pen.enough == pen.fewest
+    assert 4 * pressed.fewest < pressed.enough < pen.enough
+    assert pressed.note(pressed.fewest) is None
+    assert f"{pressed.fewest:,} strokes would reach them" in str(pressed.note(pressed.fewest // 2))
+
+
 def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
     ink = (0.1, 0.1, 0.4)
     layout = lay_out_for(astronaut()[:256, 90:346] / np.float32(255), SHEET, PEN, "contain", 100)
-    blank = Tones(veil=1.0, contrast=1.0, lightest=100.0, darkest=100.0)
+    blank = Tones(veil=1.0, contrast=1.0, lightest=100.0, darkest=100.0, ink=ink)
     wanted = PlannerSettings(strokes=30, paints=None, palette=(ink,))
 
     def asked(tones: Tones) -> torch.Tensor:
@@ -154,3 +167,9 @@ def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
     share = (paper - dark) / (paper - torch.tensor(ink)[:, None, None])
     assert torch.allclose(share[0], share[2], atol=1e-4), "towards the ink"
     assert 0.02 < (share[0] > 0.5).float().mean().item() < 0.4
+
+
+def test_a_picture_is_as_its_ink_can_show_it_whatever_its_colours() -> None:
+    paper, coloured = torch.ones(3, 1, 2), torch.tensor([[[0.9, 0.1]], [[0.6, 0.7]], [[0.3, 0.4]]])
+    shown = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, ink=BLACK).in_ink(coloured, paper)
+    assert torch.allclose(shown, torch.tensor([[0.6, 0.4]]).expand(3, 1, 2), atol=1e-6)

@@ -72,11 +72,10 @@ def problem_of(
     paper, weights = _channels_first(layout.under).to(device), torch.from_numpy(importance).to(device)
     target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
     if picture is not None and tones is not None:
-        ink = options.palette[0]
-        target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device), ink)
+        target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device))
         if tones.lines:
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
-            target = target + dark * (torch.tensor(ink).to(target)[:, None, None] - target)
+            target = target + dark * (torch.tensor(tones.ink).to(target)[:, None, None] - target)
     spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
     pull = _pull(target, picture, paper, tones, options, contours=loss_options.contours)
     reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, pull, weights_of)
@@ -106,7 +105,7 @@ def _pull(
     """Return the slope of what counts beside the tones of one ink, as `Halftone` takes it, where anything does."""
     if target is None or picture is None or not options.one_ink:
         return None
-    lights = None if tones is None else tones.away_from_lights(target, picture, paper, options.palette[0])
+    lights = None if tones is None else tones.away_from_lights(target, picture, paper)
     if not contours:
         return lights
     return towards_contours(picture) if lights is None else towards_contours(picture) + lights
@@ -162,7 +161,8 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, t
     """Return the painting with its metrics in its provenance: likeness, the `loss`, and each term of the loss.
 
     The likeness is taken at the truth; the terms are those of the pixels that a plan ends on, as `psnr_planned` is.
-    tones: those that it was planned in, whose L* are kept: `lightest` and `darkest`, and `psnr_blurred` beside them.
+    tones: those that it was planned in, whose L* are kept: `lightest` and `darkest`, and `psnr_blurred` beside what
+    the ink can show of them.
     """
     true, planned = truth(painting, layout.canvas), _as_planned(painting, layout)
     canvas = _channels_first(planned).to(problem.paper)
@@ -174,7 +174,7 @@ def with_metrics(painting: Painting, layout: Layout, problem: PlanningProblem, t
     likeness = _compared(true, planned, layout)
     metrics = {**({} if likeness is None else asdict(likeness)), **terms, "loss": sum(terms.values())}
     if tones is not None and problem.target is not None:
-        asked = layout.crop(problem.target.permute(1, 2, 0).cpu().numpy())
+        asked = layout.crop(tones.in_ink(problem.target, problem.paper).permute(1, 2, 0).cpu().numpy())
         blurred = blurred_psnr(layout.crop(true), asked, _BLUR * layout.canvas.pixels_per_metre)
         metrics |= {"psnr_blurred": blurred, "lightest": tones.lightest, "darkest": tones.darkest}
     finite = {name: x for name, x in metrics.items() if isfinite(x)}

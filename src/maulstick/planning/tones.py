@@ -41,7 +41,7 @@ class Tones:
 
     amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank.
 
-    lightest, darkest: L* of the picture's tones in this way.
+    lightest, darkest: L* of the picture's tones in this way.  ink: sRGB in [0, 1].
     lines: how dark the lines that carry the picture are drawn over its tones, from 0 to 1.
     """
 
@@ -49,6 +49,7 @@ class Tones:
     contrast: float
     lightest: float
     darkest: float
+    ink: Colour
     lines: float = 0.0
 
     @property
@@ -56,14 +57,19 @@ class Tones:
         """Whether they are not the picture's own."""
         return (self.veil, self.contrast) != (0, 1)
 
-    def apply(self, target: Tensor, paper: Tensor, ink: Colour) -> Tensor:
+    def apply(self, target: Tensor, paper: Tensor) -> Tensor:
         """Return the target (C, H, W) in these tones, beside the paper (C, H, W); itself where they are its own."""
         if not self.compressed:
             return target
-        full = torch.tensor(ink).to(paper)[:, None, None] - paper
+        full = self._full(paper)
         return paper + (self.contrast * (_amount(target, paper, full) - self.veil)).clamp(0, 1) * full
 
-    def away_from_lights(self, target: Tensor, picture: Tensor, paper: Tensor, ink: Colour) -> Tensor | None:
+    def in_ink(self, image: Tensor, paper: Tensor) -> Tensor:
+        """Return the image (C, H, W) as this ink can show it on the paper (C, H, W): without colours of its own."""
+        full = self._full(paper)
+        return paper + _amount(image, paper, full) * full
+
+    def away_from_lights(self, target: Tensor, picture: Tensor, paper: Tensor) -> Tensor | None:
         """Return the slope (C, H, W) of a canvas whose ink costs in lights left blank, or None where these leave none.
 
         target: (C, H, W), in these tones.  picture: (C, H, W), in its own: the lighter it is, the more ink costs.
@@ -71,9 +77,12 @@ class Tones:
         """
         if not self.compressed:
             return None
-        full = torch.tensor(ink).to(paper)[:, None, None] - paper
+        full = self._full(paper)
         wanted, own = (_amount(image, paper, full) for image in (target, picture))
         return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * full
+
+    def _full(self, paper: Tensor) -> Tensor:
+        return torch.tensor(self.ink).to(paper)[:, None, None] - paper
 
 
 @dataclass(frozen=True)
@@ -81,13 +90,15 @@ class InkSupply:
     """Ink that a picture needs, and that a stroke of a hand gives.
 
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
-    per_stroke: pixels that a stroke hides alone.  glance_lines: those that hide what an eye sees at once.
+    per_stroke: pixels that a stroke hides alone, pressed hardest.  per_line: the same, no wider
+    than an eye sees at once.  glance_lines: strokes that hide what an eye sees at once.
     paper, ink: colours, sRGB in [0, 1].  with_lines: whether lines are drawn over tones, as dark as ink is short.
     """
 
     amounts: Floats
     glanced: Floats
     per_stroke: float
+    per_line: float
     glance_lines: float
     paper: Colour
     ink: Colour
@@ -103,11 +114,19 @@ class InkSupply:
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
         per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
-        return cls(amounts, glanced, per_stroke, lines, layout.sheet.paper, ink, with_lines)
+        per_line = per_stroke
+        if brush.pressure_matters:
+            per_line = ink_per_stroke(brush, style, resolution, float(brush.pressure_for(np.array(_GLANCE / 2))))
+        return cls(amounts, glanced, per_stroke, per_line, lines, layout.sheet.paper, ink, with_lines)
 
     @property
     def enough(self) -> int:
-        """Number of strokes that give all the ink that the picture needs."""
+        """Number of lines that give all the ink that the picture needs; as few broad strokes would not show it."""
+        return max(1, ceil(Amounts.of(self.amounts).needed / self.per_line))
+
+    @property
+    def fewest(self) -> int:
+        """Number of strokes, pressed hardest, that give all the ink that the picture needs."""
         return max(1, ceil(Amounts.of(self.amounts).needed / self.per_stroke))
 
     def tones(self, strokes: int) -> Tones:
@@ -129,17 +148,17 @@ class InkSupply:
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
         light, dark = lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist()
-        return Tones(veil, contrast, light, dark, lines)
+        return Tones(veil, contrast, light, dark, self.ink, lines)
 
     def note(self, strokes: int) -> str | None:
         """Return a sentence for people where so many strokes cannot give the picture's tones."""
-        own, tones, share = self.tones(self.enough), self.tones(strokes), strokes / self.enough
+        own, tones, share = self.tones(self.fewest), self.tones(strokes), strokes / self.fewest
         if not tones.compressed:
             return None
         return (
             f"{strokes:,} strokes of this length give {share:.0%} of the ink that the picture needs: its tones, "
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
-            f"{self.enough:,} strokes would reach them"
+            f"{self.fewest:,} strokes would reach them"
         )
 
 
@@ -149,8 +168,8 @@ def _amount(image: Tensor, paper: Tensor, full: Tensor) -> Tensor:
 
 
 @one_torch_thread()
-def ink_per_stroke(brush: Brush, style: Style, pixels_per_metre: float) -> float:
-    """Return the mean area, pixels, that a stroke of the style hides alone, pressed hardest."""
+def ink_per_stroke(brush: Brush, style: Style, pixels_per_metre: float, pressure: float = 1) -> float:
+    """Return the mean area, pixels, that a stroke of the style hides alone, at a pressure in [0, 1]."""
     generator = torch.Generator().manual_seed(0)
     codes, _ = style.sample(_SAMPLES, generator)
     if (lengths := style.lengths(_SAMPLES)) is not None:
@@ -159,7 +178,7 @@ def ink_per_stroke(brush: Brush, style: Style, pixels_per_metre: float) -> float
     hidden = 0.0
     for path in paths:
         corner = path.amin(dim=0) - 2 * brush.widest
-        trajectory = torch.cat([path - corner, torch.ones(len(path), 1)], dim=1)[None]
+        trajectory = torch.cat([path - corner, torch.full((len(path), 1), pressure)], dim=1)[None]
         marks = Traj2Stroke.of([brush]).marks(trajectory, pixels_per_metre)
         size = ((path.amax(dim=0) - corner + 2 * brush.widest) * pixels_per_metre).ceil().int().tolist()
         bare, ones = torch.zeros(1, size[1], size[0]), torch.ones(1, 1)
