@@ -323,14 +323,24 @@ def test_the_pen_draws_again_when_a_broken_line_is_mended(studio: RunningStudio,
     assert tab.evaluate("window.isTheSamePage")
 
 
-def test_what_is_drawn_before_a_silence_is_noticed_is_kept_once(studio: RunningStudio, page: Opened) -> None:
+def test_what_is_drawn_before_a_silence_is_noticed_is_kept_once_and_what_is_rubbed_out_stays_away(
+    studio: RunningStudio, page: Opened
+) -> None:
     tab = page()
     pressure(tab, line(0.2), FORCES)
-    first = on_disk(studio, 1)
+    pressure(tab, line(0.9), FORCES)
+    first = on_disk(studio, 2)[:1]
     tab.evaluate("window.isTheSamePage = true")
     tab.evaluate("window.socket.io.engine.transport.ws.send = () => {}")
-    pressure(tab, line(0.4), FORCES)
-    pressure(tab, line(0.6), FORCES)
+    for y in (0.4, 0.6, 0.8):
+        pressure(tab, line(y), FORCES)
+    tab.evaluate(_POINTERS)
+    tab.evaluate("""() => {
+      const eraser = { button: 5, buttons: 32 };
+      point("pointerdown", 0.5, 0.75, eraser);
+      for (let y = 0.75; y < 0.95; y += 0.02) point("pointermove", 0.5, y, eraser);
+      point("pointerup", 0.5, 0.95, eraser);
+    }""")
     before = ink(tab)
     tab.evaluate("window.socket.io.engine.close()")
     count(tab, "^3 strokes")

@@ -22,6 +22,7 @@ export default {
   created() {
     this.strokes = new Map(); // by id: { points: [x, y, pressure, x, …], box }; beside Vue, which would watch each number
     this.unheard = new Map(); // points of strokes, by id, of which the studio has not said yet that it has them
+    this.rubbed = new Map(); // swipes by ids of strokes, of which it has not said yet that they are gone
     this.stroke = null; // what is being drawn
     this.rubber = null; // where it was
     this.swipe = null; // number of the movement that rubs out
@@ -60,6 +61,10 @@ export default {
       this.unheard.delete(id);
     },
     drop(id) {
+      this.rubbed.delete(id);
+      this.erase(id);
+    },
+    erase(id) {
       this.unheard.delete(id);
       const stroke = this.strokes.get(id);
       if (!stroke) return;
@@ -72,10 +77,11 @@ export default {
       this.lift();
       this.drawAll();
     },
-    // What was drawn before the silence was noticed is sent again.
+    // What was done before the silence was noticed is sent again.
     regain() {
       this.deaf = false;
       for (const [id, points] of this.unheard) this.$emit("stroke", { id, points });
+      for (const [id, swipe] of this.rubbed) this.$emit("rub", { id, swipe });
     },
 
     begin(event) {
@@ -176,7 +182,8 @@ export default {
       const way = boxOf([...this.rubber, 0, ...place, 0]);
       for (const [id, { points, box }] of this.strokes) {
         if (meet(box, way) && isNear(points, this.rubber, place)) {
-          this.drop(id);
+          this.erase(id);
+          this.rubbed.set(id, this.swipe);
           this.$emit("rub", { id, swipe: this.swipe });
         }
       }

@@ -76,7 +76,8 @@ class DrawingSheet(Element, component="pen.js"):
 
     def _rub(self, event: events.GenericEventArguments) -> None:
         sent = event.args if isinstance(event.args, dict) else {}
-        self._drawing.rub_out(sent.get("id"), sent.get("swipe"))
+        self._drawing.rub_out(id := sent.get("id"), sent.get("swipe"))
+        self.run_method("drop", id)  # also where another page was sooner, so that it is not asked for again
 
     def _show(self, id: int, stroke: DrawnStroke) -> None:
         if self._is_ready and id != self._drawn_here:
