@@ -21,7 +21,8 @@ SOURCES := pyproject.toml constraints.txt CMakeLists.txt $(shell find src -name 
 
 # pip itself is pinned first: older ones cannot pin what a package is built with.
 PIP := $(BIN)/python -m pip --disable-pip-version-check
-# What is used is compiled when it is; all of it takes more than a minute.
+# What is used is compiled when it is, and kept, whatever the caller's own Python does; all of it takes more than a minute.
+unexport PYTHONDONTWRITEBYTECODE
 INSTALL := $(PIP) install --no-compile --constraint constraints.txt
 EDITABLE := --build-constraint constraints.txt --editable
 
