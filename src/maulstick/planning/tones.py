@@ -24,6 +24,7 @@ from maulstick.style.lengths import keep_lengths
 _SAMPLES = 64  # strokes whose ink is measured: their lengths are the hand's quantiles, so few make a steady mean
 _MOST = 0.95  # share of a place that ink may be asked to hide: the last white between lines takes endless strokes
 _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1 - exp(-ink); 0: they never cross
+_ENOUGH = 0.93  # of that ink shows 97 % of what it would, since planned strokes cross less than these would
 _NOTHING = 1e-3  # amount below which a place is paper
 _LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
@@ -122,12 +123,12 @@ class InkSupply:
     @property
     def enough(self) -> int:
         """Number of lines that give all the ink that the picture needs; as few broad strokes would not show it."""
-        return max(1, ceil(Amounts.of(self.amounts).needed / self.per_line))
+        return max(1, ceil(_ENOUGH * Amounts.of(self.amounts).needed / self.per_line))
 
     @property
     def fewest(self) -> int:
         """Number of strokes, pressed hardest, that give all the ink that the picture needs."""
-        return max(1, ceil(Amounts.of(self.amounts).needed / self.per_stroke))
+        return max(1, ceil(_ENOUGH * Amounts.of(self.amounts).needed / self.per_stroke))
 
     def tones(self, strokes: int) -> Tones:
         """Return the tones that so many strokes can give: of all that need their ink, those that tell most.
@@ -140,7 +141,7 @@ class InkSupply:
         shown = self.amounts > _NOTHING
         lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
         veil, contrast, lines = 0.0, 1.0, 0.0
-        if shown.any() and given < (amounts := Amounts.of(self.amounts)).needed:
+        if shown.any() and given < _ENOUGH * (amounts := Amounts.of(self.amounts)).needed:
             lines = self.with_lines * (1 - given / amounts.needed)
             seen = Amounts.of(self.glanced[shown])
             choices = _choices(amounts, darkest, given)
