@@ -77,16 +77,17 @@ def test_the_lights_are_left_blank_so_that_the_darks_get_the_ink() -> None:
         tones = supply(layout).tones(round(share * supply(layout).enough))
         assert tones.veil > 0.19
         assert tones.lightest == pytest.approx(100, abs=0.5)
-    assert supply(layout).tones(round(0.7 * supply(layout).enough)).darkest == pytest.approx(own.darkest, abs=8)
+    assert supply(layout).tones(round(0.75 * supply(layout).enough)).darkest == pytest.approx(own.darkest, abs=8)
 
 
 def test_the_lines_of_a_picture_are_as_dark_as_ink_is_short_and_left_out_where_only_tones_are_drawn() -> None:
     layout = of_grey(0.9, 0.6, 0.3)
-    enough = supply(layout).enough
+    ink = supply(layout)
+    needed = Amounts.of(ink.amounts).needed / ink.per_stroke
     for share in (0.1, 0.5, 0.9):
-        assert supply(layout).tones(round(share * enough)).lines == pytest.approx(1 - share, abs=0.02)
-        assert supply(layout, with_lines=False).tones(round(share * enough)).lines == 0
-    assert supply(layout).tones(enough).lines == 0
+        assert ink.tones(round(share * needed)).lines == pytest.approx(1 - share, abs=0.02)
+        assert supply(layout, with_lines=False).tones(round(share * needed)).lines == 0
+    assert ink.tones(ink.enough).lines == 0
 
 
 def test_what_lines_tell_is_the_number_of_tones_that_their_chance_leaves_apart() -> None:
