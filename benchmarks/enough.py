@@ -6,7 +6,8 @@
 A plan of so many strokes, whose tones are not compressed, reaches a picture where its mean ink is 97 % of that.
 Bisecting finds the fewest that do, to 3 %, with plans of 300 steps; `ratio` is what `--strokes auto` takes over that.
 --tones: `psnr_blurred`, dB after a blur of 2 mm, of usual plans of so many strokes beside the picture in the tones that
-    they can give, whose L* are `lightest` and `darkest`.
+    they can give, whose L* are `lightest` and `darkest`. pressed: as many strokes, pressed hardest, give that ink.
+    in_colours: dB, in the same way, of what the ink can show beside the picture in its colours: no plan comes nearer.
 """
 
 import argparse
@@ -21,9 +22,10 @@ from photographs import load
 
 import maulstick as ms
 from maulstick.painting.brush import load_brush
+from maulstick.painting.metrics import blurred_psnr
 from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import as_painting, problem_of, provenance_of
-from maulstick.planning.layout import lay_out_for
+from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.tones import InkSupply
@@ -32,14 +34,13 @@ from maulstick.rendering.preview import truth
 HANDS, PICTURES = ("lia", "contour", "scribble"), ("chelsea", "astronaut")
 STEPS, REACHED, FINE = 300, 0.97, 1.03
 BLACK = (0.0, 0.0, 0.0)
+BLUR = 2e-3  # metres
 
 
 def fewest(hand: str, picture: str) -> tuple[int, int]:
     """What is taken, and what bisecting finds."""
     style, brush = style_of(hand), load_brush("fineliner")
-    layout = lay_out_for(load(picture), Sheet(width=SHEET[0], height=SHEET[1]), brush, "contain", PX)
-    supply = InkSupply.of(layout, brush, style, BLACK, with_lines=False)
-    assert supply is not None
+    layout, supply = supply_of(hand, picture, "fineliner")
 
     def reaches(strokes: int) -> bool:
         options = PlannerSettings(strokes=strokes, exact=True, paints=None, steps=STEPS)
@@ -62,14 +63,27 @@ def numbers() -> Iterator[dict[str, object]]:
         yield {"hand": hand, "picture": picture, "auto": taken, "bisected": found, "ratio": round(taken / found, 3)}
 
 
+def supply_of(hand: str, picture: str, brush: str) -> tuple[Layout, InkSupply]:
+    """The picture on the sheet, and the ink that it needs and that a stroke gives."""
+    pen = load_brush(brush)
+    layout = lay_out_for(load(picture), Sheet(width=SHEET[0], height=SHEET[1]), pen, "contain", PX)
+    supply = InkSupply.of(layout, pen, style_of(hand), BLACK, with_lines=False)
+    assert supply is not None
+    return layout, supply
+
+
 def tones() -> Iterator[dict[str, object]]:
     """How near plans of what is taken come: a row for each brush, hand and picture."""
     size = "x".join(f"{side * 1e3:g}" for side in SHEET) + "mm"
     for brush, hand, picture in product(BRUSHES, HANDS, PICTURES):
         style = style_of(hand)
+        layout, supply = supply_of(hand, picture, brush)
+        shown, target = layout.crop(layout.under * (1 - supply.amounts[..., None])), layout.crop(layout.target)
+        in_colours = blurred_psnr(shown, target, BLUR * layout.canvas.pixels_per_metre)
         found = ms.plan(load(picture), style=style, brush=brush, strokes="auto", ink="black", size=size, px=PX, seed=0)
         metrics = {key: round(found.provenance.metrics[key], 1) for key in ("psnr_blurred", "lightest", "darkest")}
-        yield {"brush": brush, "hand": hand, "picture": picture, "auto": len(found.strokes), **metrics}
+        row = {"brush": brush, "hand": hand, "picture": picture, "auto": supply.enough, "pressed": supply.fewest}
+        yield row | metrics | {"in_colours": round(in_colours, 1)}
 
 
 def main() -> None:

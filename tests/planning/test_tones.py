@@ -72,12 +72,14 @@ def test_a_picture_in_its_tones_needs_the_ink_that_there_is(greys: list[float], 
 
 def test_the_lights_are_left_blank_so_that_the_darks_get_the_ink() -> None:
     layout = of_grey(0.8, 0.7, 0.2)
-    own = supply(layout).tones(supply(layout).enough)
+    ink = supply(layout)
+    needed = Amounts.of(ink.amounts).needed / ink.per_stroke
+    own = ink.tones(ink.enough)
     for share in (0.7, 0.3, 0.05):
-        tones = supply(layout).tones(round(share * supply(layout).enough))
+        tones = ink.tones(round(share * needed))
         assert tones.veil > 0.19
         assert tones.lightest == pytest.approx(100, abs=0.5)
-    assert supply(layout).tones(round(0.75 * supply(layout).enough)).darkest == pytest.approx(own.darkest, abs=8)
+    assert ink.tones(round(0.7 * needed)).darkest == pytest.approx(own.darkest, abs=8)
 
 
 def test_the_lines_of_a_picture_are_as_dark_as_ink_is_short_and_left_out_where_only_tones_are_drawn() -> None:
@@ -121,8 +123,8 @@ def test_white_and_black_pictures_have_tones(grey: float) -> None:
 
 
 def test_a_picture_too_pale_to_show_anything_keeps_its_tones_though_all_of_it_wants_ink() -> None:
-    pale = replace(supply(of_grey(0.9995)), per_stroke=0.1)
-    assert pale.fewest > 1
+    pale = replace(supply(of_grey(0.9995)), per_stroke=0.1, per_line=0.1)
+    assert pale.enough > 1
     assert not pale.tones(1).compressed
     assert pale.note(1) is None
 

@@ -24,7 +24,7 @@ from maulstick.style.lengths import keep_lengths
 _SAMPLES = 64  # strokes whose ink is measured: their lengths are the hand's quantiles, so few make a steady mean
 _MOST = 0.95  # share of a place that ink may be asked to hide: the last white between lines takes endless strokes
 _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1 - exp(-ink); 0: they never cross
-_ENOUGH = 0.93  # of that ink shows 97 % of what it would, since planned strokes cross less than these would
+_ENOUGH = 0.93  # share of that ink with which plans reach 97 % of a picture's, by bisecting (benchmarks/enough.py)
 _NOTHING = 1e-3  # amount below which a place is paper
 _LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
@@ -91,8 +91,8 @@ class InkSupply:
     """Ink that a picture needs, and that a stroke of a hand gives.
 
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
-    per_stroke: pixels that a stroke hides alone, pressed hardest.  per_line: the same, no wider
-    than an eye sees at once.  glance_lines: strokes that hide what an eye sees at once.
+    per_stroke: pixels that a stroke hides alone, pressed hardest.  per_line: the same, pressed so that it is no wider
+    than what an eye sees at once.  glance_lines: strokes that hide what an eye sees at once.
     paper, ink: colours, sRGB in [0, 1].  with_lines: whether lines are drawn over tones, as dark as ink is short.
     """
 
@@ -121,14 +121,19 @@ class InkSupply:
         return cls(amounts, glanced, per_stroke, per_line, lines, layout.sheet.paper, ink, with_lines)
 
     @property
+    def needed(self) -> float:
+        """Ink of strokes, in pixels hidden by each alone, with which plans show the picture in its own tones."""
+        return _ENOUGH * Amounts.of(self.amounts).needed
+
+    @property
     def enough(self) -> int:
-        """Number of lines that give all the ink that the picture needs; as few broad strokes would not show it."""
-        return max(1, ceil(_ENOUGH * Amounts.of(self.amounts).needed / self.per_line))
+        """Number of lines that give the ink that the picture needs; fewer, broader strokes would not show it."""
+        return max(1, ceil(self.needed / self.per_line))
 
     @property
     def fewest(self) -> int:
-        """Number of strokes, pressed hardest, that give all the ink that the picture needs."""
-        return max(1, ceil(_ENOUGH * Amounts.of(self.amounts).needed / self.per_stroke))
+        """Number of strokes, pressed hardest, that give the ink that the picture needs."""
+        return max(1, ceil(self.needed / self.per_stroke))
 
     def tones(self, strokes: int) -> Tones:
         """Return the tones that so many strokes can give: of all that need their ink, those that tell most.
@@ -141,9 +146,9 @@ class InkSupply:
         shown = self.amounts > _NOTHING
         lightest, darkest = np.quantile(self.amounts[shown], (_LIGHT, _DARK)) if shown.any() else (0.0, 0.0)
         veil, contrast, lines = 0.0, 1.0, 0.0
-        if shown.any() and given < _ENOUGH * (amounts := Amounts.of(self.amounts)).needed:
+        if shown.any() and given < self.needed:
+            amounts, seen = Amounts.of(self.amounts), Amounts.of(self.glanced[shown])
             lines = self.with_lines * (1 - given / amounts.needed)
-            seen = Amounts.of(self.glanced[shown])
             choices = _choices(amounts, darkest, given)
             veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.glance_lines))
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
