@@ -23,7 +23,9 @@ def test_a_plan_says_that_its_strokes_give_too_little_ink_and_keeps_the_tones_in
     metrics = painting.provenance.metrics
     assert 80 < metrics["darkest"] < metrics["lightest"] <= 100.01
     assert metrics["psnr_blurred"] > 10
-    assert f"{metrics['psnr_blurred']:.1f} dB PSNR of what the ink can show" in " ".join(ran.stdout.split())
+    words = " ".join(ran.stdout.split())
+    assert f"beside the picture │ {metrics['psnr']:.1f} dB PSNR" in words
+    assert f"in tones │ {metrics['psnr_blurred']:.1f} dB PSNR beside those it was planned in" in words
 
 
 def test_auto_takes_the_strokes_that_the_ink_of_the_picture_needs(tmp_path: Path) -> None:

@@ -23,11 +23,11 @@ def print_summary(painting: Painting, seconds: float, out: Path, written: list[s
         used = Counter(painting.paints[stroke.paint].brush for stroke in painting.strokes)
         names = ", ".join(f"{name} {used[name]}" for name in painting.brushes)
         rows["brushes"] = f"{names} strokes (changes: {painting.brush_changes()})"
-    if "psnr_blurred" in metrics:  # lines of ink are nothing like the picture before an eye takes them together
-        rows["beside the picture"] = f"{metrics['psnr_blurred']:.1f} dB PSNR of what the ink can show, blurred by 2 mm"
-    elif "psnr" in metrics:
+    if "psnr" in metrics:
         structure = f", {metrics['ssim']:.2f} SSIM" if "ssim" in metrics else ""  # a tiny picture has none
         rows["beside the picture"] = f"{metrics['psnr']:.1f} dB PSNR{structure}"
+    if "psnr_blurred" in metrics:  # lines of ink are nothing like a picture before an eye takes them together
+        rows["in tones"] = f"{metrics['psnr_blurred']:.1f} dB PSNR beside those it was planned in, blurred by 2 mm"
     terms = {name: metrics[name] for name in STRENGTHS if name in metrics}
     whole = sum(terms.values()) or 1.0
     rows["loss"] = ", ".join(f"{name} {part:.5f} ({part / whole:.0%})" for name, part in terms.items())
