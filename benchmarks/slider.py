@@ -7,8 +7,8 @@ colours (free, and in loops) of the astronaut of scikit-image. When 60 % of the 
 from 0 to 1.
 
 first: seconds from the request to the first picture.  answered: from the slider to the first picture with the new
-    weight.  good: from the slider until the loss stays within a tenth of what the plan ends with, of the way there
-    from the first picture with the new weight.  rest: from the slider to the last step.
+    weight.  good: from the slider until the loss has gone nine tenths of its way, from that picture to the end of the
+    plan, and stays there.  rest: from the slider to the last step.
 """
 
 import argparse
