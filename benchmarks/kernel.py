@@ -2,10 +2,11 @@
 
     .venv/bin/python benchmarks/kernel.py [--device cuda]
 
-device: where it is drawn. On a GPU only 400 strokes at 256 pixels and 4000 at 1024 are; times end when it is done.
-strokes, points, px, half_width: what is drawn; strokes are arcs of 0.19 of the side, half_width is a fraction of the
-    side and half_width_px the same in pixels, colours have three channels. `darkness` draws each stroke on a square of
-    its own.
+device: where it is drawn. On a GPU only 400 strokes at 256 pixels, 4000 at 1024 and 2048 at 1344 are; times end when it
+    is done.
+strokes, points, px, width, half_width: what is drawn, px high; strokes are arcs of 0.19 of the height, half_width is a
+    fraction of it and half_width_px the same in pixels, colours have three channels. `darkness` draws each stroke on an
+    image of its own.
 ms_forward, ms_backward: medians of 8 warm runs. Gradients are asked for points, thickness and colours.
 dense_ms_per_stroke: the dense reference, forward and backward, float32, one stroke at a time; the median of 8 runs that
     take turns with those of the kernel. Left out where a single stroke takes seconds and gigabytes.
@@ -47,6 +48,7 @@ class Row:
     strokes: int
     points: int
     px: int
+    width: int
     half_width: float
 
     @property
@@ -56,12 +58,13 @@ class Row:
 
 
 ROWS = [
-    *(Row("composite", 400, 32, px, half_width) for px in (256, 1024) for half_width in (0.004, 0.01)),
-    *(Row("composite", 4000, 32, 1024, half_width) for half_width in (0.004, 0.01)),
-    *(Row("composite", *scene) for scene in ((400, 32, 256, 0.001), (4000, 32, 1024, 0.0005))),  # fineliners
-    *(Row("darkness", 100, 32, 256, half_width) for half_width in (0.004, 0.01)),
+    *(Row("composite", 400, 32, px, px, half_width) for px in (256, 1024) for half_width in (0.004, 0.01)),
+    *(Row("composite", 4000, 32, 1024, 1024, half_width) for half_width in (0.004, 0.01)),
+    *(Row("composite", *scene) for scene in ((400, 32, 256, 256, 0.001), (4000, 32, 1024, 1024, 0.0005))),  # fineliners
+    Row("composite", 2048, 32, 1344, 2040, 0.004),  # as other papers draw
+    *(Row("darkness", 100, 32, 256, 256, half_width) for half_width in (0.004, 0.01)),
 ]
-ON_GPU = [(400, 256), (4000, 1024)]
+ON_GPU = [(400, 256), (4000, 1024), (2048, 1344)]
 
 
 class Task:
@@ -75,20 +78,20 @@ class Task:
         path = torch.stack([heading.cos(), heading.sin()], dim=-1).cumsum(1) * LENGTH / (row.points - 1)
         place = torch.rand(row.strokes, 1, 2, generator=generator)
         self.row, self.device, self.kernels = row, device, kernels_for(device)
-        points = row.px * (path - path.mean(1, keepdim=True) + place)
+        points = row.px * (path - path.mean(1, keepdim=True)) + place * torch.tensor([row.width, row.px])
         self.points = points.to(device).requires_grad_()
         self.thickness = torch.full((row.strokes, row.points), row.half_width * row.px, device=device).requires_grad_()
         self.colours = torch.rand(row.strokes, 3, generator=generator).to(device).requires_grad_()
         self.numbers = torch.tensor([[1.5], [0.2], [0.9]], device=device).unbind()  # c, q, o
-        self.canvas = torch.ones(3, row.px, row.px, device=device)
+        self.canvas = torch.ones(3, row.px, row.width, device=device)
         images = 3 if row.name == "composite" else row.strokes
-        self.weights = torch.randn(images, row.px, row.px, generator=generator).to(device)
+        self.weights = torch.randn(images, row.px, row.width, generator=generator).to(device)
 
     def forward(self, kernels: ModuleType, strokes: slice) -> Tensor:
         """What these strokes look like."""
         stroke = self.points[strokes], self.thickness[strokes]
         if self.row.name == "darkness":
-            return kernels.darkness(*stroke, *self.numbers, height=self.row.px, width=self.row.px)
+            return kernels.darkness(*stroke, *self.numbers, height=self.row.px, width=self.row.width)
         return kernels.composite(self.canvas, *stroke, self.colours[strokes], *self.numbers)
 
     def backward(self, out: Tensor) -> tuple[Tensor, ...]:
@@ -177,7 +180,7 @@ def extra_mib_of(row: Row, device: torch.device) -> float | None:
     on_gpu = device.type == "cuda"
     if not on_gpu and not sys.platform.startswith("linux"):
         return None
-    once(Task(Row(row.name, 2, row.points, 64, row.half_width), device))  # loads what is loaded at the first use
+    once(Task(Row(row.name, 2, row.points, 64, 64, row.half_width), device))  # loads what is loaded at the first use
     task = Task(row, device)
     if on_gpu:
         before = torch.cuda.memory_allocated(device) / 2**20

@@ -44,6 +44,7 @@ def check_kinds(values: Mapping[str, object], kinds: Mapping[str, Any]) -> None:
 
 
 def _is_a(value: object, kind: Any) -> bool:
+    kind = getattr(kind, "__value__", kind)  # of a name given by a `type` statement, as NumPy's are from 2.5 on
     origin, parts = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
         return any(_is_a(value, part) for part in parts)

@@ -32,7 +32,7 @@ from tests.support import tolerances
 DEVICE = "cuda" if torch.cuda.is_available() else "cpu"
 pytest.importorskip("triton")  # which comes with torch on Linux, and on no other system
 
-from maulstick.rendering.kernels import cpu, gpu, gpu_tiles, render  # noqa: E402
+from maulstick.rendering.kernels import cpu, gpu, gpu_canvas, gpu_lists, gpu_tiles, render  # noqa: E402
 
 FLOAT32 = {"value": tolerances.FLOAT32_VALUE_CREASED, "gradient": tolerances.FLOAT32_GRADIENT_CREASED}
 FAR = {"value": tolerances.FLOAT32_VALUE_FAR, "gradient": tolerances.FLOAT32_GRADIENT_FAR}
@@ -232,7 +232,10 @@ def test_a_long_stroke_between_two_points_is_drawn_over_its_whole_length() -> No
     assert_composites_as_the_reference(scene, allowed=FAR)
 
 
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # NumPy's, which interprets the overflows that a GPU passes over
+of_overflows = pytest.mark.filterwarnings("ignore::RuntimeWarning")  # NumPy's, of what a GPU passes over
+
+
+@of_overflows
 @pytest.mark.parametrize("huge", [1e10, 1e19, 3e38])
 def test_huge_coordinates_and_thicknesses_paint_finite_colours_with_finite_gradients(huge: float) -> None:
     for points, thickness in (
@@ -256,6 +259,7 @@ def test_a_thickness_next_to_nothing_does_not_hide_the_next_segment() -> None:
     assert abs(found - expected) <= tolerances.FLOAT32_VALUE
 
 
+@of_overflows
 def test_what_cannot_be_drawn_is_refused_in_the_words_of_the_reference() -> None:
     scene = small_scene(25)
     for change, message in (
@@ -295,17 +299,34 @@ def test_a_canvas_and_its_gradients_take_few_launches(monkeypatch: pytest.Monkey
     leaves = [x.clone().requires_grad_() for x in scene]
     weights = weights_like(scene.canvas)
     launches = Launches()
-    launch = gpu._launch
+    launch = gpu_lists.launch
 
-    def counted(program: Any, *args: Any) -> None:
+    def counted(program: Any, *args: Any, **warps: int) -> None:
         with _disable_current_modes():  # the interpreter computes by tensors
-            launch(program, *args)
+            launch(program, *args, **warps)
         launches.names.append(str(program))
 
-    monkeypatch.setattr(gpu, "_launch", counted)
+    for module in (gpu_lists, gpu_canvas):
+        monkeypatch.setattr(module, "launch", counted)
     with launches:
         torch.autograd.grad(GPU.composite(*leaves), leaves, weights)
-    assert len(launches.names) <= 30, launches.names
+    assert len(launches.names) <= 27, launches.names
+
+
+def test_what_is_painted_again_and_again_and_its_gradients_are_of_its_own_strokes() -> None:
+    sizes = {"strokes": 2, "points": 2, "channels": 1, "height": 8, "width": 8, "thinnest": 1.0}
+    scenes = [random_scene(seed, **sizes) for seed in (40, 41)]
+    leaves = [[x.clone().requires_grad_() for x in scene] for scene in scenes]
+    weights = weights_like(scenes[0].canvas)
+    for _ in range(3):  # a GPU records what it does for the second time, and replays it for the third
+        canvases = [GPU.composite(*scene) for scene in leaves]
+        for scene, canvas, own in zip(scenes, canvases, leaves, strict=True):
+            alone = composite_with_gradients(GPU, scene, weights=weights)
+            assert torch.equal(canvas, alone["value"])
+            for _ in range(2):
+                gradients = torch.autograd.grad(canvas, own, weights, retain_graph=True)
+                for name, gradient in zip(Scene._fields, gradients, strict=True):
+                    assert torch.equal(gradient, alone[name]), name
 
 
 @pytest.mark.parametrize("operation", [composite_with_gradients, darkness_with_gradients])
@@ -345,6 +366,7 @@ def test_a_second_derivative_is_refused() -> None:
         gradient.sum().backward()
 
 
+@of_overflows
 def test_more_strokes_than_one_program_prepares_are_painted_as_the_reference_does() -> None:
     count, seen, points = 140, 10, 14  # those that are seen have more segments than one program lists
     assert min(count, seen * (points - 1)) > gpu_tiles.LANES.value
@@ -359,12 +381,15 @@ def test_more_strokes_than_one_program_prepares_are_painted_as_the_reference_doe
 
 
 def test_a_long_thin_segment_is_listed_only_in_the_tiles_along_it() -> None:
-    ends = torch.tensor([[3.0, 5.0, 1.0, 1020.0, 1001.0, 1.0], [700.0, 4.0, 1.0, 700.0, 1020.0, 1.0]], device=DEVICE)
-    counts = torch.zeros(2, dtype=torch.int64, device=DEVICE)
-    gpu_tiles.count_tiles[(1,)](ends, counts, 2, 1024, 1024, enable_fp_fusion=True)
-    diagonal, upright = counts.tolist()  # of 64 x 64
-    assert 127 <= diagonal <= 3 * 64
-    assert upright == 64
+    points = torch.tensor([[[3.0, 5.0], [1020.0, 1001.0]], [[700.0, 4.0], [700.0, 1020.0]]], device=DEVICE)
+    strokes = torch.tensor([[1.5, 0.0, 1.0, 1.0]] * 2, device=DEVICE)
+    segments, counts = points.new_empty(2, 6), torch.zeros(3, dtype=torch.int64, device=DEVICE)
+    sizes = 2, 1, 1, 4, 1024, 1024
+    gpu_lists.launch(gpu_tiles.list_segments, 1, points, points.new_ones(2, 2), strokes, segments, counts, *sizes)
+    diagonal, upright, _ = counts.tolist()
+    across = 1024 // gpu_tiles.TILE.value
+    assert 2 * across - 1 <= diagonal <= 4 * across
+    assert upright == across
 
 
 def test_tensors_are_rendered_where_they_are() -> None:
@@ -391,29 +416,31 @@ from triton.backends.compiler import GPUTarget
 from triton.compiler import ASTSource, compile
 from maulstick.rendering.kernels import gpu_programs, gpu_shapes, gpu_sums, gpu_tiles
 
-SIZES = ("channels", "columns", "height", "width", "count", "each", "after", "total")
-OTHERS = {"trainable": "*u8"} | dict.fromkeys(SIZES, "i32")
-OTHERS |= dict.fromkeys(("pairs", "items", "tiles"), "*i32")
-OTHERS |= dict.fromkeys(("slots", "starts", "keys", "counts", "faults", "firsts", "numbers"), "*i64")
+SIZES = ("channels", "columns", "height", "width", "count", "tile_count", "each", "after", "beyond")
+SIZES += ("room", "item_room")
+OTHERS = dict.fromkeys(SIZES, "i32")
+OTHERS |= dict.fromkeys(("pairs", "items", "item_count", "tiles", "keys", "firsts", "numbers"), "*i32")
+OTHERS |= dict.fromkeys(("slots", "starts", "counts"), "*i64")
 for name, module in {
     "find_shapes": gpu_shapes,
     "find_tight": gpu_shapes,
-    "count_tiles": gpu_tiles,
+    "list_segments": gpu_tiles,
     "list_tiles": gpu_tiles,
-    "count_faults": gpu_tiles,
     "find_items": gpu_tiles,
     "list_items": gpu_tiles,
+    "find_tiles": gpu_tiles,
     "sum_gradients": gpu_sums,
-    "darkness": gpu_programs,
-    "darkness_backward": gpu_programs,
-    "composite": gpu_programs,
-    "composite_backward": gpu_programs,
+    "shade": gpu_programs,
+    "shade_backward": gpu_programs,
+    "blend": gpu_programs,
+    "blend_backward": gpu_programs,
 }.items():
     program = getattr(module, name)
     signature = {each: OTHERS.get(each, "*fp32") for each in program.arg_names}
     constants = {}
-    if "CHANNELS" in signature:
-        signature["CHANNELS"], constants = "constexpr", {(program.arg_names.index("CHANNELS"),): 4}
+    for chosen, value in {"CHANNELS": 4, "COLUMNS": 16, "ALONE": False}.items():
+        if chosen in signature:
+            signature[chosen], constants = "constexpr", {(program.arg_names.index(chosen),): value}
     compiled = compile(
         ASTSource(program, signature, constants), GPUTarget("cuda", 80, 32), {"enable_fp_fusion": True}
     )

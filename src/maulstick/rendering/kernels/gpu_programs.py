@@ -4,7 +4,8 @@ A tile is TILE x TILE pixels, the work of one program. A **pair** is a segment a
 is all pairs of one stroke in one tile, in order. `gpu.py` prepares the tensors:
 
 segments: (S, 6) x, y, thickness at the start, then at the end.  shapes: (S, SHAPE), explained in `gpu_shapes`.
-strokes: (N, 3 + C) falloff c, plateau q, opacity o, then the colour.  pairs: (P,) segment of each.
+strokes: (N, 4 + C) falloff c, plateau q, opacity o, 1 if it gets gradients, else 0, then the colour.
+pairs: (P,) segment of each.
 items: (I + 1, 3) first pair, stroke, tile.  tiles: (T + 1,) first item of each.
 records: (P, 13 + C) gradients of a pair's segment and, in the first pair of an item, of the stroke's numbers, of the
 x and y of its first and its last point while those bound the mark, and of its colour.
@@ -114,13 +115,6 @@ def _mark(segments, shapes, pairs, first, last, stroke, x, y, SLOPES: tl.constex
 
 
 @triton.jit
-def _shade(segments, shapes, pairs, first, last, stroke, x, y):
-    """Return the darkness of a stroke on each pixel."""
-    value, _, _, _, _, _, _, _, _, _, _, _, _ = _mark(segments, shapes, pairs, first, last, stroke, x, y, False)
-    return tl.load(stroke + 2) * value
-
-
-@triton.jit
 def _add_gradients(record, size, slots, segments, pairs, first, last, stroke, x, y, mark, grad):
     """Write the gradients of an item's segments and of its stroke's numbers and ends.
 
@@ -162,60 +156,98 @@ def _add_gradients(record, size, slots, segments, pairs, first, last, stroke, x,
 
 
 @triton.jit
-def darkness(images, segments, shapes, strokes, pairs, items, height, width):
-    """Draw one item per program into images: (N, H, W), which must be 0 before."""
-    item = items + tl.program_id(0) * 3
-    stroke = tl.load(item + 1)
+def _places(item, number, height, width, ALONE: tl.constexpr):
+    """Return for each pixel of an item its centre x and y, its index in a tensor of all pixels, and if it lies inside.
+
+    The tensor is (N, H, W) where each stroke is ALONE on its image, else (I, PIXELS).
+    """
     x, y, place, inside = pixels(tl.load(item + 2), height, width)
-    value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), strokes + stroke * 3, x, y)
-    tl.store(images + stroke.to(tl.int64) * height * width + place, value, mask=inside)
+    if ALONE:
+        place += tl.load(item + 1).to(tl.int64) * height * width
+    else:
+        place = number.to(tl.int64) * PIXELS + tl.arange(0, PIXELS)
+        inside = place >= 0
+    return x, y, place, inside
 
 
 @triton.jit
-def darkness_backward(grad_images, records, slots, segments, shapes, strokes, pairs, items, height, width):
-    """Write the gradients of one item per program into records; grad_images: (N, H, W)."""
-    item = items + tl.program_id(0) * 3
-    first, last, stroke = tl.load(item), tl.load(item + 3), tl.load(item + 1)
-    x, y, place, inside = pixels(tl.load(item + 2), height, width)
-    numbers = strokes + stroke * 3
-    mark = _mark(segments, shapes, pairs, first, last, numbers, x, y, True)
-    grad = tl.load(grad_images + stroke.to(tl.int64) * height * width + place, mask=inside, other=0.0)
-    _add_gradients(records, RECORD, slots, segments, pairs, first, last, numbers, x, y, mark, grad)
+def shade(shades, segments, shapes, strokes, pairs, items, item_count, columns, height, width, ALONE: tl.constexpr):
+    """Draw one item per program into shades: (N, H, W), which must be 0 before, if ALONE; else (room, PIXELS).
 
-
-@triton.jit
-def composite(
-    canvas, out, segments, shapes, strokes, pairs, items, tiles, channels, height, width, CHANNELS: tl.constexpr
-):
-    """Paint one tile per program. canvas, out: (C, H, W).  CHANNELS: C rounded up to a power of two."""
-    x, y, place, inside = pixels(tl.program_id(0), height, width)
-    channel = tl.arange(0, CHANNELS)
-    known = channel < channels
-    place = (channel.to(tl.int64) * height * width)[:, None] + place[None, :]
-    inside = known[:, None] & inside[None, :]
-    beneath = tl.load(canvas + place, mask=inside, other=0.0)
-    for number in range(tl.load(tiles + tl.program_id(0)), tl.load(tiles + tl.program_id(0) + 1)):
+    item_count: (1,); there may be more programs.  columns: of strokes.
+    """
+    number = tl.program_id(0)
+    if number < tl.load(item_count):
         item = items + number * 3
-        stroke = strokes + tl.load(item + 1) * (3 + channels)
-        value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), stroke, x, y)
-        colour = tl.load(stroke + 3 + channel, mask=known, other=0.0)
-        beneath += value[None, :] * (colour[:, None] - beneath)
-    tl.store(out + place, beneath, mask=inside)
+        x, y, place, inside = _places(item, number, height, width, ALONE)
+        stroke = strokes + tl.load(item + 1) * columns
+        mark = _mark(segments, shapes, pairs, tl.load(item), tl.load(item + 3), stroke, x, y, False)
+        tl.store(shades + place, tl.load(stroke + 2) * mark[0], mask=inside)
 
 
 @triton.jit
-def composite_backward(
-    canvas,
-    grad_out,
-    grad_canvas,
-    above,
+def shade_backward(
+    grad_shades,
     records,
-    trainable,
     slots,
     segments,
     shapes,
     strokes,
     pairs,
+    items,
+    item_count,
+    columns,
+    height,
+    width,
+    ALONE: tl.constexpr,
+):
+    """Write the gradients of one item per program into records, but for the colour's.
+
+    grad_shades: as shades.  item_count, columns: as for `shade`.
+    """
+    number = tl.program_id(0)
+    if number < tl.load(item_count):
+        item = items + number * 3
+        first, last = tl.load(item), tl.load(item + 3)
+        stroke = strokes + tl.load(item + 1) * columns
+        if tl.load(stroke + 3) != 0:
+            x, y, place, inside = _places(item, number, height, width, ALONE)
+            mark = _mark(segments, shapes, pairs, first, last, stroke, x, y, True)
+            grad = tl.load(grad_shades + place, mask=inside, other=0.0)
+            size = RECORD + columns - 4
+            _add_gradients(records, size, slots, segments, pairs, first, last, stroke, x, y, mark, grad)
+
+
+@triton.jit
+def blend(canvas, out, shades, strokes, items, tiles, channels, height, width, CHANNELS: tl.constexpr):
+    """Paint one tile per program. canvas, out: (C, H, W).  CHANNELS: C rounded up to a power of two."""
+    _, _, place, inside = pixels(tl.program_id(0), height, width)
+    channel = tl.arange(0, CHANNELS)
+    known = channel < channels
+    place = (channel.to(tl.int64) * height * width)[:, None] + place[None, :]
+    inside = known[:, None] & inside[None, :]
+    beneath = tl.load(canvas + place, mask=inside, other=0.0)
+    begin, end = tl.load(tiles + tl.program_id(0)), tl.load(tiles + tl.program_id(0) + 1)
+    pixel = begin.to(tl.int64) * PIXELS + tl.arange(0, PIXELS)
+    for number in range(begin, end):
+        stroke = strokes + tl.load(items + number * 3 + 1) * (4 + channels)
+        value = tl.load(shades + pixel + (number - begin) * PIXELS)
+        colour = tl.load(stroke + 4 + channel, mask=known, other=0.0)
+        beneath += value[None, :] * (colour[:, None] - beneath)
+    tl.store(out + place, beneath, mask=inside)
+
+
+@triton.jit
+def blend_backward(
+    canvas,
+    grad_out,
+    grad_canvas,
+    shades,
+    above,
+    grad_shades,
+    records,
+    slots,
+    strokes,
     items,
     tiles,
     channels,
@@ -223,47 +255,41 @@ def composite_backward(
     width,
     CHANNELS: tl.constexpr,
 ):
-    """Write the gradients of one tile per program into grad_canvas and records.
+    """Write the gradients of one tile per program into grad_canvas, grad_shades and, of colours, into records.
 
-    canvas, grad_out, grad_canvas: (C, H, W).  above: (I, PIXELS), scratch.  trainable: (N,).
+    canvas, grad_out, grad_canvas: (C, H, W).  shades, grad_shades: (I, PIXELS).  above: (I, PIXELS), scratch.
 
     The gradient of an item's darkness is sum(grad_out * above * (colour - beneath)): `above` is the share that later
     strokes let through, found from the last item to the first; `beneath` is what earlier strokes painted, found from
     the first to the last.
     """
-    x, y, place, inside = pixels(tl.program_id(0), height, width)
+    _, _, place, inside = pixels(tl.program_id(0), height, width)
     channel = tl.arange(0, CHANNELS)
     known = channel < channels
     place = (channel.to(tl.int64) * height * width)[:, None] + place[None, :]
     inside = known[:, None] & inside[None, :]
     begin, end = tl.load(tiles + tl.program_id(0)), tl.load(tiles + tl.program_id(0) + 1)
-    shade = above + begin.to(tl.int64) * PIXELS + tl.arange(0, PIXELS)
+    pixel = begin.to(tl.int64) * PIXELS + tl.arange(0, PIXELS)
 
     through = tl.full([PIXELS], 1.0, tl.float32)
     for step in range(end - begin):
-        number = end - 1 - step
-        item = items + number * 3
-        stroke = strokes + tl.load(item + 1) * (3 + channels)
-        value = _shade(segments, shapes, pairs, tl.load(item), tl.load(item + 3), stroke, x, y)
-        tl.store(shade + (number - begin) * PIXELS, through)
-        through *= 1 - value
+        at = pixel + (end - 1 - step - begin) * PIXELS
+        tl.store(above + at, through)
+        through *= 1 - tl.load(shades + at)
     grad = tl.load(grad_out + place, mask=inside, other=0.0)
     tl.store(grad_canvas + place, grad * through[None, :], mask=inside)
     tl.debug_barrier()  # other threads read `above` than wrote it
 
     beneath = tl.load(canvas + place, mask=inside, other=0.0)
-    size = RECORD + channels
     for number in range(begin, end):
         item = items + number * 3
-        first, last, id = tl.load(item), tl.load(item + 3), tl.load(item + 1)
-        stroke = strokes + id * (3 + channels)
-        mark = _mark(segments, shapes, pairs, first, last, stroke, x, y, True)
-        value = tl.load(stroke + 2) * mark[0]
-        change = tl.load(stroke + 3 + channel, mask=known, other=0.0)[:, None] - beneath
-        if tl.load(trainable + id) != 0:
-            here = grad * tl.load(shade + (number - begin) * PIXELS)[None, :]
-            colour = records + tl.load(slots + first) * size + RECORD + channel
+        stroke = strokes + tl.load(item + 1) * (4 + channels)
+        at = pixel + (number - begin) * PIXELS
+        value = tl.load(shades + at)
+        change = tl.load(stroke + 4 + channel, mask=known, other=0.0)[:, None] - beneath
+        if tl.load(stroke + 3) != 0:
+            here = grad * tl.load(above + at)[None, :]
+            colour = records + tl.load(slots + tl.load(item)) * (RECORD + channels) + RECORD + channel
             tl.store(colour, tl.sum(here * value[None, :], axis=1), mask=known)
-            grad_value = tl.sum(here * change, axis=0)
-            _add_gradients(records, size, slots, segments, pairs, first, last, stroke, x, y, mark, grad_value)
+            tl.store(grad_shades + at, tl.sum(here * change, axis=0))
         beneath += value[None, :] * change

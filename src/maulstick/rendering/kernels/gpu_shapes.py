@@ -8,7 +8,7 @@ from how far on another part may be as near; whether it is the stroke's first, a
 import triton
 import triton.language as tl
 
-from maulstick.rendering.kernels.gpu_tiles import LANES, ends
+from maulstick.rendering.kernels.gpu_tiles import LANES, SPAN, ends
 
 SHAPE = tl.constexpr(13)
 LENGTH, BEFORE, AFTER = tl.constexpr(2), tl.constexpr(3), tl.constexpr(4)
@@ -45,45 +45,58 @@ def _course(segments, segment):
 
 
 @triton.jit
-def find_shapes(segments, shapes, count, each):
-    """Write all but `tight from` of the shapes of strokes with so many segments each; count: of strokes."""
-    stroke = tl.program_id(0) * LANES + tl.arange(0, LANES)
-    known = stroke < count
-    at = tl.minimum(stroke, count - 1) * each
-    whole = tl.zeros([LANES], tl.float64)
-    for k in range(each):
-        _, _, length = _course(segments, at + k)
-        whole += length
-    before, turned = tl.zeros([LANES], tl.float64), tl.zeros([LANES], tl.float64)
-    heading_x, heading_y = tl.zeros([LANES], tl.float64), tl.zeros([LANES], tl.float64)
-    for k in range(each):
-        x, y, length = _course(segments, at + k)
+def _latest(a, b):
+    return tl.maximum(a, b)
+
+
+@triton.jit
+def find_shapes(segments, shapes, each):
+    """Write all but `tight from` of the shapes of a stroke with so many segments, one stroke per program."""
+    at = tl.program_id(0) * each
+    nothing = tl.sum(tl.zeros([SPAN], tl.float64))
+    whole, before, turned, moved = nothing, nothing, nothing, -1
+    for begin in range(0, each, SPAN):
+        k = begin + tl.arange(0, SPAN)
+        _, _, length = _course(segments, at + tl.minimum(k, each - 1))
+        whole += tl.sum(tl.where(k < each, length, 0.0))
+    for begin in range(0, each, SPAN):
+        k = begin + tl.arange(0, SPAN)
+        known = k < each
+        segment = at + tl.minimum(k, each - 1)
+        x, y, length = _course(segments, segment)
+        length = tl.where(known, length, 0.0)
+        _, _, previous = _course(segments, tl.maximum(segment - 1, at))
+        heading = tl.where(known & (k > 0) & (previous > 0), k - 1, -1)  # the segment before that has a direction
+        heading = tl.maximum(tl.associative_scan(heading, 0, _latest), moved)
+        heading_x, heading_y, _ = _course(segments, at + tl.maximum(heading, 0))
         across = tl.abs(heading_x * y - heading_y * x)
         along = heading_x * x + heading_y * y + 1  # a corner counts as twice the tangent of half its turn
         turn = tl.where(across < 4 * along, 2 * across / tl.where(along > 0, along, 1.0), 8.0)
-        moves = length > 0
-        turn = tl.where(moves & ((heading_x != 0) | (heading_y != 0)), turn, 0.0)
-        heading_x, heading_y = tl.where(moves, x, heading_x), tl.where(moves, y, heading_y)
-        shape = shapes + (at + k) * SHAPE
+        turn = tl.where((length > 0) & (heading >= 0), turn, 0.0)
+        since = before + tl.cumsum(tl.where(k > begin, previous, 0.0))
+        turns = turned + tl.cumsum(turn)
+        shape = shapes + segment * SHAPE
         tl.store(shape, x.to(tl.float32), mask=known)
         tl.store(shape + 1, y.to(tl.float32), mask=known)
         tl.store(shape + LENGTH, tl.minimum(length, _NOWHERE).to(tl.float32), mask=known)
-        tl.store(shape + BEFORE, tl.minimum(before, _NOWHERE).to(tl.float32), mask=known)
-        before += length
-        tl.store(shape + AFTER, tl.minimum(whole - before, _NOWHERE).to(tl.float32), mask=known)
-        tl.store(shape + TURNED_BEFORE, turned.to(tl.float32), mask=known)
-        turned += turn
-        tl.store(shape + TURNED, turned.to(tl.float32), mask=known)
+        tl.store(shape + BEFORE, tl.minimum(since, _NOWHERE).to(tl.float32), mask=known)
+        tl.store(
+            shape + AFTER, tl.minimum(tl.maximum(whole - since - length, 0.0), _NOWHERE).to(tl.float32), mask=known
+        )
+        tl.store(shape + TURNED_BEFORE, (turns - turn).to(tl.float32), mask=known)
+        tl.store(shape + TURNED, turns.to(tl.float32), mask=known)
         tl.store(shape + SHARP_START, fade(turn).to(tl.float32), mask=known)
         later = known & (k > 0)
-        tl.store(shape - SHAPE + TURNED_AFTER, turned.to(tl.float32), mask=later)
+        tl.store(shape - SHAPE + TURNED_AFTER, turns.to(tl.float32), mask=later)
         tl.store(shape - SHAPE + SHARP_END, fade(turn).to(tl.float32), mask=later)
-        ending = tl.zeros([LANES], tl.float32)
-        tl.store(shape + FIRST, ending + (k == 0), mask=known)
-        tl.store(shape + LAST, ending + (k == each - 1), mask=known)
-    final = shapes + (at + each - 1) * SHAPE
-    tl.store(final + TURNED_AFTER, turned.to(tl.float32), mask=known)
-    tl.store(final + SHARP_END, tl.zeros([LANES], tl.float32), mask=known)
+        last = k == each - 1
+        tl.store(shape + FIRST, (k == 0).to(tl.float32), mask=known)
+        tl.store(shape + LAST, last.to(tl.float32), mask=known)
+        tl.store(shape + TURNED_AFTER, turns.to(tl.float32), mask=last)
+        tl.store(shape + SHARP_END, tl.zeros([SPAN], tl.float32), mask=last)
+        before += tl.sum(length)
+        turned += tl.sum(turn)
+        moved = tl.maximum(moved, tl.max(tl.where(length > 0, k, -1)))
 
 
 @triton.jit

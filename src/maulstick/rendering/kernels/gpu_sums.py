@@ -4,46 +4,53 @@ import triton
 import triton.language as tl
 
 from maulstick.rendering.kernels.gpu_programs import RECORD
-from maulstick.rendering.kernels.gpu_tiles import LANES
+from maulstick.rendering.kernels.gpu_tiles import SPAN
 
 
 @triton.jit
-def _sum(of_segments, column, each, columns):
-    """Return the sum of a column over the segments of each stroke."""
-    total = tl.zeros([LANES], tl.float32)
-    for k in range(each):
-        total += tl.load(of_segments + k * columns + column)
-    return total
+def _of(sums, column, wanted):
+    return tl.sum(tl.where(column == wanted, sums, 0.0))
 
 
 @triton.jit
-def sum_gradients(of_segments, of_points, of_thickness, of_strokes, count, each, after, columns):
-    """Write the gradients of points (N, n, 2), thickness (N, n) and strokes (N, 3 + C).
+def sum_gradients(
+    records, starts, of_segments, of_points, of_thickness, of_strokes, each, after, columns, COLUMNS: tl.constexpr
+):
+    """Write the gradients of points (N, n, 2), thickness (N, n) and strokes (N, 3 + C), one stroke per program.
 
-    of_segments: (S, 13 + C), sums of records.  each: segments of a stroke.  after: 1, or 0 for a dot, whose segment
-    starts and ends in its one point.  columns: 13 + C.
+    records: (P, 13 + C), of segment after segment.  starts: (S + 1,), first of each.  of_segments: (S, 13 + C), room.
+    each: segments of a stroke.  after: 1, or 0 for a dot, whose segment starts and ends in its one point.
+    columns: 13 + C.  COLUMNS: these rounded up to a power of two.
     """
-    stroke = tl.program_id(0) * LANES + tl.arange(0, LANES)
-    known = stroke < count
-    stroke = tl.minimum(stroke, count - 1)
-    of_segments += stroke * each * columns
-    first = stroke * (each + after)
-    for axis in tl.static_range(3):
-        if axis < 2:
-            at, stride = of_points + first * 2 + axis, 2
-            ends_before, begin = _sum(of_segments, 9 + axis, each, columns), _sum(of_segments, 11 + axis, each, columns)
-        else:
-            at, stride = of_thickness + first, 1
-            ends_before, begin = tl.zeros([LANES], tl.float32), tl.zeros([LANES], tl.float32)
-        own = tl.zeros([LANES], tl.float32)
-        for k in range(each):
-            own = ends_before + tl.load(of_segments + k * columns + axis)
-            tl.store(at + k * stride, own, mask=known)
-            ends_before = tl.load(of_segments + k * columns + 3 + axis)
-        last = ends_before + begin + tl.where(after > 0, 0.0, own)
-        tl.store(at + (each - 1 + after) * stride, last, mask=known)
+    stroke = tl.program_id(0)
+    first, points = stroke * each, each + after
+    column = tl.arange(0, COLUMNS)
+    sums = tl.zeros([COLUMNS], tl.float32)
+    for begin in range(0, each, SPAN):
+        segment = first + begin + tl.arange(0, SPAN)
+        known = segment < first + each
+        at, last = tl.load(starts + segment, mask=known, other=0), tl.load(starts + segment + 1, mask=known, other=0)
+        total = tl.zeros([SPAN, COLUMNS], tl.float32)
+        for _ in range(tl.max(last - at)):
+            inside = (at < last)[:, None] & (column < columns)[None, :]
+            total += tl.load(records + at[:, None] * columns + column[None, :], mask=inside, other=0.0)
+            at += 1
+        inside = known[:, None] & (column < columns)[None, :]
+        tl.store(of_segments + segment[:, None] * columns + column[None, :], total, mask=inside)
+        sums += tl.sum(total, axis=0)
     of_strokes += stroke * (3 + columns - RECORD)
-    for column in range(6, 9):
-        tl.store(of_strokes + column - 6, _sum(of_segments, column, each, columns), mask=known)
-    for column in range(RECORD, columns):
-        tl.store(of_strokes + 3 + column - RECORD, _sum(of_segments, column, each, columns), mask=known)
+    tl.store(of_strokes + column - 6, sums, mask=(column >= 6) & (column < 9))
+    tl.store(of_strokes + 3 + column - RECORD, sums, mask=(column >= RECORD) & (column < columns))
+    tl.debug_barrier()  # other threads read `of_segments` than wrote it
+    for begin in range(0, points, SPAN):
+        k = begin + tl.arange(0, SPAN)
+        starting, ending = of_segments + (first + k) * columns, of_segments + (first + k - after) * columns
+        for axis in tl.static_range(3):
+            total = tl.load(starting + axis, mask=k < each, other=0.0)
+            total += tl.load(ending + 3 + axis, mask=(k >= after) & (k < points), other=0.0)
+            if axis < 2:
+                total += tl.where(k == 0, _of(sums, column, 9 + axis), 0.0)
+                total += tl.where(k == points - 1, _of(sums, column, 11 + axis), 0.0)
+                tl.store(of_points + (stroke * points + k) * 2 + axis, total, mask=k < points)
+            else:
+                tl.store(of_thickness + stroke * points + k, total, mask=k < points)

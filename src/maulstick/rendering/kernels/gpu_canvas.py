@@ -1,0 +1,115 @@
+"""Strokes painted onto a canvas on a GPU, and their gradients, again and again by CUDA graphs."""
+
+import math
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Self
+
+import torch
+import triton
+from torch import Tensor
+
+from maulstick.rendering.kernels import gpu_programs as programs
+from maulstick.rendering.kernels.gpu_lists import PIXELS, Lists, Room, Sizes, launch, room_for
+
+_last = threading.local()  # the canvas of the last call: a plan paints on one of the same sizes in each step
+
+
+class _Repeated:
+    """Work that is always on the same tensors: a GPU records it when it comes again, and then replays it."""
+
+    def __init__(self, device: torch.device) -> None:
+        self._device, self._runs = device, 0
+        self._on: object = None
+        self._graph: torch.cuda.CUDAGraph | None = None
+
+    def __call__(self, work: Callable[[], None], on: object) -> None:
+        """Do the work; on: what stands for its tensors, another where they are others."""
+        if on is not self._on:
+            self._on, self._runs, self._graph = on, 0, None
+        if self._runs == 1 and self._device.type == "cuda":  # what it launches has been compiled by then
+            self._graph = torch.cuda.CUDAGraph()
+            with torch.cuda.graph(self._graph, capture_error_mode="thread_local"):
+                work()
+        self._runs += 1
+        if self._graph is None:
+            work()
+        else:
+            self._graph.replay()
+
+
+class Canvas:
+    """Strokes on a canvas and their gradients, on tensors of its own, which keep what was painted last.
+
+    painted: how often it was painted on.
+    """
+
+    def __init__(self, sizes: Sizes, device: torch.device) -> None:
+        self.sizes, self.device, self.painted = sizes, device, 0
+        canvas, points = (sizes.channels, sizes.height, sizes.width), (sizes.strokes, sizes.points, 2)
+        strokes = sizes.strokes, sizes.columns
+        self._canvas, self._points, self._thickness, self._strokes, self._grad_out = (
+            torch.empty(shape, device=device) for shape in (canvas, points, points[:2], strokes, canvas)
+        )
+        self._shapes = canvas, points, points[:2], (sizes.strokes, sizes.columns - 1)  # of the gradients
+        self._gradients = torch.empty(sum(map(math.prod, self._shapes)), device=device)
+        self._paint, self._return = _Repeated(device), _Repeated(device)
+
+    @classmethod
+    def of(cls, sizes: Sizes, device: torch.device) -> Self:
+        """Return the one of this thread's last call, where it has these sizes; else a new one."""
+        last = getattr(_last, "canvas", None)
+        if last is None or (last.sizes, last.device) != (sizes, device):
+            last = _last.canvas = cls(sizes, device)
+        return last
+
+    def paint(
+        self, canvas: Tensor, points: Tensor, thickness: Tensor, columns: list[Tensor], check: Callable[[], None]
+    ) -> Tensor:
+        """Paint strokes onto a canvas (C, H, W).
+
+        columns: (N, k) each, which side by side are the strokes' numbers in `gpu_programs`.  check: as for `Lists.fit`.
+        """
+        self._canvas.copy_(canvas)
+        self._points.copy_(points)
+        self._thickness.copy_(thickness)
+        torch.cat(columns, dim=1, out=self._strokes)
+        self.painted += 1
+        while True:
+            room = room_for(self.sizes)
+            self._paint(partial(self._forward, room), on=room)
+            if self._lists.fit(check):
+                return self._out.clone()
+
+    def gradients(self, grad_out: Tensor) -> list[Tensor]:
+        """Return those of canvas, points, thickness and the strokes' numbers (N, 3 + C) for what was painted last."""
+        self._grad_out.copy_(grad_out)
+        self._return(self._backward, on=self._lists)
+        return self._split(self._gradients.clone())
+
+    def _split(self, gradients: Tensor) -> list[Tensor]:
+        parts = gradients.split([math.prod(shape) for shape in self._shapes])
+        return [part.view(shape) for part, shape in zip(parts, self._shapes, strict=True)]
+
+    @property
+    def _about(self) -> tuple[int, int, int, int]:
+        sizes = self.sizes
+        return sizes.channels, sizes.height, sizes.width, triton.next_power_of_2(sizes.channels)
+
+    def _forward(self, room: Room) -> None:
+        self._lists = Lists.of(self._points, self._thickness, self._strokes, self.sizes, room)
+        self._shades, self._out = self._points.new_empty(room.items, PIXELS), torch.empty_like(self._canvas)
+        self._lists.shade(self._shades, alone=False)
+        lists = self._shades, self._strokes, self._lists.items, self._lists.tiles
+        launch(programs.blend, self.sizes.tiles, self._canvas, self._out, *lists, *self._about, warps=1)
+
+    def _backward(self) -> None:
+        grad_canvas, *of_strokes = self._split(self._gradients)
+        records, grad_shades, above = self._lists.records(), *(torch.empty_like(self._shades) for _ in range(2))
+        canvases = self._canvas, self._grad_out, grad_canvas
+        lists = self._lists.slots, self._strokes, self._lists.items, self._lists.tiles
+        scratch = self._shades, above, grad_shades, records
+        launch(programs.blend_backward, self.sizes.tiles, *canvases, *scratch, *lists, *self._about, warps=1)
+        self._lists.shade_backward(grad_shades, records, alone=False)
+        self._lists.sums(records, *of_strokes)
