@@ -16,6 +16,8 @@ from maulstick.planning.layout import lay_out_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.mural.planner import plan_mural
 from maulstick.planning.mural.windows import Mural
+from maulstick.planning.objectives import Edges
+from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.pyramid import plain_mean_squares
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
@@ -61,8 +63,9 @@ def planned(
 
 @pytest.fixture(autouse=True)
 def same_pyramid(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The tones of both devices are compared plainly: the fast way of the CPU rounds otherwise."""
+    """Tones and edges of both devices are compared plainly: the fast way of the CPU rounds otherwise."""
     monkeypatch.setattr("maulstick.planning.objectives.tone.mean_squares", plain_mean_squares)
+    monkeypatch.setattr(Edges, "loss", lambda self, canvas, progress: self.plain_loss(luminance(canvas)))
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,15 @@
 """Edges: a loss that compares where the edges of canvas and picture lie."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import torch
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 from torch.nn.functional import pad
 
+from maulstick.planning.objectives import _edges
 from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.pyramid import halved
@@ -42,9 +46,17 @@ class Edges(Objective):
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return 0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
+        image = luminance(canvas)
+        if image.device.type == "cpu" and image.dtype == torch.float32:
+            result: Tensor = _Uncorrelated.apply(image, self._halvings, self._wanted)
+            return result
+        return self.plain_loss(image)
+
+    def plain_loss(self, image: Tensor) -> Tensor:
+        """Return the same of luminance (1, H, W), plainly: on any device, in any precision."""
         losses = []
-        for image, (wanted, wanted_energy, shares) in zip(self._pyramid(luminance(canvas)), self._wanted, strict=True):
-            slopes = _slopes(image)
+        for level, (wanted, wanted_energy, shares) in zip(self._pyramid(image), self._wanted, strict=True):
+            slopes = _slopes(level)
             correlation = _windowed(slopes, wanted) / (_windowed(slopes, slopes) * wanted_energy).sqrt()
             losses.append((shares * (1 - correlation)).sum())
         return torch.stack(losses).mean()
@@ -57,6 +69,24 @@ class Edges(Objective):
         for _ in range(_LEVELS - 1):
             levels.append(halved(levels[-1]))
         return levels
+
+
+class _Uncorrelated(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, image: Tensor, halvings: int, levels: Sequence[tuple[Tensor, Tensor, Tensor]]) -> Tensor:
+        slope = torch.empty_like(image, memory_format=torch.contiguous_format)
+        wanted, energies, shares = ([x.contiguous().numpy() for x in each] for each in zip(*levels, strict=True))
+        energies, shares = ([x[0] for x in each] for each in (energies, shares))
+        luma = image.detach().contiguous().numpy()[0]
+        value = _edges.uncorrelated(luma, halvings, wanted, energies, shares, _FAINTEST, slope.numpy()[0])
+        ctx.save_for_backward(slope)
+        return image.new_tensor(value)
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
+        (slope,) = ctx.saved_tensors
+        return slope * grad_out, None, None
 
 
 def _slopes(image: Tensor) -> Tensor:

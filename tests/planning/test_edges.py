@@ -1,0 +1,65 @@
+"""The fast way of the term for edges is the plain one, values and slopes."""
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from torch import Tensor
+
+from maulstick.planning.objectives import edges
+from maulstick.planning.objectives.edges import Edges
+from maulstick.planning.objectives.luminance import luminance
+
+VALUE, SLOPE = 2e-6, 2e-5  # of float32; slopes relative to the largest
+
+sides = st.integers(1, 70)
+
+
+def noise(seed: int, *shape: int) -> Tensor:
+    return torch.rand(*shape, generator=torch.Generator().manual_seed(seed))
+
+
+def term(seed: int, height: int, width: int, precision: torch.dtype = torch.float32) -> Edges:
+    return Edges(noise(seed + 1, 3, height, width).to(precision), noise(seed + 2, height, width).to(precision))
+
+
+def assert_as_plainly(fast: Edges, plain: Edges, canvas: Tensor) -> None:
+    canvas.requires_grad_()
+    in_double = canvas.detach().double().requires_grad_()
+    loss, expected = fast.loss(canvas, 0.5), plain.plain_loss(luminance(in_double))
+    assert loss.item() == pytest.approx(expected.item(), abs=VALUE)
+    (3 * loss).backward()
+    (3 * expected).backward()
+    assert canvas.grad is not None
+    assert in_double.grad is not None
+    error, size = (canvas.grad - in_double.grad).abs().max().item(), in_double.grad.abs().max().item()
+    assert error <= SLOPE * size
+
+
+@settings(deadline=None)
+@given(height=sides, width=sides, seed=st.integers(0, 99))
+def test_values_and_slopes_are_those_of_the_plain_way(height: int, width: int, seed: int) -> None:
+    canvas = noise(seed, 3, height, width)
+    assert_as_plainly(term(seed, height, width), term(seed, height, width, torch.float64), canvas)
+
+
+def test_a_large_canvas_is_compared_on_halved_pixels_as_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(edges, "_LARGEST_PX", 20)
+    assert_as_plainly(term(1, 70, 41), term(1, 70, 41, torch.float64), noise(1, 3, 70, 41))
+
+
+def test_a_canvas_that_does_not_lie_row_by_row_has_the_same_value_and_slope() -> None:
+    canvas, compared = noise(3, 3, 24, 40), term(3, 24, 40)
+    plain = canvas.transpose(1, 2).contiguous().transpose(1, 2).requires_grad_()
+    rows = canvas.clone().requires_grad_()
+    for each in (plain, rows):
+        compared.loss(each, 0.0).backward()
+    assert torch.equal(plain.grad, rows.grad)
+
+
+def test_blank_paper_and_flat_pictures_have_finite_slopes() -> None:
+    for target in (torch.ones(3, 20, 30), noise(4, 3, 20, 30)):
+        canvas = torch.ones(3, 20, 30, requires_grad=True)
+        Edges(target, torch.ones(20, 30)).loss(canvas, 0.0).backward()
+        assert canvas.grad is not None
+        assert canvas.grad.isfinite().all()
