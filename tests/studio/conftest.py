@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Page, expect
 
 from tests.support.chromium import chromium
+from tests.support.studio.warm import Warm, WarmCommand
 
 COMMAND = Path(sys.executable).with_name("maulstick")
 _PATIENCE = 60.0  # seconds, for a machine that does much else
@@ -41,15 +42,19 @@ class RunningStudio:
 
     def start(self) -> None:
         """Start the studio; after `kill` again, at the same address and on the same folder."""
-        words = [str(COMMAND), "studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
         with self._log.open("ab") as log:
             before = log.tell()
-            self._process = subprocess.Popen(words, stdout=log, stderr=log, env=self._environment)
+        words = ["studio", str(self.folder), "--port", self._port, "--no-browser", *self._words]
+        self._process = self._begun(words, self._log, self._environment)
         try:
             self.link, self.url, self._port, self.token = self._printed(before)
         except AssertionError:
             self.kill()  # nobody has it yet who would close it
             raise
+
+    def _begun(self, words: Sequence[str], log: Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+        with log.open("ab") as output:
+            return subprocess.Popen([COMMAND, *words], stdout=output, stderr=output, env=environment)
 
     def _printed(self, before: int) -> tuple[str, str, str, str]:
         """Wait for the link in the output after `before` letters; return it, its address, port and token."""
@@ -102,15 +107,38 @@ class RunningStudio:
             self._process.wait()
 
 
+class WarmStudio(RunningStudio):
+    """The same with processes that need not load what takes seconds to load."""
+
+    def _begun(self, words: Sequence[str], log: Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+        return WarmCommand(words, log, environment)  # type: ignore[return-value]  # it has what is used here
+
+
 @pytest.fixture
 def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Give the test a data folder of its own, so that no other test holds a lock on its machines."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def warm() -> Iterator[None]:
+    """Let processes of the studio begin with torch loaded, which takes each of them seconds.
+
+    Modules that test processes themselves have a fixture of this name that does nothing.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("maulstick.studio.workers.process._SPAWN", Warm())
+        yield
+
+
 @pytest.fixture
-def studio(tmp_path: Path) -> Iterator[RunningStudio]:
-    running = RunningStudio(tmp_path)
+def kind() -> type[RunningStudio]:
+    return WarmStudio
+
+
+@pytest.fixture
+def studio(tmp_path: Path, kind: type[RunningStudio]) -> Iterator[RunningStudio]:
+    running = kind(tmp_path)
     try:
         yield running
     finally:

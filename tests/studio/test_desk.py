@@ -17,6 +17,11 @@ from tests.support.studio.processes import PATIENCE
 from tests.support.without_torch import TAUGHT, hide_torch
 
 
+@pytest.fixture(scope="module", autouse=True)
+def warm() -> None:
+    """Spawn processes as the studio does, in place of what spares the other tests the time."""
+
+
 def at_a_desk(do: Callable[[Desk], Coroutine[Any, Any, None]]) -> None:
     async def working() -> None:
         desk = Desk()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import cos, pi, sin
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from maulstick.painting.painting_file import read_painting
@@ -18,6 +19,12 @@ from tests.support.studio.processes import wait_until_nobody_paints
 
 _PATIENCE = 90_000.0  # milliseconds, for a machine that does much else
 _STROKES, _DRAWN = 30, 20
+
+
+@pytest.fixture
+def kind() -> type[RunningStudio]:
+    """Start the studio as its users do."""
+    return RunningStudio
 
 
 def curl(number: int) -> list[tuple[float, float]]:

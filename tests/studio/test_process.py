@@ -16,6 +16,11 @@ from tests.support.studio import work
 from tests.support.studio.processes import PATIENCE, have_ended
 
 
+@pytest.fixture(scope="module", autouse=True)
+def warm() -> None:
+    """Spawn processes as the studio does, in place of what spares the other tests the time."""
+
+
 def said_by(
     what: Callable[..., None], *arguments: object, meanwhile: Callable[[Process], None] = lambda _: None
 ) -> list[object]:

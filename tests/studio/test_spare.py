@@ -13,6 +13,11 @@ from tests.support.studio.processes import PATIENCE, have_ended
 LOADED = "maulstick.colour.palette"
 
 
+@pytest.fixture(scope="module", autouse=True)
+def warm() -> None:
+    """Spawn processes as the studio does, in place of what spares the other tests the time."""
+
+
 async def until(condition: Callable[[], bool]) -> None:
     async with asyncio.timeout(PATIENCE):
         while not condition():
