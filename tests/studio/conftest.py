@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Page, expect
 
 from tests.support.chromium import chromium
+from tests.support.studio.held_plans import held_plan
 from tests.support.studio.warm import Warm, WarmCommand
 
 COMMAND = Path(sys.executable).with_name("maulstick")
@@ -129,6 +131,16 @@ def warm() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("maulstick.studio.workers.process._SPAWN", Warm())
         yield
+
+
+@pytest.fixture
+def held_at(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Let the plans of a `Plans` that is made later stand still at these shares, each until they are told something."""
+
+    def hold(*shares: float) -> None:
+        monkeypatch.setattr("maulstick.studio.state.plans.plan_in_process", partial(held_plan, shares))
+
+    return hold
 
 
 @pytest.fixture

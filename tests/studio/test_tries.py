@@ -1,6 +1,7 @@
 """Several tries of one plan, the best of which is kept, each made in a real process."""
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from maulstick.studio.panels.plan.card import outcome
 from maulstick.studio.state.folder import Folder
 from maulstick.studio.state.plan import Phase, Plan
 from maulstick.studio.state.plans import Plans
-from tests.studio.test_plans import LONG, OPTIONS, REQUEST, folder, request_with, until
+from tests.studio.test_plans import OPTIONS, REQUEST, folder, request_with, until
 
 __all__ = ["folder"]
 
@@ -40,12 +41,14 @@ def test_of_several_tries_the_best_is_kept_and_it_says_which_one_is_made(folder:
     assert not [*state_files(tried.folder), *tried.folder.glob("try-*")]
 
 
-def test_tries_that_are_stopped_keep_those_that_are_over_and_go_on_with_the_next(folder: Folder) -> None:
-    request = replace(request_with(steps=150), tries=2)
+def test_tries_that_are_stopped_keep_those_that_are_over_and_go_on_with_the_next(
+    folder: Folder, held_at: Callable[..., None]
+) -> None:
+    held_at(0.6)
 
     async def stop() -> Plan:
         plans = Plans(folder)
-        plan = plans.add(request)
+        plan = plans.add(replace(REQUEST, tries=2))
         await until(lambda: plan.attempt == 2)
         assert outcome(plan).startswith(f"{plan.done:.0%}, try 2 of 2")
         plans.stop(plan)
@@ -72,10 +75,12 @@ def test_tries_that_are_stopped_keep_those_that_are_over_and_go_on_with_the_next
     assert not [*state_files(again.folder), *again.folder.glob("try-*")]
 
 
-def test_weights_stay_while_tries_are_compared(folder: Folder) -> None:
+def test_weights_stay_while_tries_are_compared(folder: Folder, held_at: Callable[..., None]) -> None:
+    held_at(0.0)
+
     async def weigh() -> Plan:
         plans = Plans(folder)
-        plan = plans.add(replace(request_with(steps=LONG), tries=2))
+        plan = plans.add(replace(REQUEST, tries=2))
         await until(lambda: plan.seen > 0)
         plans.weigh(plan, {"edges": 1.0})
         plans.stop(plan)
