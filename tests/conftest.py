@@ -16,9 +16,10 @@ from hypothesis import settings
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 from threadpoolctl import threadpool_info
 
-# Workers share the cores: with more threads than cores each waits for the others.
+# Workers, and the processes that they start, share the cores: with more threads than cores each waits for the others.
 if "PYTEST_XDIST_WORKER" in os.environ and "OMP_NUM_THREADS" not in os.environ:
     torch.set_num_threads(max(1, len(os.sched_getaffinity(0)) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])))
+    os.environ["OMP_NUM_THREADS"] = str(torch.get_num_threads())
 
 from maulstick.rendering.kernels import cpu  # it has as many threads as torch has when it is imported
 
