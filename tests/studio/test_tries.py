@@ -83,6 +83,7 @@ def test_weights_stay_while_tries_are_compared(folder: Folder, held_at: Callable
         plan = plans.add(replace(REQUEST, tries=2))
         await until(lambda: plan.seen > 0)
         plans.weigh(plan, {"edges": 1.0})
+        assert plan.request.options.weights == OPTIONS.weights
         plans.stop(plan)
         await until(lambda: not plan.is_busy and not plans._processes)
         return plan
