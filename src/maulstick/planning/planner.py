@@ -38,7 +38,7 @@ _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, s
 _TURNING_OF_GROUPS = 0.2  # of the usual rate: strokes lie side by side already, and would turn out of their hatching
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
-_SET_BACK = 0.5  # share of the plan that counts as over at most where weights change: rates are half of the largest
+_SET_BACK = 0.6  # share of the plan that counts as over at most where weights change: rates are a third of the largest
 
 
 @one_torch_thread()

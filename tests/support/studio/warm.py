@@ -20,7 +20,6 @@ _LOADED = (
     "maulstick.plots.style",
     "maulstick.recording.files.ink_files",
     "maulstick.studio.server.server",
-    "sklearn.cluster",
 )
 _forkserver.set_forkserver_preload([*_LOADED])
 

@@ -34,6 +34,7 @@ TAKEN = (
     "maulstick.jobs.plan.tries",
     "maulstick.planning.planner",
     "maulstick.rendering.preview",
+    "sklearn.cluster",
 )
 """Modules that planning takes, and that take seconds to load."""
 
