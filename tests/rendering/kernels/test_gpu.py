@@ -296,8 +296,8 @@ class Launches(TorchDispatchMode):
 
 def test_a_canvas_and_its_gradients_take_few_launches(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = small_scene(31)
-    leaves = [x.clone().requires_grad_() for x in scene]
-    weights = weights_like(scene.canvas)
+    leaves = [x.to(DEVICE, copy=True).requires_grad_() for x in scene]
+    weights = weights_like(scene.canvas).to(DEVICE)
     launches = Launches()
     launch = gpu_lists.launch
 
@@ -309,8 +309,17 @@ def test_a_canvas_and_its_gradients_take_few_launches(monkeypatch: pytest.Monkey
     for module in (gpu_lists, gpu_canvas):
         monkeypatch.setattr(module, "launch", counted)
     with launches:
-        torch.autograd.grad(GPU.composite(*leaves), leaves, weights)
+        torch.autograd.grad(gpu.composite(*leaves), leaves, weights)
     assert len(launches.names) <= 27, launches.names
+
+
+@pytest.mark.parametrize("room", [gpu_lists.Room(3, 2), gpu_lists.Room(1024, 2)])
+def test_lists_that_had_too_little_room_are_made_again(room: gpu_lists.Room, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = small_scene(32)
+    for channels in (0, 3):  # of strokes each alone, and on a canvas
+        monkeypatch.setitem(gpu_lists._rooms, gpu_lists.Sizes(5, 4, channels, 17, 21), room)
+    assert_as_the_reference(scene)
+    assert all(gpu_lists._rooms[gpu_lists.Sizes(5, 4, channels, 17, 21)] != room for channels in (0, 3))
 
 
 def test_what_is_painted_again_and_again_and_its_gradients_are_of_its_own_strokes() -> None:

@@ -152,10 +152,10 @@ def list_items(keys, numbers, items, room, item_room, beyond, count, each):
     known = key < beyond
     number, after = tl.load(numbers + pair, mask=known, other=0), tl.load(numbers + pair + 1, mask=known, other=0)
     stroke = key // each  # in a tile: tile * count + stroke
-    at, begins = items + number * 3, (after > number) & (number < item_room)
-    tl.store(at, pair, mask=begins)
-    tl.store(at + 1, (stroke % count).to(tl.int32), mask=begins)
-    tl.store(at + 2, (stroke // count).to(tl.int32), mask=begins)
+    at, begins = items + number * 3, after > number
+    tl.store(at, pair, mask=begins & (number <= item_room))  # where the one before ends, too
+    tl.store(at + 1, (stroke % count).to(tl.int32), mask=begins & (number < item_room))
+    tl.store(at + 2, (stroke // count).to(tl.int32), mask=begins & (number < item_room))
     following = tl.load(keys + pair + 1, mask=pair + 1 < room, other=beyond)
     tl.store(items + after * 3, pair + 1, mask=known & (following >= beyond) & (after <= item_room))
 
