@@ -1,6 +1,6 @@
 """How well and how fast pictures are planned: one JSON object per line.
 
-    .venv/bin/python benchmarks/plan.py [IMAGE ...] [--seeds N]
+    .venv/bin/python benchmarks/plan.py [IMAGE ...] [--seeds N] [--device cuda]
         [--large | --scaling | --step-cost [--beside CHECKOUT ...] | --objective network [--plot PNG]]
 
 name: `plan` is Maulstick's way with tones alone, `likeness` with what a network sees beside them. `paper` is the
@@ -13,6 +13,7 @@ seconds, processor_seconds: of planning alone, in a process that has planned a l
 mse, psnr, ssim, tone_mse_sigma4: of the painting as its file orders it, against the photograph, at the truth: its marks
     drawn on 4 times finer pixels and averaged as sRGB values.  psnr_planned: the same in the planner's own pixels.
 stray: strokes more than half of whose path lies where the picture is bare paper.
+--device: what renders and compares in these rows.
 --seeds: how many plans of each row, from seed 0. After them stands their mean, with `_range`, the least and the most,
     and `_interval`, that of the mean (95 %, Student's t). After several images stand the means of each name, with
     intervals by bootstrap over images and seeds, and `gain`: how much higher its psnr is than that of `paper`, paired.
@@ -87,10 +88,10 @@ class OneScale(Objective):
         return (canvas - self._target).square().mean()
 
 
-def paint(name: str, layout: Layout, options: PlannerSettings) -> Painting:
+def paint(name: str, layout: Layout, options: PlannerSettings, device: str) -> Painting:
     """As the rows are called."""
-    style = load_style("free", layout.canvas)
-    problem = problem_of(layout, (BRUSH,), style, options, LIKENESS if name == "likeness" else TONES)
+    style, terms = load_style("free", layout.canvas), LIKENESS if name == "likeness" else TONES
+    problem = problem_of(layout, (BRUSH,), style, options, terms, device=torch.device(device))
     if name == "paper":
         assert problem.target is not None
         even = torch.ones_like(problem.weights)
@@ -113,12 +114,12 @@ def stray(painting: Painting, layout: Layout) -> int:
     return int((bare[rows, columns].mean(axis=1) > 0.5).sum())
 
 
-def measure(name: str, image: str, options: PlannerSettings, px: int) -> Row:
+def measure(name: str, image: str, options: PlannerSettings, px: int, device: str) -> Row:
     """A row of likeness, speed and memory."""
     layout = laid_out(image, px)
-    paint(name, layout, PlannerSettings(strokes=20, paints=4, steps=20))
+    paint(name, layout, PlannerSettings(strokes=20, paints=4, steps=20), device)
     started, of_processor = time.perf_counter(), time.process_time()
-    painting = paint(name, layout, options)
+    painting = paint(name, layout, options, device)
     seconds, of_processor = time.perf_counter() - started, time.process_time() - of_processor
     peak_mib = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
     metrics = metrics_of(painting, layout)
@@ -132,6 +133,7 @@ def measure(name: str, image: str, options: PlannerSettings, px: int) -> Row:
         "paints": len(painting.paints),
         "paint_changes": painting.paint_changes(),
         "px": layout.canvas.height_px,
+        "device": device,
         "seconds": round(seconds, 1),
         "processor_seconds": round(of_processor, 1),
         "peak_mib": peak_mib,
@@ -180,9 +182,10 @@ def in_its_own_process(measured: Callable[..., Row], *arguments: object) -> Row:
     return row
 
 
-def over_seeds(name: str, image: str, options: PlannerSettings, px: int, seeds: int) -> list[Row]:
+def over_seeds(name: str, image: str, options: PlannerSettings, px: int, seeds: int, device: str) -> list[Row]:
     """Print and return a row for each seed; then print their mean, range and interval where there are several."""
-    rows = [in_its_own_process(measure, name, image, replace(options, seed=seed), px) for seed in range(seeds)]
+    each = [replace(options, seed=seed) for seed in range(seeds)]
+    rows = [in_its_own_process(measure, name, image, options, px, device) for options in each]
     if seeds > 1:
         summary: Row = {"name": name, "image": image, "px": px, "seeds": seeds}
         for key in SUMMED_UP:
@@ -230,6 +233,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("images", nargs="*", default=IMAGES)
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--device", choices=["cpu", "cuda"], default="cpu")
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--scaling", action="store_true")
     parser.add_argument("--step-cost", action="store_true")
@@ -239,7 +243,7 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.large:
         for strokes, px in LARGE:
-            over_seeds("plan", "astronaut", PlannerSettings(strokes=strokes), px, asked.seeds)
+            over_seeds("plan", "astronaut", PlannerSettings(strokes=strokes), px, asked.seeds, asked.device)
     elif asked.scaling:
         for strokes, px in SIZES:
             in_its_own_process(scaling, strokes, px)
@@ -253,7 +257,7 @@ def main() -> None:
         plans: dict[str, list[list[Row]]] = {name: [] for name in NAMES}
         for image in asked.images:
             for name in NAMES:
-                plans[name].append(over_seeds(name, image, PlannerSettings(), 256, asked.seeds))
+                plans[name].append(over_seeds(name, image, PlannerSettings(), 256, asked.seeds, asked.device))
         if len(asked.images) > 1:
             over_images(plans)
 
