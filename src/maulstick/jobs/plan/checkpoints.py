@@ -37,7 +37,7 @@ def plan_with(
     The file, which also holds the request, stays. Once `watch` returns False it is no longer written, so that going on
     from there does not hurry.
     reweighed: called after every step; returns new weights of the terms to go on with, or None. Late in a plan it goes
-    back to its middle, so that strokes have time to follow; a mural goes on from where it is.
+    back by some of its steps, so that strokes have time to follow; a mural goes on from where it is.
     Raises InputError for weights that cannot be used.
     """
     file = state_file(out, prepared.settings.seed)
