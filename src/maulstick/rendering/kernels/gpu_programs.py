@@ -1,7 +1,8 @@
 """Programs that run on the GPU, in Triton's language: the two operations, forwards and backwards.
 
-A tile is TILE x TILE pixels. A **pair** is a segment and a tile that it may mark; an **item** is all pairs of one stroke
-in one tile, in order. One program shades an item, and one blends all items of a tile. `gpu_lists` makes the tensors:
+A tile is TILE x TILE pixels. A **pair** is a segment and a tile that it may mark; an **item** is all pairs of one
+stroke in one tile, in order. One program shades an item, and one blends all items of a tile. `gpu_lists` makes the
+tensors:
 
 segments: (S, 6) x, y, thickness at the start, then at the end.  shapes: (S, SHAPE), explained in `gpu_shapes`.
 strokes: (N, 4 + C) falloff c, plateau q, opacity o, 1 if it gets gradients, else 0, then the colour.
