@@ -129,14 +129,14 @@ double add_level(const Level& image, const float* wanted, const float* energy, c
   return loss;
 }
 
-// image: (H, W).  halvings: levels that are passed over before the first that counts.  wanted: for each level that
-// counts, slopes (2, h, w).  energies, shares: the same, at a quarter of that size.  faintest: is added to all windows.
-// slope: (H, W), of the result: the mean over levels of the sum of shares * (1 - correlation).
-double uncorrelated(Array<const float, 2> image, int64_t halvings, std::vector<Array<const float, 3>> wanted,
-                    std::vector<Array<const float, 2>> energies, std::vector<Array<const float, 2>> shares,
-                    float faintest, Array<float, 2> slope) {
+// image: (1, H, W).  halvings: levels that are passed over before the first that counts.  wanted: for each level that
+// counts, slopes (2, h, w).  energies, shares: (1, h/4, w/4) for each.  faintest: is added to all windows.
+// slope: (1, H, W), of the result: the mean over levels of the sum of shares * (1 - correlation).
+double uncorrelated(Array<const float, 3> image, int64_t halvings, std::vector<Array<const float, 3>> wanted,
+                    std::vector<Array<const float, 3>> energies, std::vector<Array<const float, 3>> shares,
+                    float faintest, Array<float, 3> slope) {
   nb::gil_scoped_release release;
-  const int64_t height = image.shape(0), width = image.shape(1), count = wanted.size();
+  const int64_t height = image.shape(1), width = image.shape(2), count = wanted.size();
   std::vector<Level> levels{{height, width, std::vector<float>(image.data(), image.data() + height * width)}};
   for (int64_t l = 1; l < halvings + count; ++l)
     levels.push_back(halved(levels.back().values.data(), levels.back().height, levels.back().width));

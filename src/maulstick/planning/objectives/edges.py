@@ -1,15 +1,13 @@
 """Edges: a loss that compares where the edges of canvas and picture lie."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 import torch
 from torch import Tensor
-from torch.autograd.function import once_differentiable
 from torch.nn.functional import pad
 
 from maulstick.planning.objectives import _edges
+from maulstick.planning.objectives.fused import fused
 from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.pyramid import halved
@@ -48,8 +46,9 @@ class Edges(Objective):
         """Return 0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
         image = luminance(canvas)
         if image.device.type == "cpu" and image.dtype == torch.float32:
-            result: Tensor = _Uncorrelated.apply(image, self._halvings, self._wanted)
-            return result
+            wanted, energies, shares = ([each.numpy() for each in kind] for kind in zip(*self._wanted, strict=True))
+            known = self._halvings, wanted, energies, shares, _FAINTEST
+            return fused(image, lambda luma, slope: _edges.uncorrelated(luma, *known, slope))
         return self.plain_loss(image)
 
     def plain_loss(self, image: Tensor) -> Tensor:
@@ -69,24 +68,6 @@ class Edges(Objective):
         for _ in range(_LEVELS - 1):
             levels.append(halved(levels[-1]))
         return levels
-
-
-class _Uncorrelated(torch.autograd.Function):
-    @staticmethod
-    def forward(ctx: Any, image: Tensor, halvings: int, levels: Sequence[tuple[Tensor, Tensor, Tensor]]) -> Tensor:
-        slope = torch.empty_like(image, memory_format=torch.contiguous_format)
-        wanted, energies, shares = ([x.contiguous().numpy() for x in each] for each in zip(*levels, strict=True))
-        energies, shares = ([x[0] for x in each] for each in (energies, shares))
-        luma = image.detach().contiguous().numpy()[0]
-        value = _edges.uncorrelated(luma, halvings, wanted, energies, shares, _FAINTEST, slope.numpy()[0])
-        ctx.save_for_backward(slope)
-        return image.new_tensor(value)
-
-    @staticmethod
-    @once_differentiable
-    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
-        (slope,) = ctx.saved_tensors
-        return slope * grad_out, None, None
 
 
 def _slopes(image: Tensor) -> Tensor:

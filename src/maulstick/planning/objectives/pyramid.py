@@ -1,15 +1,14 @@
 """Pyramids of halved images (Burt and Adelson 1983), and the mean squares of differences on their levels."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor
-from torch.autograd.function import once_differentiable
 from torch.nn.functional import conv2d, pad
 
 from maulstick.planning.objectives import _pyramid
+from maulstick.planning.objectives.fused import fused
 from maulstick.rendering.kernels.cpu import THREADS
 
 
@@ -39,8 +38,10 @@ def mean_squares(
     finest first.  pull: (C, H, W), whose mean product with the difference is added.
     """
     if canvas.device.type == "cpu" and canvas.dtype == torch.float32:
-        result: Tensor = _MeanSquares.apply(canvas.contiguous(), target, scale, weights, pull)
-        return result
+        pull = canvas.new_empty(0, 0, 0) if pull is None else pull
+        others = [each.detach().contiguous().numpy() for each in (target, scale)]
+        terms = np.array(weights, dtype=np.float32), pull.detach().contiguous().numpy()
+        return fused(canvas, lambda seen, slope: _pyramid.mean_squares(THREADS, seen, *others, *terms, slope))
     return plain_mean_squares(canvas, target, scale, weights, pull)
 
 
@@ -55,23 +56,3 @@ def plain_mean_squares(
         difference = halved(difference) if level else difference
         total = total + weight * difference.square().mean()
     return total
-
-
-class _MeanSquares(torch.autograd.Function):
-    @staticmethod
-    def forward(
-        ctx: Any, canvas: Tensor, target: Tensor, scale: Tensor, weights: Sequence[float], pull: Tensor | None
-    ) -> Tensor:
-        slope = torch.empty_like(canvas)
-        pull = canvas.new_empty(0, 0, 0) if pull is None else pull
-        images = [each.detach().contiguous().numpy() for each in (canvas, target, scale, pull)]
-        of_levels = np.array(weights, dtype=np.float32)
-        value = _pyramid.mean_squares(THREADS, *images[:3], of_levels, images[3], slope.numpy())
-        ctx.save_for_backward(slope)
-        return canvas.new_tensor(value)
-
-    @staticmethod
-    @once_differentiable
-    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
-        (slope,) = ctx.saved_tensors
-        return slope * grad_out, None, None, None, None
