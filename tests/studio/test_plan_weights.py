@@ -40,9 +40,7 @@ def test_what_matters_can_be_changed_while_it_is_planned(folder: Folder, held_at
     assert read_painting(made.folder / "painting.json").provenance.options["weights"] == {"tone": 0.5}
 
 
-def test_what_matters_late_in_a_plan_lets_it_go_on_from_its_middle(
-    folder: Folder, held_at: Callable[..., None]
-) -> None:
+def test_what_matters_late_in_a_plan_lets_it_go_back_some_steps(folder: Folder, held_at: Callable[..., None]) -> None:
     held_at(0.8)
 
     async def plan() -> tuple[Plan, list[float]]:
@@ -61,7 +59,7 @@ def test_what_matters_late_in_a_plan_lets_it_go_on_from_its_middle(
     assert shares == sorted(shares)
 
 
-def test_a_plan_that_goes_on_with_other_weights_than_it_stopped_with_goes_on_from_its_middle(
+def test_a_plan_that_goes_on_with_other_weights_than_it_stopped_with_goes_back_some_steps(
     folder: Folder, held_at: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("maulstick.studio.state.plans._AT_ONCE", 1)
