@@ -3,6 +3,7 @@
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import IO
 
 
@@ -12,6 +13,7 @@ def deaf_to_interrupts() -> Iterator[None]:
 
     The parent hears afterwards what it was sent meanwhile.
     """
+    resource_tracker.ensure_running()  # else the first process starts it, and that lets Ctrl-C through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
