@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,27 @@ from tests.support import tolerances
 DEVICE = "cuda" if torch.cuda.is_available() else "cpu"
 pytest.importorskip("triton")  # which comes with torch on Linux, and on no other system
 
+from triton.runtime import interpreter  # noqa: E402
+from triton.runtime.interpreter import InterpretedFunction  # noqa: E402
+
 from maulstick.rendering.kernels import cpu, gpu, gpu_canvas, gpu_lists, gpu_tiles, render  # noqa: E402
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _functions_call_each_other_fast() -> Generator[None]:
+    """The interpreter looks through the whole language at each call of a function; here once for each module."""
+    patched = set[str]()
+
+    def call(function: InterpretedFunction, *args: object, **kwargs: object) -> object:
+        if function.fn.__module__ not in patched:
+            patched.add(function.fn.__module__)
+            interpreter._patch_lang(function.fn)
+        return function.rewrite()(*args, **kwargs)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(InterpretedFunction, "__call__", call)
+        yield
+
 
 FLOAT32 = {"value": tolerances.FLOAT32_VALUE_CREASED, "gradient": tolerances.FLOAT32_GRADIENT_CREASED}
 FAR = {"value": tolerances.FLOAT32_VALUE_FAR, "gradient": tolerances.FLOAT32_GRADIENT_FAR}
