@@ -241,6 +241,8 @@ def main() -> None:
     parser.add_argument("--plot", type=Path, help="with --objective network: draw the curves, too")
     parser.add_argument("--objective", choices=["tone", "network"], default="tone")
     asked = parser.parse_args()
+    if asked.device == "cuda" and not torch.cuda.is_available():
+        parser.error("--device cuda: PyTorch finds no GPU here; leave it out to measure on the CPU")
     if asked.large:
         for strokes, px in LARGE:
             over_seeds("plan", "astronaut", PlannerSettings(strokes=strokes), px, asked.seeds, asked.device)

@@ -63,7 +63,7 @@ def test_in_one_ink_strokes_that_are_moved_are_of_the_kind_they_were(
 ) -> None:
     new = initialiser(problem, INK, arranged=arranged)
     old = of_kind(new.strokes(problem.paper, density(problem), 60)[0], circles=circles)
-    (moved,) = new.moved(old, problem.paper, density(problem), 0.01)
+    (moved,) = new.moved(old, problem.paper, problem.paper, density(problem), 0.01)
     assert len(moved) == len(old) > 15
     assert (are_circles(HAND, moved) == circles).all()
     assert not torch.equal(moved.codes, old.codes)
@@ -72,7 +72,7 @@ def test_in_one_ink_strokes_that_are_moved_are_of_the_kind_they_were(
 def test_in_paints_strokes_that_are_moved_are_of_any_kind(problem: PlanningProblem) -> None:
     new = initialiser(problem, PAINTS, arranged=False)
     old = of_kind(new.strokes(problem.paper, density(problem), 60)[0], circles=True)
-    (moved,) = new.moved(old, problem.paper, density(problem), 0.01)
+    (moved,) = new.moved(old, problem.paper, problem.paper, density(problem), 0.01)
     assert 0.2 < are_circles(HAND, moved).float().mean() < 0.8
 
 
@@ -80,7 +80,7 @@ def test_strokes_are_moved_with_each_brush_to_the_same_places(problem: PlanningP
     two = replace(problem, brushes=(nominal("fineliner"), nominal("marker")))
     new = initialiser(two, PAINTS, arranged=False)
     old = new.strokes(two.paper, density(two), 20)[0]
-    one, other = new.moved(old, two.paper, density(two), 0.01)
+    one, other = new.moved(old, two.paper, two.paper, density(two), 0.01)
     assert torch.equal(one.centres, other.centres)
     assert [one.brush_of.unique().tolist(), other.brush_of.unique().tolist()] == [[0], [1]]
 
@@ -98,7 +98,7 @@ def test_strokes_that_are_moved_in_regions_are_of_the_kind_they_were(
     strokes = new.strokes(both.paper, density(both), 60)[0]
     old = strokes[are_circles(regions.style, strokes)]
     for rows, there in new.by_pool(torch.arange(len(old)), old, density(both)):
-        (moved,) = new.moved(old[rows], both.paper, there, 0.01)
+        (moved,) = new.moved(old[rows], both.paper, both.paper, there, 0.01)
         assert len(moved) == len(rows) > 5
         assert are_circles(regions.style, moved).all()
 
@@ -122,7 +122,7 @@ def test_a_region_where_nothing_is_wanted_keeps_its_share_of_strokes_and_those_t
     assert regions.style.regions_of(strokes.codes).bincount(minlength=3).tolist() == [30, 30, 0]
     own = strokes[regions.style.regions_of(strokes.codes) == 1]
     ((rows, there),) = new.by_pool(torch.arange(len(own)), own, wanted)
-    (moved,) = new.moved(own[rows], parted.paper, there, 0.01)
+    (moved,) = new.moved(own[rows], parted.paper, parted.paper, there, 0.01)
     assert (regions.style.regions_of(moved.codes) == 1).all()
 
 

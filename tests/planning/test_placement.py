@@ -7,7 +7,16 @@ from scipy.ndimage import gaussian_filter
 from skimage.feature import structure_tensor, structure_tensor_eigenvalues
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.placement import Places, blurred_at, detail, edges, find_places, ink_density, start_strokes
+from maulstick.planning.placement import (
+    Places,
+    blurred_at,
+    detail,
+    edges,
+    find_places,
+    ink_density,
+    sizes_at,
+    start_strokes,
+)
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
 from maulstick.storage.arrays import Image as Picture
@@ -269,3 +278,14 @@ def test_blurring_at_some_pixels_is_blurring_all_of_them(sigma: float, shape: tu
     for beyond, mode in (("edge", "nearest"), ("symmetric", "reflect")):
         blurred = np.stack([gaussian_filter(image, sigma, mode=mode) for image in images])
         assert blurred_at(images, points, sigma, beyond) == pytest.approx(blurred[:, row, column], abs=1e-12)
+
+
+def test_the_wider_what_is_wrong_the_wider_is_the_stroke_that_mends_it() -> None:
+    rows, columns = np.mgrid[:128, :128] + 0.5
+    discs = [(np.hypot(rows - 64, columns - 64) < radius)[None].astype(np.float64) for radius in (3, 9, 30)]
+    sizes = [sizes_at(disc, np.array([[64.0, 64.0]]), largest=10.0).item() for disc in discs]
+    assert sizes == [2.0, 3.0, 10.0]
+
+
+def test_where_nothing_is_wrong_a_stroke_is_as_large_as_it_may_be() -> None:
+    assert sizes_at(np.zeros((3, 20, 30)), np.array([[4.0, 5.0]]), largest=7.0) == [7.0]

@@ -18,6 +18,7 @@ from maulstick.planning.placement import (
     detail,
     find_places,
     ink_density,
+    sizes_at,
     start_strokes,
     strokes_at,
 )
@@ -133,9 +134,12 @@ class Initialiser:
                 spacing.append(places.spacing)
         return joined(layers), float(np.median(np.concatenate(spacing))) / self._problem.canvas.pixels_per_metre
 
-    def moved(self, strokes: StrokeParameters, target: Tensor, density: Floats, room: float) -> list[StrokeParameters]:
+    def moved(
+        self, strokes: StrokeParameters, target: Tensor, canvas: Tensor, density: Floats, room: float
+    ) -> list[StrokeParameters]:
         """Return others in place of some strokes, each alone: of each brush, at the same places; else as `strokes`.
 
+        In colours each is as wide as what is wrong on the canvas (C, H, W) there: a dot is mended by a dot.
         In one ink they are around the hand's strokes that those before are most like. Most of these are long, and if
         others of any length took their place, the hand's lengths would make the rest longer than their shapes are.
         """
@@ -143,6 +147,10 @@ class Initialiser:
         if self._arranged:
             return [self._in_groups(target, density, len(strokes), like)]
         places = self._places(target, density, len(strokes), room)
+        if not self._options.one_ink:
+            widest = HALF_WIDTH_IN_SPACINGS * self._usual_spacing * self._problem.canvas.pixels_per_metre
+            sizes = sizes_at(as_array(canvas) - as_array(target), places.centres, widest)
+            places = replace(places, spacing=np.minimum(places.spacing, sizes / HALF_WIDTH_IN_SPACINGS))
         return [self._with_brush(number, places, like) for number in range(len(self._problem.brushes))]
 
     def _shares(self, count: int, density: Floats) -> list[tuple[int, Floats]]:

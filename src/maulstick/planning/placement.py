@@ -23,6 +23,7 @@ _ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly
 _SAMPLES_PER_STROKE = 60  # random samples of the density per stroke, whose mean becomes the stroke's place
 _TRUNCATED = 4.0  # standard deviations at which a Gaussian ends, as SciPy's does
 _MOST_AT_ONCE = 4_000_000  # pixels about points that are copied at once: 32 MB
+_SHARES_OF_LARGEST = (1.0, 0.66, 0.44, 0.3, 0.2)  # half-widths that are tried for what a moved stroke is to mend
 _LENGTH_IN_SPACINGS = 2.0  # length of an initial stroke: it reaches its neighbours along an edge
 
 
@@ -124,6 +125,18 @@ def blurred_at(images: Floats, points: Floats, sigma: float, beyond: Literal["ed
     row, column = at_pixels(points, images.shape[2], images.shape[1])
     parts = np.array_split(np.arange(len(points)), 1 + len(points) * len(images) * len(taps) ** 2 // _MOST_AT_ONCE)
     return np.concatenate([around[:, row[part], column[part]] @ taps @ taps for part in parts], axis=1)
+
+
+def sizes_at(difference: Floats, centres: Floats, largest: float) -> Floats:
+    """Return the half-widths (N,) that strokes at centres (N, 2) need to mend a difference (C, H, W), all in pixels.
+
+    It is the standard deviation of the blur, up to the largest, that leaves most of the difference; a wider blur
+    counts more, by its square root, since a stroke as wide mends more. On a disc it is about a third of its radius.
+    """
+    sizes = [share * largest for share in _SHARES_OF_LARGEST]
+    left = [np.square(blurred_at(difference, centres, size, "symmetric")).sum(axis=0) * size**0.5 for size in sizes]
+    found: Floats = np.array(sizes)[np.argmax(left, axis=0)]
+    return found
 
 
 def at_pixels(points: Floats, width: int, height: int) -> tuple[Ints, Ints]:

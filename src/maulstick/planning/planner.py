@@ -227,11 +227,13 @@ class _Planning:
         costs, view = self._removal_costs(self._side), self._loss.view
         useless = torch.argsort(costs, stable=True)[: max(1, int(_RELOCATED_SHARE * len(costs)))]
         with torch.no_grad():
-            density = self._initialiser.missing(view, self._stroke_canvas.render(side=self._side))
+            canvas = self._stroke_canvas.render(side=self._side)
+        density = self._initialiser.missing(view, canvas)
         left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, useless, False)
         own = self._stroke_canvas.strokes[left]
         for rows, there in self._initialiser.by_pool(useless, self._stroke_canvas.strokes, density):
-            moved = self._initialiser.moved(self._stroke_canvas.strokes[rows], view.target, there, self._spacing)
+            strokes = self._stroke_canvas.strokes[rows]
+            moved = self._initialiser.moved(strokes, view.target, canvas, there, self._spacing)
             if len(moved) > 1:
                 moved = [best_brushes(self._problem, view, own, moved, self._torch_rng)]
             self._descent.replace(rows, moved[0])
