@@ -17,7 +17,6 @@ from maulstick.planning.problem import Neighbours, PlannerSettings, PlanningProb
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.schedule import GIVEN_PAINTS, Schedule
 from maulstick.planning.state import State
-from maulstick.planning.stroke_canvas import StrokeCanvas
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
@@ -330,16 +329,12 @@ def test_strokes_that_are_left_out_at_the_start_begin_where_the_canvas_is_furthe
         steps.append(progress)
         return True
 
-    count = len(planned.strokes)
+    count = 4 * len(planned.strokes)
     free = Schedule(sorts=(), relocations=(), quantise=1.0)
     found = plan(problem, options(strokes=count, steps=1, exact=True), watch, schedule=free, start=start)
     assert len(found.strokes) == count
-    assert problem.target is not None
-    error = (StrokeCanvas(start, problem).render().detach() - problem.target).square()
-    right = float(error[:, :, error.shape[2] // 2 :].sum() / error.sum())
     new = found.strokes.centres[found.strokes.centres[:, 0] > problem.canvas.width / 2]
-    assert right > 0.85
-    assert len(new) > 0.85 * right * (count - len(start))
+    assert len(new) > 0.8 * (count - len(start))
 
 
 def test_more_strokes_to_start_with_than_are_planned_are_refused(problem: PlanningProblem, planned: PlanResult) -> None:
