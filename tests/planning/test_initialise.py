@@ -76,6 +76,19 @@ def test_in_paints_strokes_that_are_moved_are_of_any_kind(problem: PlanningProbl
     assert 0.2 < are_circles(HAND, moved).float().mean() < 0.8
 
 
+def test_in_paints_fine_detail_is_mended_by_narrower_strokes_than_a_broad_patch(problem: PlanningProblem) -> None:
+    broad = replace(problem, brushes=(nominal("marker"),))
+    old = initialiser(broad, PAINTS, arranged=False).strokes(broad.paper, density(broad), 20)[0]
+    rows, columns = np.indices(problem.weights.shape)
+    squares = torch.from_numpy((rows // 2 + columns // 2) % 2).to(broad.paper) - 0.5
+    (narrow,), (wide,) = (
+        initialiser(broad, PAINTS, arranged=False).moved(old, broad.paper, canvas, density(broad), 1.0)
+        for canvas in (broad.paper + squares, broad.paper - 0.5)
+    )
+    assert torch.equal(narrow.centres, wide.centres)
+    assert narrow.pressure_knots.mean() < 0.8 * wide.pressure_knots.mean()
+
+
 def test_strokes_are_moved_with_each_brush_to_the_same_places(problem: PlanningProblem) -> None:
     two = replace(problem, brushes=(nominal("fineliner"), nominal("marker")))
     new = initialiser(two, PAINTS, arranged=False)

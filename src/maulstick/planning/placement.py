@@ -23,7 +23,7 @@ _ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly
 _SAMPLES_PER_STROKE = 60  # random samples of the density per stroke, whose mean becomes the stroke's place
 _TRUNCATED = 4.0  # standard deviations at which a Gaussian ends, as SciPy's does
 _MOST_AT_ONCE = 4_000_000  # pixels about points that are copied at once: 32 MB
-_SHARES_OF_LARGEST = (1.0, 0.66, 0.44, 0.3, 0.2)  # half-widths that are tried for what a moved stroke is to mend
+_SHARES_OF_LARGEST = (1.0, 0.66, 0.44, 0.3, 0.2)  # of the largest half-width: those tried for a moved stroke
 _LENGTH_IN_SPACINGS = 2.0  # length of an initial stroke: it reaches its neighbours along an edge
 
 
