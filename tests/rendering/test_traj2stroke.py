@@ -150,6 +150,22 @@ def test_a_tip_that_is_dragged_follows_the_hand_at_its_lag_and_forgets_where_it_
     assert slope == pytest.approx((path - dragged)[1:-1] / 0.004, abs=1e-4)
 
 
+def test_where_the_hand_rests_a_dragged_tip_has_the_slopes_of_double_precision() -> None:
+    """Differences of two tips that nearly agree would lose the single's digits there."""
+    commanded = torch.rand(4, 24, 3, generator=torch.Generator().manual_seed(0))
+    commanded[:, 5] = commanded[:, 4]
+    weights = torch.rand(4, 24, 2, generator=torch.Generator().manual_seed(1))
+
+    def slopes(number: torch.dtype) -> Tensor:
+        each = brushes(*[REED.model_copy(update={"nib": (0.0, 0.0)})] * 4)
+        numbers = {field.name: getattr(each, field.name).to(number) for field in fields(Traj2Stroke)}
+        path = commanded.to(number).requires_grad_()
+        points = Traj2Stroke(**numbers).marks(path, 1.0).points
+        return torch.autograd.grad((points * weights).sum(), path)[0]
+
+    assert slopes(torch.float32).double().numpy() == pytest.approx(slopes(torch.float64).numpy(), rel=1e-4, abs=1e-4)
+
+
 def test_a_lighter_stroke_is_fainter_until_the_pressure_that_is_solid() -> None:
     opacities = [
         brushes(REED).marks(line(0.02, pressure, (0, 0), 0), 1.0).opacity.item() for pressure in (0.0, 0.35, 0.7, 1.0)

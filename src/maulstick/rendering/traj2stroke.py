@@ -155,11 +155,16 @@ class Traj2Stroke:
         lag = self.lag[:, None].clamp(min=_SHORTEST)
         steps = path[:, 1:] - path[:, :-1]
         lengths = (steps.square().sum(-1, keepdim=True) + _SHORTEST**2).sqrt()
-        behind, fading = lag[:, None] * steps / lengths, (-lengths / lag[:, None]).exp()
-        tips = [path[:, 0] + self.touch]
-        for k in range(steps.shape[1]):
-            tips.append(path[:, k + 1] - behind[:, k] + (tips[-1] - path[:, k] + behind[:, k]) * fading[:, k])
-        return torch.stack(tips, dim=1)
+        lags = lengths / lag[:, None]  # of each step; `expm1` keeps the slope of one that goes hardly anywhere
+        fading = torch.nn.functional.pad((-lags).exp(), (0, 0, 1, 0))
+        behind = torch.cat([self.touch[:, None], (-lags).expm1() / lags * steps], dim=1)
+        reach = 1  # points back that `behind` knows of: each is what is left of the one before, and its own
+        while reach < behind.shape[1]:
+            left, own = fading[:, reach:], behind[:, reach:]
+            behind = torch.cat([behind[:, :reach], own + left * behind[:, :-reach]], dim=1)
+            fading = torch.cat([fading[:, :reach], left * fading[:, :-reach]], dim=1)
+            reach *= 2
+        return path + behind
 
     def _broad(self, points: Tensor) -> Tensor:
         """Width of the mark relative to its mean at each point, (N, n) or (N, 1), for the direction of travel there."""
