@@ -8,6 +8,7 @@ import torch
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
+from maulstick.planning.initialise import Initialiser
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.result import PlanProgress, PlanResult
@@ -63,6 +64,20 @@ def test_a_plan_goes_on_from_its_file_as_if_it_had_not_stopped(
 ) -> None:
     settings = options(steps=40, paints=paints)
     assert same(resumed(problem, settings, steps, tmp_path / "plan.npz"), plan(problem, settings))
+
+
+def test_a_plan_that_goes_on_looks_for_no_strokes_to_begin_with(
+    problem: PlanningProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    states: list[State] = []
+
+    def note(progress: PlanProgress) -> bool:
+        states.append(progress.state())
+        return True
+
+    whole = plan(problem, options(steps=40), note)
+    monkeypatch.delattr(Initialiser, "first")
+    assert same(plan(problem, options(steps=40), resume=states[20]), whole)
 
 
 @pytest.mark.parametrize("steps", [3, 30])

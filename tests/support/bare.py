@@ -12,10 +12,12 @@ def darkness_at(places: Array, points: Array, thickness: Array, falloff: float, 
         points, thickness = points.repeat(2, axis=0), thickness.repeat(2)
     ratio = np.full(len(places), np.inf)
     for u, v, at_u, at_v in zip(points, points[1:], thickness, thickness[1:], strict=False):
-        along = v - u
-        T = (((places - u) @ along) / max(float(along @ along), 1e-30)).clip(0, 1)
-        distance = np.linalg.norm(places - u - T[:, None] * along, axis=1)
-        ratio = np.minimum(ratio, distance / (at_u * (1 - T) + at_v * T))
+        reach = max(at_u, at_v)  # of the segment, beyond which it leaves nothing
+        near = ((places > np.minimum(u, v) - reach) & (places < np.maximum(u, v) + reach)).all(axis=1).nonzero()[0]
+        along, since = v - u, places[near] - u
+        T = (since @ along / max(float(along @ along), 1e-30)).clip(0, 1)
+        distance = np.linalg.norm(since - T[:, None] * along, axis=1)
+        ratio[near] = np.minimum(ratio[near], distance / (at_u * (1 - T) + at_v * T))
     return np.asarray(((1 - ratio) / (1 - plateau)).clip(0, 1) ** falloff)
 
 

@@ -1,5 +1,6 @@
 """Attention: how much each place of a picture matters to a viewer. A face matters more than its surroundings."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,15 +24,14 @@ class Face:
     radius: float
 
 
-def attention(picture: Image, faces: float = 1.0) -> Floats:
-    """Return weights (H, W), of mean 1, for a picture (H, W, 3) in [0, 1]; all 1 without a frontal face.
+def attention(height: int, width: int, found: Sequence[Face], faces: float = 1.0) -> Floats:
+    """Return weights (H, W), of mean 1, for a picture of that many pixels; all 1 where no face is found in it.
 
     faces: how much more a face counts than its surroundings: 0 not at all, 1 four times as much.
     """
-    height, width = picture.shape[:2]
     weights = np.ones((height, width))
     y, x = np.mgrid[:height, :width] + 0.5
-    for face in find_faces(picture) if faces else []:
+    for face in found:
         away = np.hypot(y - face.y, x - face.x) / face.radius
         weights = np.maximum(weights, 1 + faces * _FACE * np.clip(2 - away, 0, 1))
     weights /= weights.mean()

@@ -127,7 +127,8 @@ def importance_of(layout: Layout, faces: float = 1.0) -> Image:
     """Return how much each pixel of the canvas counts, (H, W): within the picture as `attention` says, else 1."""
     importance = np.ones(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
-        layout.crop(importance)[:] = attention(layout.crop(layout.target), faces)
+        part = layout.crop(importance)
+        part[:] = attention(part.shape[0], part.shape[1], layout.faces if faces else (), faces)
     return importance
 
 

@@ -1,12 +1,14 @@
 """Layout: where a picture lies on its sheet, and at which resolution it is planned."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from maulstick.errors import InputError
 from maulstick.painting.brush import Brush
 from maulstick.painting.fit import lay_out
 from maulstick.painting.painting import Sheet
 from maulstick.painting.raster import Canvas
+from maulstick.planning.attention import Face, find_faces
 from maulstick.planning.room import Room, room_of
 from maulstick.storage.arrays import Image
 
@@ -40,6 +42,11 @@ class Layout:
         """Return the part of an image of the canvas, (H, W, 3), that the picture covers, as a view of it."""
         left, top, width, height = (round(x * self.canvas.pixels_per_metre) for x in self.area)
         return image[top : top + max(height, 1), left : left + max(width, 1)]
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """The faces in the picture, in pixels of the part that `crop` returns. Looking for them takes a while."""
+        return () if self.target is None else tuple(find_faces(self.crop(self.target)))
 
 
 def lay_out_for(

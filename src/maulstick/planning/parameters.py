@@ -7,6 +7,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
+from maulstick.planning.state import State
 from maulstick.rendering.laying import extents, laid, poses_of
 from maulstick.style import Style
 from maulstick.style.pressure import pressure_along
@@ -38,6 +39,11 @@ class StrokeParameters:
     def __getitem__(self, rows: Tensor) -> Self:
         """Return some of the strokes, without gradients."""
         return type(self)(**{name: tensor.detach()[rows] for name, tensor in self.each().items()})
+
+    @classmethod
+    def in_state(cls, state: State) -> Self:
+        """Return the strokes that a state of planning holds. Raises KeyError where it holds none."""
+        return cls(**{field.name: torch.from_numpy(state[field.name]) for field in fields(cls)})
 
     def replace_rows(self, rows: Tensor, others: "StrokeParameters") -> None:
         """Put `others` in the place of the strokes `rows`."""

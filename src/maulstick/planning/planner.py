@@ -65,9 +65,11 @@ def plan(
     keep_freed_memory()
     in_paints = Schedule() if options.paints is not None else GIVEN_PAINTS
     schedule = schedule or (ONE_INK if options.one_ink else in_paints)
-    planning = _Planning(problem, options, schedule, start)
-    if resume is not None:
+    if resume is None:
+        planning = _Planning(problem, options, schedule, start)
+    else:
         try:
+            planning = _Planning(problem, options, schedule, start, resume)
             planning.restore(resume)
         except (KeyError, ValueError, RuntimeError) as error:
             raise InputError("what there is to go on from is no plan of the same request; plan anew") from error
@@ -85,10 +87,18 @@ def set_back(state: State) -> State:
 
 
 class _Planning:
-    """A plan in the making: strokes, their descent, and the next entries of the schedule."""
+    """A plan in the making: strokes, their descent, and the next entries of the schedule.
+
+    resume: of a state that `restore` puts back, so that no strokes are looked for where none are needed.
+    """
 
     def __init__(
-        self, problem: PlanningProblem, options: PlannerSettings, schedule: Schedule, start: StrokeParameters | None
+        self,
+        problem: PlanningProblem,
+        options: PlannerSettings,
+        schedule: Schedule,
+        start: StrokeParameters | None,
+        resume: State | None = None,
     ) -> None:
         self._problem, self._options, self._schedule = problem, options, schedule
         self._canvas, self._style = problem.canvas, problem.style
@@ -104,7 +114,11 @@ class _Planning:
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
         self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
-        if start is None:
+        if start is None and resume is not None and not arranged:
+            start, self._spacing = StrokeParameters.in_state(resume), resume["spacing"].item()
+            if len(start) != options.strokes:
+                raise ValueError("the state has another number of strokes")
+        elif start is None:
             start, self._spacing = self._initialiser.first()
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
@@ -181,6 +195,7 @@ class _Planning:
         numbers = (self._progress, self._stride, self._style_price.weight, *counts)
         state = {
             "progress": np.array(numbers),
+            "spacing": np.array(self._spacing),
             **self._stroke_canvas.state(),
             **self._descent.state(),
             "finest": np.array(self._finest),
