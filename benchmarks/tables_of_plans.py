@@ -187,3 +187,21 @@ def steps_table() -> str:
         line.append("" if source == "before" else f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB")
         lines.append([*line, "" if source == "before" else f"{min(map(mean, more)):+.2f} dB"])
     return table(["style", "version", "steps", "PSNR", "SSIM", "processor", "more than before", "worst"], lines)
+
+
+def known_start_table() -> str:
+    """What plans gain by starts that are known."""
+    found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    for row in rows_of("known_start"):
+        found[row["start"]][row["image"]].append(row)
+    lines = []
+    for start, plans in found.items():
+        pairs = [zip(rows, found["usual"][image], strict=True) for image, rows in plans.items()]
+        more = [np.array([row["psnr"] - usual["psnr"] for row, usual in each]) for each in pairs]
+        line = [start]
+        for key, written in {"psnr": "{:.2f} dB", "ssim": "{:.3f}"}.items():
+            line.append(written.format(np.mean([row[key] for rows in plans.values() for row in rows])))
+        low, high = interval(more, mean)
+        gain = f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB"
+        lines.append([*line, "" if start == "usual" else gain])
+    return table(["start", "PSNR", "SSIM", "more than usual"], lines)
