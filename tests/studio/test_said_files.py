@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from maulstick.errors import InputError
@@ -50,6 +50,16 @@ def picture_of(root: Path, wide: int, high: int) -> Path:
     lasso=st.lists(st.tuples(shares, shares), min_size=3, max_size=9),
     dab=st.tuples(shares, shares),
     pixels=st.integers(300, 3000),
+)
+@example(
+    picture=(1, 1),
+    sheet=(60, 53),
+    fit="contain",
+    margin=0,
+    turned=0,
+    lasso=[(0.0, 1.0), (1.0, 0.0), (-0.0625, 0.0), (2.3e-308, 0.5), (2.3e-308, 0.0)],
+    dab=(0.0, 0.0),
+    pixels=300,
 )
 @settings(max_examples=60, deadline=None)
 def test_what_is_drawn_on_the_sheet_holds_there_within_a_pixel_however_the_picture_lies(

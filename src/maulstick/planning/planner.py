@@ -38,7 +38,6 @@ _RELOCATED_SHARE = 0.1  # share of the strokes that one relocation moves: few, s
 _TURNING_OF_GROUPS = 0.2  # of the usual rate: strokes lie side by side already, and would turn out of their hatching
 _HURRY_FROM = 0.75  # share of the plan that counts as over once it is to end: colours are paints from there on
 _HURRY_STEPS = 60  # steps that a hurried plan takes at most: about a second of 400 strokes
-_SET_BACK = 0.6  # share of the plan that counts as over at most where weights change: rates are a third of the largest
 
 
 @one_torch_thread()
@@ -77,13 +76,6 @@ def plan(
         if not watch(planning.advance()):
             planning.hurry()
     return planning.finish()
-
-
-def set_back(state: State) -> State:
-    """Return a state of `plan` from which strokes can follow other weights: late in a plan they hardly move."""
-    progress = state["progress"].copy()
-    progress[0] = min(progress[0], _SET_BACK)
-    return {**state, "progress": progress}
 
 
 class _Planning:
@@ -140,7 +132,8 @@ class _Planning:
         turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
         lightest = torch.tensor([brush.lightest for brush in problem.brushes])
         self._descent = Descent(strokes, self._spacing, lightest, turning)
-        self._progress, self._stride = schedule.begins, (1 - schedule.begins) / options.steps
+        self._progress = schedule.begins
+        self._stride = self._usual_stride = (1 - schedule.begins) / options.steps
         self._steps = 0  # steps so far
         self._sorted = self._relocated = self._repainted = 0  # how many of each in the schedule are over
 
@@ -196,6 +189,7 @@ class _Planning:
         state = {
             "progress": np.array(numbers),
             "spacing": np.array(self._spacing),
+            "usual_stride": np.array(self._usual_stride),
             **self._stroke_canvas.state(),
             **self._descent.state(),
             "finest": np.array(self._finest),

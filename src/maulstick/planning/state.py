@@ -18,6 +18,9 @@ KIND = "plan in the making"
 State = dict[str, NDArray[np.generic]]
 """Arrays by name: everything that the next step depends on."""
 
+_SET_BACK = 0.6  # share of the plan that counts as over at most where weights change: rates are a third of the largest
+_SOONER = 1.5  # times as fast as usual it goes on from there, so that somebody who waits sees where it leads
+
 
 def write_state(path: str | Path, state: State, request: dict[str, JsonValue]) -> None:
     """Write the state, and the request: all that is needed to ask for the same plan again.
@@ -46,3 +49,14 @@ def restore_rng(state: State, rng: np.random.Generator, torch_rng: Generator) ->
     """Put both generators into the states that `rng_state` returned."""
     rng.bit_generator.state = json.loads(str(state["rng"]))
     torch_rng.set_state(torch.from_numpy(state["torch_rng"]))
+
+
+def set_back(state: State) -> State:
+    """Return a state of planning from which strokes can follow other weights: late in a plan they hardly move.
+
+    From there it takes two thirds of the usual steps.
+    """
+    progress = state["progress"].copy()
+    if progress[0] > _SET_BACK:
+        progress[:2] = _SET_BACK, max(progress[1], _SOONER * state["usual_stride"].item())
+    return {**state, "progress": progress}

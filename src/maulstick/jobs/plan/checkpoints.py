@@ -8,9 +8,8 @@ from pathlib import Path
 from maulstick.jobs.plan.prepared import Prepared
 from maulstick.jobs.plan.request import PlanRequest, state_file
 from maulstick.painting.painting import Painting
-from maulstick.planning.planner import set_back
 from maulstick.planning.result import PlanProgress
-from maulstick.planning.state import State, read_state, write_state
+from maulstick.planning.state import State, read_state, set_back, write_state
 
 _EVERY = 15.0  # least seconds between two checkpoints: at most so much work is lost
 _SHARE = 20  # least time between two checkpoints, in times that writing one takes: at most 5 % go into writing

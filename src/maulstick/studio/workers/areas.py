@@ -13,6 +13,7 @@ from maulstick.studio.workers.said import Area, Spot
 from maulstick.studio.workers.stroke_marks import after_edits
 
 _STRAY = 1e-4  # metres that a corner may lie beside what was drawn: less than is seen
+_DIGITS = 9  # of a metre that count: what is nearer to 0 still is more than shapely can reckon with
 _LEAST = 1e-7  # square metres, a tenth of a square millimetre: what is smaller is a slip of the hand
 
 
@@ -21,7 +22,7 @@ def enclosed(file: Path, points: Sequence[Spot]) -> Area:
 
     points: metres. Raises InputError where that is nothing.
     """
-    line = np.array(points, dtype=np.float64)
+    line = _drawn(points)
     area = shapely.make_valid(shapely.Polygon(line)) if len(line) > 2 else shapely.Polygon()
     return _on_sheet(file, area, "draw a line around an area of the sheet")
 
@@ -31,7 +32,7 @@ def brushed(file: Path, points: Sequence[Spot], width: float, before: Area) -> A
 
     Raises InputError where that is nothing of the sheet.
     """
-    line = np.array(points, dtype=np.float64)
+    line = _drawn(points)
     dab = shapely.Point(line[0]) if len(line) == 1 else shapely.LineString(line)
     covered = dab.buffer(width / 2, quad_segs=12)
     return _on_sheet(file, shapely.union(covered, geometry_of(before)), "paint on the sheet")
@@ -39,7 +40,7 @@ def brushed(file: Path, points: Sequence[Spot], width: float, before: Area) -> A
 
 def guide(file: Path, points: Sequence[Spot]) -> tuple[Spot, ...]:
     """Return the longest part of a line that lies on the sheet; metres. Raises InputError where there is none."""
-    line = shapely.LineString(np.array(points, dtype=np.float64)) if len(points) > 1 else shapely.LineString()
+    line = shapely.LineString(_drawn(points)) if len(points) > 1 else shapely.LineString()
     parts = lines_in(shapely.simplify(line, _STRAY), _sheet(file))
     if not parts:
         raise InputError("that line has no length on the sheet; draw it along the way that strokes should take")
@@ -61,6 +62,10 @@ def polygons(shape: BaseGeometry) -> list[shapely.Polygon]:
     """Return the polygons of a geometry that are large enough to be meant; lines and points in it are left out."""
     parts = shapely.get_parts(shapely.get_parts(shape))  # of a collection that has several
     return [part for part in parts if part.geom_type == "Polygon" and part.area >= _LEAST]
+
+
+def _drawn(points: Sequence[Spot]) -> Floats:
+    return np.array(points, dtype=np.float64).round(_DIGITS)
 
 
 def _on_sheet(file: Path, area: BaseGeometry, remedy: str) -> Area:
