@@ -12,7 +12,7 @@ from maulstick.planning.initialise import Initialiser
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
 from maulstick.planning.result import PlanProgress, PlanResult
-from maulstick.planning.state import KIND, State, read_state, write_state
+from maulstick.planning.state import KIND, State, read_state, set_back, write_state
 from maulstick.storage.arrays import Image as Picture
 from maulstick.storage.arrays import write_arrays
 from tests.planning.conftest import options, problem_for
@@ -78,6 +78,19 @@ def test_a_plan_that_goes_on_looks_for_no_strokes_to_begin_with(
     whole = plan(problem, options(steps=40), note)
     monkeypatch.delattr(Initialiser, "first")
     assert same(plan(problem, options(steps=40), resume=states[20]), whole)
+
+
+def test_a_plan_of_an_older_file_without_what_is_kept_now_goes_on(problem: PlanningProblem) -> None:
+    states: list[State] = []
+
+    def note(progress: PlanProgress) -> bool:
+        states.append(progress.state())
+        return True
+
+    whole = plan(problem, options(steps=40), note)
+    older = {name: array for name, array in states[30].items() if name not in ("spacing", "usual_stride")}
+    assert same(plan(problem, options(steps=40), resume=older), whole)
+    assert np.array_equal(set_back(older)["progress"], set_back(states[30])["progress"])
 
 
 @pytest.mark.parametrize("steps", [3, 30])

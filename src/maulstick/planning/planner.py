@@ -106,7 +106,7 @@ class _Planning:
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
         self._style_price = StylePrice(self._style, options.strokes, options.seed, start)
-        if start is None and resume is not None and not arranged:
+        if start is None and not arranged and resume is not None and "spacing" in resume:  # older files have none
             start, self._spacing = StrokeParameters.in_state(resume), resume["spacing"].item()
             if len(start) != options.strokes:
                 raise ValueError("the state has another number of strokes")

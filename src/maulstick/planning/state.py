@@ -58,5 +58,6 @@ def set_back(state: State) -> State:
     """
     progress = state["progress"].copy()
     if progress[0] > _SET_BACK:
-        progress[:2] = _SET_BACK, max(progress[1], _SOONER * state["usual_stride"].item())
+        usual = state.get("usual_stride", progress[1])  # older files have none
+        progress[:2] = _SET_BACK, max(progress[1], _SOONER * usual.item())
     return {**state, "progress": progress}
