@@ -3,8 +3,10 @@
 from collections import defaultdict
 
 import numpy as np
-from intervals import interval, mean
+from intervals import Floats, interval, mean
 from kept import Row, rows_of, table, table_of, with_range
+
+Plans = dict[str, list[Row]]  # by photograph, a row for each seed
 
 
 def plans_of(rows: list[Row], image: str, name: str) -> list[Row]:
@@ -162,8 +164,7 @@ def several_brushes_table() -> str:
             psnr = f"{np.mean([row['psnr'] for row in each]):.2f}"
             line.append(psnr if not len(more) else f"{psnr} ({np.mean(more):+.2f})")
         if all(map(len, gains)):
-            low, high = interval(gains, mean)
-            line.append(f"{mean(np.concatenate(gains)):+.2f} ({low:+.2f} to {high:+.2f}) dB")
+            line.append(_gain(gains))
         else:
             line.append("")
         lines.append(line)
@@ -172,36 +173,43 @@ def several_brushes_table() -> str:
 
 def steps_table() -> str:
     """How good plans of fewer steps are beside those of before."""
-    found: dict[tuple[str, str, int], dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    found: dict[tuple[str, str, int], Plans] = defaultdict(lambda: defaultdict(list))
     for row in rows_of("steps"):
         found[row["style"], row["source"], row["steps"]][row["image"]].append(row)
     lines = []
     for (style, source, steps), plans in found.items():
         before = next(each for (other, name, _), each in found.items() if (other, name) == (style, "before"))
-        pairs = [zip(rows, before[image], strict=True) for image, rows in plans.items()]
-        more = [np.array([row["psnr"] - old["psnr"] for row, old in each]) for each in pairs]
-        line = [style, source, f"{steps:,}"]
-        for key, written in {"psnr": "{:.2f} dB", "ssim": "{:.3f}", "seconds": "{:.0f} s"}.items():
-            line.append(written.format(np.mean([row[key] for rows in plans.values() for row in rows])))
-        low, high = interval(more, mean)
-        line.append("" if source == "before" else f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB")
-        lines.append([*line, "" if source == "before" else f"{min(map(mean, more)):+.2f} dB"])
+        more = _more(plans, before)
+        means = _means(plans, {"psnr": "{:.2f} dB", "ssim": "{:.3f}", "seconds": "{:.0f} s"})
+        line = [style, source, f"{steps:,}", *means]
+        lines.append([*line, *(["", ""] if source == "before" else [_gain(more), f"{min(map(mean, more)):+.2f} dB"])])
     return table(["style", "version", "steps", "PSNR", "SSIM", "processor", "more than before", "worst"], lines)
 
 
 def known_start_table() -> str:
     """What plans gain by starts that are known."""
-    found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    found: dict[str, Plans] = defaultdict(lambda: defaultdict(list))
     for row in rows_of("known_start"):
         found[row["start"]][row["image"]].append(row)
     lines = []
     for start, plans in found.items():
-        pairs = [zip(rows, found["usual"][image], strict=True) for image, rows in plans.items()]
-        more = [np.array([row["psnr"] - usual["psnr"] for row, usual in each]) for each in pairs]
-        line = [start]
-        for key, written in {"psnr": "{:.2f} dB", "ssim": "{:.3f}"}.items():
-            line.append(written.format(np.mean([row[key] for rows in plans.values() for row in rows])))
-        low, high = interval(more, mean)
-        gain = f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB"
-        lines.append([*line, "" if start == "usual" else gain])
+        means = _means(plans, {"psnr": "{:.2f} dB", "ssim": "{:.3f}"})
+        lines.append([start, *means, "" if start == "usual" else _gain(_more(plans, found["usual"]))])
     return table(["start", "PSNR", "SSIM", "more than usual"], lines)
+
+
+def _means(plans: Plans, written: dict[str, str]) -> list[str]:
+    """Means of figures over all plans, each as it is written."""
+    rows = [row for each in plans.values() for row in each]
+    return [form.format(np.mean([row[key] for row in rows])) for key, form in written.items()]
+
+
+def _more(plans: Plans, others: Plans) -> list[Floats]:
+    """How much more PSNR plans have than others of the same photographs and seeds, by photograph."""
+    pairs = [zip(rows, others[image], strict=True) for image, rows in plans.items()]
+    return [np.array([row["psnr"] - other["psnr"] for row, other in each]) for each in pairs]
+
+
+def _gain(more: list[Floats]) -> str:
+    low, high = interval(more, mean)
+    return f"{mean(np.concatenate(more)):+.2f} ({low:+.2f} to {high:+.2f}) dB"
