@@ -1,4 +1,5 @@
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from maulstick.planning.placement import (
     ink_density,
     sizes_at,
     start_strokes,
+    unlike,
 )
 from maulstick.rendering.traj2stroke import Traj2Stroke, paint
 from maulstick.storage.arrays import Floats
@@ -154,6 +156,16 @@ def test_density_is_highest_where_the_picture_changes_and_nowhere_0_in_a_picture
     assert density.min() > 0
     assert density[:, WIDTH // 2 - 1 : WIDTH // 2 + 1].min() > 5 * density[:, 5].max()
     assert not detail(np.full((3, HEIGHT, WIDTH), 0.5)).any()
+
+
+@pytest.mark.parametrize("density", [detail, unlike])
+def test_a_picture_of_more_pixels_has_the_same_density(density: Callable[[Floats], Floats]) -> None:
+    picture = gaussian_filter(np.random.default_rng(0).random((3, 260, 190)), (0, 4, 4))
+    finer = picture.repeat(3, axis=1).repeat(3, axis=2)
+    found = density(finer)
+    assert found.shape == (780, 570)
+    each = density(picture)
+    assert found.reshape(260, 3, 190, 3).mean(axis=(1, 3)) == pytest.approx(each, rel=0.02, abs=0.02 * each.max())
 
 
 def test_ink_is_asked_for_by_how_far_a_tone_lies_from_paper_to_ink() -> None:

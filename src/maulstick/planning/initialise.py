@@ -21,6 +21,7 @@ from maulstick.planning.placement import (
     sizes_at,
     start_strokes,
     strokes_at,
+    unlike,
 )
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
@@ -96,13 +97,11 @@ class Initialiser:
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
         """Return the density (H, W) of strokes that the canvas (C, H, W) still needs to become the target."""
         image, painted = as_array(view.target), as_array(canvas)
-        blur = image.shape[1] / 100
         if self._options.one_ink:
             density = ink_density(image, self._paper, self._ink) - ink_density(painted, self._paper, self._ink)
-            ink: Floats = gaussian_filter(density, blur + view.pool).clip(min=0) * self._weights
+            ink: Floats = gaussian_filter(density, image.shape[1] / 100 + view.pool).clip(min=0) * self._weights
             return ink
-        error: Floats = np.sum([gaussian_filter(x, blur) ** 2 for x in painted - image], axis=0) * self._weights
-        return error
+        return unlike(painted - image) * self._weights
 
     def strokes(
         self, target: Tensor, density: Floats, count: int, room: float = np.inf

@@ -1,11 +1,13 @@
 """Placement of initial strokes: places by tone and detail, directions along the picture's edges."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import torch
 from numpy.lib.stride_tricks import sliding_window_view
+from PIL import Image
 from scipy.ndimage import gaussian_filter, gaussian_gradient_magnitude, sobel
 from scipy.spatial import cKDTree
 from torch import Generator
@@ -19,6 +21,7 @@ from maulstick.style import Style
 HALF_WIDTH_IN_SPACINGS = 0.4
 """Half-width of an initial stroke, in spacings: it nearly fills the room between its neighbours."""
 
+_ENOUGH_PX = 256  # pixels over the height: densities are blurred by so much that more pixels show no more
 _ROUNDS = 12  # rounds of Lloyd's iteration: after so many the places are evenly spread; each costs time
 _SAMPLES_PER_STROKE = 60  # random samples of the density per stroke, whose mean becomes the stroke's place
 _TRUNCATED = 4.0  # standard deviations at which a Gaussian ends, as SciPy's does
@@ -40,6 +43,27 @@ class Places:
     colours: Floats
 
 
+def _on_fewer_pixels(density: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    """Let a density (H, W) of images (C, H, W) be found on an image of 256 to 511 pixels over the height, if any."""
+
+    def found(images: Floats) -> Floats:
+        height, width = images.shape[1:]
+        times = height // _ENOUGH_PX
+        if times < 2:
+            return density(images)
+        size = max(width // times, 1), height // times
+        fewer = np.stack([_resized(image, size, Image.Resampling.BOX) for image in images])
+        return _resized(density(fewer), (width, height), Image.Resampling.BILINEAR)
+
+    return found
+
+
+def _resized(field: Floats, size: tuple[int, int], by: Image.Resampling) -> Floats:
+    """Return a field (H, W) at another size, width by height."""
+    return np.array(Image.fromarray(field.astype(np.float32)).resize(size, by), dtype=np.float64)
+
+
+@_on_fewer_pixels
 def detail(target: Floats) -> Floats:
     """Return the density (H, W) of strokes for opaque colours: largest where the target (C, H, W) changes."""
     height = target.shape[1]
@@ -48,6 +72,14 @@ def detail(target: Floats) -> Floats:
         slopes = [gaussian_gradient_magnitude(channel, sigma) for channel in target]
         change += np.sqrt(np.square(slopes).sum(axis=0)) * sigma
     density: Floats = gaussian_filter(change, height / 128) + 0.25 * change.mean()
+    return density
+
+
+@_on_fewer_pixels
+def unlike(difference: Floats) -> Floats:
+    """Return the density (H, W) of strokes that would mend a difference (C, H, W)."""
+    blur = difference.shape[1] / 100
+    density: Floats = np.sum([gaussian_filter(channel, blur) ** 2 for channel in difference], axis=0)
     return density
 
 
