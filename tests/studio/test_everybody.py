@@ -110,6 +110,19 @@ def test_no_panel_has_a_serious_finding_of_axe_or_things_that_overlap(
     assert len(opened.evaluate(OVERLAPS)) == 1, "what overlaps is seen"
 
 
+_MOVING = """() => [...document.querySelectorAll("*")].map((each) => getComputedStyle(each))
+  .flatMap((style) => [style.transitionDuration, style.animationDuration])
+  .filter((each) => Math.max(...each.split(",").map(parseFloat)) > 0.01).length"""
+
+
+def test_nothing_slides_or_fades_where_little_motion_is_wished_for(page: Callable[..., Page]) -> None:
+    still, moving = page("/plan", reduced_motion="reduce"), page("/plan", reduced_motion="no-preference")
+    for each in (still, moving):
+        each.get_by_label("Hand", exact=True).click()
+        expect(each.get_by_role("option", selected=True)).to_be_visible()
+    assert (still.evaluate(_MOVING), moving.evaluate(_MOVING) > 0) == (0, True)
+
+
 def faults_of_dialog(page: Page) -> dict[str, list[str]]:
     """Faults as of `faults_by_axe` in the dialog that is open, but for contrast: axe-core sees the page behind it."""
     return _faults(Axe().run(page, ".q-dialog", {"rules": {"color-contrast": {"enabled": False}}}).response)
