@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from maulstick.painting.metrics import compare
+from maulstick.painting.metrics import blurred_psnr, compare, psnr
 
 PICTURE = np.random.default_rng(0).uniform(0.3, 0.7, (24, 31, 3)).astype(np.float32)
 FLOAT32 = 1e-5  # relative: squares of differences that are known to 6e-8
@@ -32,6 +32,16 @@ def test_tone_does_not_see_what_a_blur_of_four_pixels_hides() -> None:
     assert metrics.psnr == pytest.approx(10 * np.log10(4), rel=FLOAT32)
     assert metrics.tone_mse_sigma4 < 1e-4
     assert metrics.ssim < 0.1
+
+
+def test_the_wider_a_blur_the_closer_are_checks_to_their_grey_and_without_one_they_are_as_far_as_they_are() -> None:
+    rows, columns = np.indices((32, 32))
+    checks = ((rows // 2 + columns // 2) % 2).astype(np.float32)[..., None].repeat(3, axis=2)
+    grey = np.full_like(checks, 0.5)
+    assert blurred_psnr(checks, grey, 0) == pytest.approx(psnr(checks, grey))
+    closer = [blurred_psnr(checks, grey, sigma) for sigma in (0.5, 1, 2)]
+    assert psnr(checks, grey) < closer[0] < closer[1] < closer[2]
+    assert blurred_psnr(PICTURE + 0.1, PICTURE, 3) == pytest.approx(20, rel=FLOAT32)
 
 
 def test_a_blur_does_not_mix_channels() -> None:

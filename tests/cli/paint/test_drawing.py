@@ -153,6 +153,12 @@ def test_a_dry_run_says_what_is_not_drawn_as_the_file_says(drawing: Path) -> Non
     assert "1 stroke, 55 mm" in ran.stderr
 
 
+def test_a_path_that_is_there_twice_is_drawn_once_on_request(drawing: Path) -> None:
+    drawing.write_text(SVG.format('<path d="M5 5h30"/><path d="M35 5h-30"/>'))
+    for words, strokes in (((), "2 strokes, 60 mm"), (("--no-repeats",), "1 stroke, 30 mm")):
+        assert strokes in run("paint", drawing, "--dry-run", *words).stderr
+
+
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
