@@ -117,14 +117,22 @@ def test_what_cannot_be_recorded_is_refused_and_nothing_is_left(
     assert os.listdir(tmp_path) == []
 
 
-def test_motive_is_looked_for_on_this_machine_unless_another_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("words", "asked"),
+    [
+        ((), "127.0.0.1 in unicast"),
+        (("--server", "192.0.2.7"), "192.0.2.7 in unicast"),
+        (("--multicast",), "127.0.0.1 in multicast"),
+    ],
+)
+def test_motive_is_looked_for_on_this_machine_in_unicast_unless_something_else_is_said(
+    words: tuple[str, ...], asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def receive(server: str, *_: object, **__: object) -> None:
-        raise InputError(f"asked {server}")
+    def receive(server: str, *_: object, multicast: bool, **__: object) -> None:
+        raise InputError(f"{server} in {'multicast' if multicast else 'unicast'}")
 
     monkeypatch.setattr(natnet, "receive", receive)
-    assert run("record", "live", "--out", tmp_path / "cat.ink.npz", *PEN).mistake == "asked 127.0.0.1"
+    assert run("record", "live", *words, "--out", tmp_path / "cat.ink.npz", *PEN).mistake == asked
 
 
 @pytest.mark.parametrize("name", ["cat.ink.npz", "cat.take.npz", "cat.contact.png"])
