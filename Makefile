@@ -40,8 +40,6 @@ NUMERICAL := $(addprefix tests/,brush_fit calibration colour ordering painting p
 ELSEWHERE := $(addprefix --ignore=tests/,recording/test_natnet.py rendering/kernels/test_gpu.py \
 	rendering/kernels/test_running.py robot/test_dialogues.py robot/test_ebb.py robot/test_execute.py robot/test_franka.py \
 	robot/test_grbl.py robot/test_journal.py robot/test_kills.py robot/test_machines.py robot/test_ur.py robot/test_xarm.py)
-# The two longest fits take a tenth of all that; the others go the same way.
-LONGEST := $(addprefix --deselect=tests/brush_fit/test_fit.py::test_a_,curve_and_a_lag_are_found plateau_and_a_nib_are_found)
 
 .PHONY: demo test wheel site test-baseline bench paper gallery clean
 
@@ -65,7 +63,7 @@ site: $(VENV)/installed-dev
 
 test-baseline: $(VENV)/installed-dev
 	$(OLDEST) NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c '$(OF_NUMPY)')" \
-		$(BIN)/pytest --numprocesses 2 --dist worksteal $(NUMERICAL) $(ELSEWHERE) $(LONGEST)
+		$(BIN)/pytest --numprocesses 2 --dist worksteal $(NUMERICAL) $(ELSEWHERE)
 
 bench: $(VENV)/installed-dev
 	$(BIN)/python benchmarks/kernel.py
