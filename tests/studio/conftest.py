@@ -194,8 +194,7 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
     """Open the studio in a new browser context: ``page("/styles", color_scheme="dark")``.
 
     What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not. Of a test
-    that fails the report tells what these pages showed. Motion is reduced, unless it is asked for: where frames take
-    long, what slides is elsewhere when the mouse comes up than when it went down, and is not clicked.
+    that fails the report tells what these pages showed.
     """
     contexts: list[BrowserContext] = []
     wrong: list[str] = []
@@ -205,7 +204,7 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
             wrong.append(message.text)
 
     def open_page(path: str = "/", **options: Any) -> Page:
-        contexts.append(studio.let_in(patient(browser.new_context(**{"reduced_motion": "reduce"} | options))))
+        contexts.append(studio.let_in(patient(browser.new_context(**options))))
         opened = contexts[-1].new_page()
         opened.on("console", note)
         opened.on("pageerror", lambda error: wrong.append(str(error)))

@@ -15,7 +15,7 @@ def test_a_plotter_is_moved_step_by_step_and_escape_lifts_its_pen(
 ) -> None:
     put_plan(studio.folder, "coast")
     with FakeGrbl(pace=20.0) as device:
-        tab = page("/paint?plan=coast")
+        tab = page("/paint?plan=coast", reduced_motion="reduce")  # what still unfolds moves away beneath the mouse
         tab.get_by_label("Machine", exact=True).click()
         tab.get_by_role("option", name="Pen plotter with Grbl").click()
         tab.get_by_label("Port").fill(device.port)

@@ -36,7 +36,7 @@ def target_of(page: Page, folder: Path) -> Pixels:
 def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned_as_it_is_corrected(
     studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
 ) -> None:
-    opened = page("/plan")
+    opened = page("/plan", reduced_motion="reduce")  # what still unfolds moves away beneath the mouse
     Image.new("RGB", (240, 320), (90, 60, 30)).save(tmp_path / "standing.png")
     bring(opened, tmp_path / "standing.png")
     told = opened.locator(".sketch .hint")
