@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from typing import Literal
 
 import numpy as np
@@ -44,8 +45,9 @@ class Places:
 
 
 def _on_fewer_pixels(density: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
-    """Let a density (H, W) of images (C, H, W) be found on an image of 256 to 511 pixels over the height, if any."""
+    """Let a density (H, W) of images (C, H, W) be found on 256 to 511 pixels over the height where there are more."""
 
+    @wraps(density)
     def found(images: Floats) -> Floats:
         height, width = images.shape[1:]
         times = height // _ENOUGH_PX
