@@ -41,7 +41,6 @@ def test_a_standing_photograph_gets_a_standing_sheet_without_bars_and_is_planned
     bring(opened, tmp_path / "standing.png")
     told = opened.locator(".sketch .hint")
     expect(told).to_have_text("A sheet of 160 by 200 mm. 6% of the picture is cut off, half of it above, half below.")
-    opened.get_by_label("Strokes", exact=True).fill("25")
     opened.get_by_label("How carefully").click()
     opened.get_by_role("option", name=re.compile("Fine")).click()
     opened.get_by_role("button", name="Plan it").click()
