@@ -26,6 +26,7 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -87,17 +88,20 @@ class Task:
         images = 3 if row.name == "composite" else row.strokes
         self.weights = torch.randn(images, row.px, row.width, generator=generator).to(device)
 
-    def forward(self, kernels: ModuleType, strokes: slice) -> Tensor:
-        """What these strokes look like."""
-        stroke = self.points[strokes], self.thickness[strokes]
+    @property
+    def leaves(self) -> list[Tensor]:
+        """What gradients are asked for of."""
+        return [self.points, self.thickness] + [self.colours] * (self.row.name == "composite")
+
+    def forward(self, kernels: ModuleType, strokes: Sequence[Tensor]) -> Tensor:
+        """What the strokes that these leaves are of look like."""
         if self.row.name == "darkness":
-            return kernels.darkness(*stroke, *self.numbers, height=self.row.px, width=self.row.width)
-        return kernels.composite(self.canvas, *stroke, self.colours[strokes], *self.numbers)
+            return kernels.darkness(*strokes, *self.numbers, height=self.row.px, width=self.row.width)
+        return kernels.composite(self.canvas, *strokes, *self.numbers)
 
     def backward(self, out: Tensor) -> tuple[Tensor, ...]:
         """The gradients asked for."""
-        leaves = [self.points, self.thickness] + [self.colours] * (self.row.name == "composite")
-        return torch.autograd.grad(out, leaves, self.weights[: out.shape[0]])
+        return torch.autograd.grad(out, self.leaves, self.weights[: out.shape[0]])
 
     def now(self) -> float:
         """Seconds, once everything asked for is done."""
@@ -108,7 +112,7 @@ class Task:
     def fast(self) -> tuple[float, float]:
         """Milliseconds forward and back."""
         start = self.now()
-        out = self.forward(self.kernels, slice(None))
+        out = self.forward(self.kernels, self.leaves)
         middle = self.now()
         self.backward(out)
         return 1e3 * (middle - start), 1e3 * (self.now() - middle)
@@ -116,7 +120,7 @@ class Task:
     def dense(self, stroke: int) -> float:
         """Milliseconds forward and back for one stroke."""
         start = self.now()
-        self.backward(self.forward(reference, slice(stroke, stroke + 1)))
+        self.backward(self.forward(reference, [x[stroke : stroke + 1] for x in self.leaves]))
         return 1e3 * (self.now() - start)
 
     def moved_bytes(self) -> int:
@@ -174,7 +178,7 @@ def extra_mib_of(row: Row, device: torch.device) -> float | None:
         return int(Path("/proc/self/status").read_text().split(f"{field}:")[1].split()[0]) / 1024
 
     def once(task: Task) -> int:
-        out = task.forward(task.kernels, slice(None))
+        out = task.forward(task.kernels, task.leaves)
         return sum(x.numel() * x.element_size() for x in (out, *task.backward(out)))
 
     on_gpu = device.type == "cuda"

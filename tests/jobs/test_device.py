@@ -171,14 +171,14 @@ def test_a_painting_planned_on_another_device_is_the_same_and_says_where_it_was_
 ) -> None:
     picture: Image = np.linspace(0, 1, 20 * 24 * 3, dtype=np.float32).reshape(20, 24, 3)
 
-    def planned() -> ms.Painting:
-        return ms.plan(picture, strokes=6, steps=6, px=20, paints=2)
+    def planned(device: str) -> ms.Painting:
+        return ms.plan(picture, strokes=6, steps=6, px=20, paints=2, device=device)
 
-    near = planned()
+    near = planned("cpu")
     assert near.provenance.options["device"] == "cpu"
     monkeypatch.setattr(prepare, "choose_device", lambda wanted: Choice(FAR, "the moon plans"))
     with far_device(), pytest.warns(UserWarning, match="^the moon plans$"):
-        far = planned()
+        far = planned("auto")
     assert far.provenance.options["device"] == "meta"
     assert far.strokes == near.strokes
     assert far.paints == near.paints

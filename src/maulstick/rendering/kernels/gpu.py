@@ -4,7 +4,7 @@ Segments are listed by the tiles that they may mark, so that time and memory gro
 Every number is written by one program and summed in one order: the same strokes give the same bits.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -21,7 +21,7 @@ from maulstick.rendering.kernels.arguments import (
     plain,
 )
 from maulstick.rendering.kernels.gpu_canvas import Canvas
-from maulstick.rendering.kernels.gpu_lists import Lists, Sizes, room_for
+from maulstick.rendering.kernels.gpu_lists import Lists, Sizes, room_for, side_by_side
 
 
 def darkness(
@@ -59,15 +59,10 @@ def composite(
         check_strokes(points, thickness, falloff, plateau, opacity)
         check_colours(colours)
 
+    given = canvas, points, thickness, colours, falloff, plateau, opacity
     with torch.cuda.device_of(points):
-        mask = (points.new_ones(1) if trainable is None else trainable).to(torch.float32)
-        result: Tensor = _Composite.apply(canvas, points, thickness, colours, falloff, plateau, opacity, mask, check)
+        result: Tensor = _Composite.apply(*given, trainable, check)
     return result
-
-
-def _columns(points: Tensor, *numbers: Tensor) -> list[Tensor]:
-    """Return numbers, (N,) or (1,), as columns (N, 1)."""
-    return [x.expand(points.shape[0])[:, None] for x in numbers]
 
 
 def _as_given(gradients: Tensor, numbers: Sequence[Tensor], needed: Sequence[bool]) -> list[Tensor | None]:
@@ -84,7 +79,7 @@ class _Darkness(torch.autograd.Function):
     def forward(ctx: Any, *args: Any) -> Tensor:
         points, thickness, falloff, plateau, opacity, height, width, check = args
         sizes = Sizes(points.shape[0], points.shape[1], 0, height, width)
-        strokes = torch.cat(_columns(points, falloff, plateau, opacity, points.new_ones(1)), dim=1)
+        strokes = side_by_side(points.shape[0], falloff, plateau, opacity, points.new_ones(1))
         lists = Lists.of(points, thickness, strokes, sizes, room_for(sizes))
         while not lists.fit(check):
             lists = Lists.of(points, thickness, strokes, sizes, room_for(sizes))
@@ -108,25 +103,20 @@ class _Darkness(torch.autograd.Function):
 class _Composite(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, *args: Any) -> Tensor:
-        *given, check = args
-        canvas, points = given[:2]
-        painting = Canvas.of(Sizes(*points.shape[:2], *canvas.shape), points.device)
-        result = _paint(painting, given, check)
-        ctx.save_for_backward(*given)
+        *given, trainable, check = args
+        painting = Canvas.of(given)
+        result = painting.paint(given, trainable, check)
+        ctx.save_for_backward(*given, trainable)
         ctx.painting, ctx.painted = painting, painting.painted
         return result
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
-        given, painting = ctx.saved_tensors, ctx.painting
+        *given, trainable = ctx.saved_tensors
+        painting: Canvas = ctx.painting
         if painting.painted != ctx.painted:  # on the same tensors something else was painted since
-            _paint(painting, given, lambda: None)
+            painting.paint(given, trainable, lambda: None)
         of_canvas, of_points, of_thickness, of_strokes = painting.gradients(grad_out)
         of_numbers = _as_given(of_strokes, given[4:7], ctx.needs_input_grad[4:7])
         return of_canvas, of_points, of_thickness, of_strokes[:, 3:], *of_numbers, None, None
-
-
-def _paint(painting: Canvas, given: Sequence[Tensor], check: Callable[[], None]) -> Tensor:
-    canvas, points, thickness, colours, *numbers = given
-    return painting.paint(canvas, points, thickness, [*_columns(points, *numbers), colours], check)

@@ -12,7 +12,7 @@ from maulstick.rendering.kernels import gpu_programs as programs
 from maulstick.rendering.kernels import gpu_shapes, gpu_tiles
 from maulstick.rendering.kernels.gpu_sums import sum_gradients
 
-_TILE, _LANES, PIXELS = gpu_tiles.TILE.value, gpu_tiles.LANES.value, gpu_tiles.PIXELS.value  # as plain integers
+_TILE, _LANES, PIXELS = (int(each.value) for each in (gpu_tiles.TILE, gpu_tiles.LANES, gpu_tiles.PIXELS))
 _SHAPE, _RECORD = gpu_shapes.SHAPE.value, programs.RECORD.value
 
 
@@ -152,9 +152,10 @@ class Lists:
         pairs, with_faults, items = self.found.tolist()
         if with_faults > pairs:
             check()
-        suited = self.room.suits(pairs, items)
-        enough = Room.enough(pairs, items if pairs <= self.room.pairs else pairs)
-        _rooms[self.sizes] = self.room if suited else enough
+        if self.room.suits(pairs, items):
+            _rooms[self.sizes] = self.room
+        else:
+            _rooms[self.sizes] = Room.enough(pairs, items if pairs <= self.room.pairs else pairs)
         return self.room.holds(pairs, items)
 
     def shade(self, shades: Tensor, *, alone: bool) -> None:
@@ -181,9 +182,14 @@ class Lists:
         launch(sum_gradients, sizes.strokes, records, self.starts, *sums, *about, columns, warps=1)
 
 
+def side_by_side(count: int, *numbers: Tensor) -> Tensor:
+    """Return numbers, (count,), (1,) or (count, k), as the columns of one tensor."""
+    return torch.cat([x if x.ndim == 2 else x.expand(count)[:, None] for x in numbers], dim=1)
+
+
 def _programs(count: int) -> int:
     """Return how many programs prepare so many segments, pairs or tiles."""
-    return int(triton.cdiv(count, _LANES))
+    return (count + _LANES - 1) // _LANES
 
 
 def launch(program: Any, count: int, *args: Tensor | int, warps: int = 4) -> None:
