@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from maulstick.planning.objectives import pyramid
-from maulstick.planning.objectives.pyramid import levels_of, mean_squares, plain_mean_squares
+from maulstick.planning.objectives.pyramid import MeanSquares, levels_of
 
 ROUNDING = 1e-5  # relative, of float32
 
@@ -35,10 +35,10 @@ def test_values_and_slopes_are_those_of_the_plain_way(
     fast, target, scale, pull = images(seed, *shape)
     fast.requires_grad_()
     plain = fast.detach().double().requires_grad_()
-    loss = mean_squares(fast, target, scale, weights, pull if pulled else None)
-    in_double = (each.double() for each in (target, scale))
-    expected = plain_mean_squares(plain, *in_double, weights, pull.double() if pulled else None)
-    terms = plain_mean_squares(plain, target, scale, weights).item() + ((plain - target) * pull).abs().mean().item()
+    loss = MeanSquares(target, scale, pull if pulled else None)(fast, weights)
+    in_double = [each.double() for each in (target, scale)]
+    expected = MeanSquares(*in_double, pull.double() if pulled else None).plain(plain, weights)
+    terms = MeanSquares(*in_double).plain(plain, weights).item() + ((plain - target) * pull).abs().mean().item()
     assert loss.item() == pytest.approx(expected.item(), rel=ROUNDING, abs=ROUNDING * terms if pulled else 1e-12)
     (3 * loss).backward()
     (3 * expected).backward()
@@ -53,22 +53,43 @@ def test_a_canvas_that_does_not_lie_row_by_row_has_the_same_value_and_slope() ->
     plain = canvas.transpose(1, 2).contiguous().transpose(1, 2).requires_grad_()
     rows = canvas.clone().requires_grad_()
     for each in (plain, rows):
-        mean_squares(each, *others[:2], [1.0, 2.0, 4.0], others[2]).backward()
+        MeanSquares(*others)(each, [1.0, 2.0, 4.0]).backward()
     assert not plain.is_contiguous()
     assert torch.equal(plain.grad, rows.grad)
 
 
-def test_other_precisions_are_computed_as_they_are() -> None:
-    canvas, target, scale, _ = (each.double() for each in images(1, 3, 33, 20))
-    given = canvas, target, scale, [1.0, 2.0]
-    assert torch.equal(mean_squares(*given), plain_mean_squares(*given))
+@pytest.mark.parametrize("weights", [[1.0, 2.0], [0.5, 0.25, 0.25], [3.0]])
+def test_other_precisions_are_computed_plainly_again_and_again(weights: list[float]) -> None:
+    first, target, scale, pull = (each.double() for each in images(1, 3, 33, 20))
+    compared = MeanSquares(target, scale, pull)
+    for canvas in (first, first - 0.5, first):  # a GPU would record the second, and replay the third
+        fast, plain = (canvas.clone().requires_grad_() for _ in range(2))
+        loss, expected = compared(fast, weights), compared.plain(plain, weights)
+        (3 * loss).backward()
+        (3 * expected).backward()
+        assert fast.grad is not None
+        assert torch.equal(loss, expected)
+        assert torch.allclose(fast.grad, plain.grad, rtol=1e-12, atol=0)
+
+
+def test_what_was_found_for_one_canvas_stays_when_another_is_compared() -> None:
+    first, target, scale, _ = (each.double() for each in images(5, 3, 18, 16))
+    compared = MeanSquares(target, scale)
+    canvases = [(first + shift).requires_grad_() for shift in (0, 1)]
+    losses = [compared(canvas, weights) for canvas, weights in zip(canvases, ([1.0], [2.0]), strict=True)]
+    for canvas, loss, weight in zip(canvases, losses, (1.0, 2.0), strict=True):
+        plain = canvas.detach().requires_grad_()
+        (expected := compared.plain(plain, [weight])).backward()
+        loss.backward()
+        assert torch.equal(loss, expected)
+        assert torch.equal(canvas.grad, plain.grad)
 
 
 def test_the_same_difference_has_the_same_slope_to_the_bit() -> None:
     slopes = []
     for _ in range(2):
         canvas, target, scale, pull = images(2, 3, 65, 48)
-        mean_squares(canvas.requires_grad_(), target, scale, [1.0, 2.0, 4.0], pull).backward()
+        MeanSquares(target, scale, pull)(canvas.requires_grad_(), [1.0, 2.0, 4.0]).backward()
         slopes.append(canvas.grad)
     assert torch.equal(*slopes)
 
@@ -78,7 +99,7 @@ def test_any_number_of_threads_gives_the_same_to_the_bit(monkeypatch: pytest.Mon
     for threads in (1, 2, 5):
         monkeypatch.setattr(pyramid, "THREADS", threads)
         canvas, target, scale, pull = images(4, 3, 363, 365)  # large enough to be shared out
-        loss = mean_squares(canvas.requires_grad_(), target, scale, [1.0, 2.0, 4.0], pull)
+        loss = MeanSquares(target, scale, pull)(canvas.requires_grad_(), [1.0, 2.0, 4.0])
         loss.backward()
         found.append((loss.item(), canvas.grad))
     for value, slope in found[1:]:

@@ -1,7 +1,5 @@
 """Stroke canvas: the strokes and paints of a plan in the making, rendered in their painting order."""
 
-from dataclasses import replace
-
 import numpy as np
 import torch
 from torch import Tensor
@@ -75,8 +73,8 @@ class StrokeCanvas:
         marks = self._brushes_of(self._brush_of[order]).marks(trajectories, resolution)
         if self._room is not None:
             marks = cut_marks(self._room, marks, resolution)
-        moved = {name: tensor.to(self.paper.device) for name, tensor in vars(marks).items()}
-        return replace(marks, **moved), self.colours.index_select(0, order).to(self.paper.device)
+        *moved, colours = _moved([*vars(marks).values(), self.colours.index_select(0, order)], self.paper.device)
+        return Marks(*moved), colours
 
     def _brushes_of(self, numbers: Tensor) -> Traj2Stroke:
         """Return the brushes of these numbers (N + M,), which are the same for many steps."""
@@ -170,6 +168,15 @@ class StrokeCanvas:
         for name, tensor in self.strokes.each().items():
             tensor.detach().copy_(torch.from_numpy(state[name]))
         self.paint_of, self._order = torch.from_numpy(state["paint_of"]), np.array(state["order"])
+
+
+def _moved(tensors: list[Tensor], device: torch.device) -> list[Tensor]:
+    """Return tensors of one type on a device. Another than theirs gets all at once, since each move is waited for."""
+    if all(tensor.device == device for tensor in tensors):
+        return tensors
+    together = torch.cat([tensor.flatten() for tensor in tensors]).to(device)
+    parts = zip(together.split([tensor.numel() for tensor in tensors]), tensors, strict=True)
+    return [(part if tensor.requires_grad else part.detach()).view(tensor.shape) for part, tensor in parts]
 
 
 def as_array(tensor: Tensor) -> Floats:

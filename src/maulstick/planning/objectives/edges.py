@@ -7,7 +7,7 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from maulstick.planning.objectives import _edges
-from maulstick.planning.objectives.fused import fused
+from maulstick.planning.objectives.fused import Recorded, fused, has_native
 from maulstick.planning.objectives.luminance import luminance
 from maulstick.planning.objectives.objective import Objective
 from maulstick.planning.objectives.pyramid import halved
@@ -31,6 +31,7 @@ class Edges(Objective):
     def __init__(self, target: Tensor, weights: Tensor) -> None:
         self._halvings = max(0, math.ceil(math.log2(max(weights.shape) / _LARGEST_PX)))
         self._wanted: list[tuple[Tensor, Tensor, Tensor]] = []
+        self._recorded = Recorded(lambda image, _: self.plain_loss(image))
         for image, counts in zip(self._pyramid(luminance(target)), self._pyramid(weights[None]), strict=True):
             slopes = _slopes(image)
             energy = _windowed(slopes, slopes)
@@ -45,11 +46,11 @@ class Edges(Objective):
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return 0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
         image = luminance(canvas)
-        if image.device.type == "cpu" and image.dtype == torch.float32:
-            wanted, energies, shares = ([each.numpy() for each in kind] for kind in zip(*self._wanted, strict=True))
-            known = self._halvings, wanted, energies, shares, _FAINTEST
-            return fused(image, lambda luma, slope: _edges.uncorrelated(luma, *known, slope))
-        return self.plain_loss(image)
+        if not has_native(image):
+            return self._recorded(image)
+        wanted, energies, shares = ([each.numpy() for each in kind] for kind in zip(*self._wanted, strict=True))
+        known = self._halvings, wanted, energies, shares, _FAINTEST
+        return fused(image, lambda luma, slope: _edges.uncorrelated(luma, *known, slope))
 
     def plain_loss(self, image: Tensor) -> Tensor:
         """Return the same of luminance (1, H, W), plainly: on any device, in any precision."""

@@ -1,6 +1,6 @@
-"""Losses of an image that a native pass computes together with their slope."""
+"""Losses of an image that are computed together with their slope."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,23 +9,77 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
+from maulstick.rendering.kernels.repeated import Repeated
+
 Pass = Callable[[NDArray[np.float32], NDArray[np.float32]], float]
 """What returns the loss of an image (C, H, W), and writes its slope with respect to it, (C, H, W)."""
 
 
+def has_native(image: Tensor) -> bool:
+    """Return whether native passes take this image."""
+    return image.device.type == "cpu" and image.dtype == torch.float32
+
+
 def fused(image: Tensor, native: Pass) -> Tensor:
-    """Return the loss, a scalar, of an image (C, H, W), float32 on the CPU, as a native pass computes it."""
-    result: Tensor = _Fused.apply(image, native)
+    """Return the loss, a scalar, of an image (C, H, W) that `has_native`, as a native pass computes it."""
+
+    def found() -> tuple[Tensor, Tensor]:
+        slope = torch.empty(image.shape)
+        value = native(image.detach().contiguous().numpy(), slope.numpy())
+        return image.new_tensor(value), slope
+
+    result: Tensor = _WithSlope.apply(image, found)
     return result
 
 
-class _Fused(torch.autograd.Function):
+class Recorded:
+    """Loss of an image and its slope as PyTorch finds them, which a GPU records and then replays.
+
+    plain: returns the loss, a scalar, of an image (C, H, W) and numbers (k,), all on one device. It makes no tensor of
+    the CPU's memory, and looks at no value.
+    """
+
+    def __init__(self, plain: Callable[[Tensor, Tensor], Tensor]) -> None:
+        self._plain = plain
+        self._image = self._numbers = torch.empty(0)  # what is replayed reads these
+        self._known: Sequence[float] = ()  # the numbers that are there
+        self._repeated = Repeated(self._image.device)
+
+    def __call__(self, image: Tensor, numbers: Sequence[float] = ()) -> Tensor:
+        """Return the loss, a scalar, of an image (C, H, W) and numbers (k,)."""
+        result: Tensor = _WithSlope.apply(image, lambda: self._found(image.detach(), numbers))
+        return result
+
+    def _found(self, image: Tensor, numbers: Sequence[float]) -> tuple[Tensor, Tensor]:
+        """Return the loss and its slope (C, H, W)."""
+        if not self._suits(image) or len(numbers) != len(self._known):
+            self._image, self._numbers, self._known = torch.empty_like(image), image.new_empty(len(numbers)), ()
+            self._repeated = Repeated(image.device)
+        self._image.copy_(image)
+        if numbers != self._known:
+            self._numbers.copy_(torch.tensor(numbers, dtype=image.dtype, device=image.device))
+            self._known = numbers
+        self._repeated(self._work, on=self._image)
+        return self._value.clone(), self._slope.clone()
+
+    def _suits(self, image: Tensor) -> bool:
+        own = self._image
+        return (own.shape, own.device, own.dtype) == (image.shape, image.device, image.dtype)
+
+    def _work(self) -> None:
+        image = self._image.detach().requires_grad_()
+        with torch.enable_grad():
+            value = self._plain(image, self._numbers)
+        (self._slope,) = torch.autograd.grad(value, image)
+        self._value = value.detach()
+
+
+class _WithSlope(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, image: Tensor, native: Pass) -> Tensor:
-        slope = torch.empty(image.shape)
-        value = native(image.detach().contiguous().numpy(), slope.numpy())
+    def forward(ctx: Any, image: Tensor, found: Callable[[], tuple[Tensor, Tensor]]) -> Tensor:
+        value, slope = found()
         ctx.save_for_backward(slope)
-        return image.new_tensor(value)
+        return value
 
     @staticmethod
     @once_differentiable

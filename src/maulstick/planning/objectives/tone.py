@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 from torch import Tensor
 
 from maulstick.planning.objectives.objective import Objective
-from maulstick.planning.objectives.pyramid import levels_of, mean_squares
+from maulstick.planning.objectives.pyramid import MeanSquares, levels_of
 
 _AROUND = 1 / 64  # of the height: a Gaussian's standard deviation, against which a place is dark or light
 _CONTOURS = 0.3  # how much contours count beside tones; chosen by eye on mocap hands: 0.1 hardly shows, 0.5 is outlines
@@ -22,9 +22,7 @@ class Tone(Objective):
     """
 
     def __init__(self, target: Tensor, weights: Tensor) -> None:
-        self._target = target
-        self._scale = weights.sqrt()
-        self._levels = levels_of(target)
+        self._mean_squares, self._levels = MeanSquares(target, weights.sqrt()), levels_of(target)
 
     @property
     def name(self) -> str:
@@ -37,7 +35,7 @@ class Tone(Objective):
         weights = [1.0]
         if coarse > 0:
             weights += [coarse * 2.0**level for level in range(1, self._levels)]
-        return mean_squares(canvas, self._target, self._scale, [weight / sum(weights) for weight in weights])
+        return self._mean_squares(canvas, [weight / sum(weights) for weight in weights])
 
 
 def towards_contours(picture: Tensor) -> Tensor:
@@ -62,11 +60,10 @@ class Halftone(Objective):
     """
 
     def __init__(self, target: Tensor, weights: Tensor, spacing: float, pull: Tensor | None = None) -> None:
-        self._target, self._scale = target, weights.sqrt()
+        self._mean_squares = MeanSquares(target, weights.sqrt(), None if pull is None else pull * weights)
         last = levels_of(target) - 1
         first = max(0, min(round(log2(max(spacing, 1))), last))
         self._weights = [0.0] * first + [1 / (last + 1 - first)] * (last + 1 - first)
-        self._pull = None if pull is None else pull * weights
 
     @property
     def name(self) -> str:
@@ -75,4 +72,4 @@ class Halftone(Objective):
 
     def loss(self, canvas: Tensor, progress: float) -> Tensor:
         """Return the mean squared difference, averaged over the levels, and the mean product with the pull."""
-        return mean_squares(canvas, self._target, self._scale, self._weights, self._pull)
+        return self._mean_squares(canvas, self._weights)

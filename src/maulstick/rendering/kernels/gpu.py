@@ -67,11 +67,12 @@ def composite(
 
 def _as_given(gradients: Tensor, numbers: Sequence[Tensor], needed: Sequence[bool]) -> list[Tensor | None]:
     """Return the gradients (N, 3 + C) of numbers, (N,) or (1,), in their shapes; None where none is needed."""
-    columns = gradients.unbind(1)
-    return [
-        None if not need else of if of.shape == x.shape else of.sum(0, keepdim=True)
-        for of, x, need in zip(columns, numbers, needed, strict=False)
-    ]
+
+    def of(column: int, number: Tensor) -> Tensor:
+        gradient = gradients[:, column]
+        return gradient if number.shape == gradient.shape else gradient.sum(0, keepdim=True)
+
+    return [of(i, x) if need else None for i, (x, need) in enumerate(zip(numbers, needed, strict=True))]
 
 
 class _Darkness(torch.autograd.Function):

@@ -12,31 +12,9 @@ from torch import Tensor
 
 from maulstick.rendering.kernels import gpu_programs as programs
 from maulstick.rendering.kernels.gpu_lists import PIXELS, Lists, Room, Sizes, launch, room_for, side_by_side
+from maulstick.rendering.kernels.repeated import Repeated
 
 _last = threading.local()  # the canvas of the last call: a plan paints on one of the same sizes in each step
-
-
-class _Repeated:
-    """Work that is always on the same tensors: a GPU records it when it comes again, and then replays it."""
-
-    def __init__(self, device: torch.device) -> None:
-        self._device, self._runs = device, 0
-        self._on: object = None
-        self._graph: torch.cuda.CUDAGraph | None = None
-
-    def __call__(self, work: Callable[[], None], on: object) -> None:
-        """Do the work; on: what stands for its tensors, another where they are others."""
-        if on is not self._on:
-            self._on, self._runs, self._graph = on, 0, None
-        if self._runs == 1 and self._device.type == "cuda":  # what it launches has been compiled by then
-            self._graph = torch.cuda.CUDAGraph()
-            with torch.cuda.graph(self._graph, capture_error_mode="thread_local"):
-                work()
-        self._runs += 1
-        if self._graph is None:
-            work()
-        else:
-            self._graph.replay()
 
 
 class Canvas:
@@ -52,7 +30,7 @@ class Canvas:
         self._trainable = torch.ones(points[0], device=self.device)
         self._shapes = canvas, points, points[:2], (points[0], self.sizes.columns - 1)  # of the gradients
         self._gradients = torch.empty(sum(map(math.prod, self._shapes)), device=self.device)
-        self._paint, self._return = _Repeated(self.device), _Repeated(self.device)
+        self._paint, self._return = Repeated(self.device), Repeated(self.device)
 
     @classmethod
     def of(cls, given: list[Tensor]) -> Self:
