@@ -36,9 +36,9 @@ def test_values_and_slopes_are_those_of_the_plain_way(
     fast.requires_grad_()
     plain = fast.detach().double().requires_grad_()
     loss = MeanSquares(target, scale, pull if pulled else None)(fast, weights)
-    in_double = [each.double() for each in (target, scale)]
-    expected = MeanSquares(*in_double, pull.double() if pulled else None).plain(plain, weights)
-    terms = MeanSquares(*in_double).plain(plain, weights).item() + ((plain - target) * pull).abs().mean().item()
+    in_double, in_levels = [each.double() for each in (target, scale)], torch.tensor(weights, dtype=torch.float64)
+    expected = MeanSquares(*in_double, pull.double() if pulled else None).plain(plain, in_levels)
+    terms = MeanSquares(*in_double).plain(plain, in_levels).item() + ((plain - target) * pull).abs().mean().item()
     assert loss.item() == pytest.approx(expected.item(), rel=ROUNDING, abs=ROUNDING * terms if pulled else 1e-12)
     (3 * loss).backward()
     (3 * expected).backward()
@@ -64,7 +64,7 @@ def test_other_precisions_are_computed_plainly_again_and_again(weights: list[flo
     compared = MeanSquares(target, scale, pull)
     for canvas in (first, first - 0.5, first):  # a GPU would record the second, and replay the third
         fast, plain = (canvas.clone().requires_grad_() for _ in range(2))
-        loss, expected = compared(fast, weights), compared.plain(plain, weights)
+        loss, expected = compared(fast, weights), compared.plain(plain, torch.tensor(weights, dtype=torch.float64))
         (3 * loss).backward()
         (3 * expected).backward()
         assert fast.grad is not None
@@ -79,7 +79,7 @@ def test_what_was_found_for_one_canvas_stays_when_another_is_compared() -> None:
     losses = [compared(canvas, weights) for canvas, weights in zip(canvases, ([1.0], [2.0]), strict=True)]
     for canvas, loss, weight in zip(canvases, losses, (1.0, 2.0), strict=True):
         plain = canvas.detach().requires_grad_()
-        (expected := compared.plain(plain, [weight])).backward()
+        (expected := compared.plain(plain, torch.tensor([weight], dtype=torch.float64))).backward()
         loss.backward()
         assert torch.equal(loss, expected)
         assert torch.equal(canvas.grad, plain.grad)

@@ -31,7 +31,7 @@ class Edges(Objective):
     def __init__(self, target: Tensor, weights: Tensor) -> None:
         self._halvings = max(0, math.ceil(math.log2(max(weights.shape) / _LARGEST_PX)))
         self._wanted: list[tuple[Tensor, Tensor, Tensor]] = []
-        self._recorded = Recorded(lambda image, _: self.plain_loss(image))
+        self._recorded = Recorded()
         for image, counts in zip(self._pyramid(luminance(target)), self._pyramid(weights[None]), strict=True):
             slopes = _slopes(image)
             energy = _windowed(slopes, slopes)
@@ -47,7 +47,7 @@ class Edges(Objective):
         """Return 0 for the target, about 1 for blank paper, 2 for the target's negative; the same at any progress."""
         image = luminance(canvas)
         if not has_native(image):
-            return self._recorded(image)
+            return self._recorded(lambda image, _: self.plain_loss(image), image)
         wanted, energies, shares = ([each.numpy() for each in kind] for kind in zip(*self._wanted, strict=True))
         known = self._halvings, wanted, energies, shares, _FAINTEST
         return fused(image, lambda luma, slope: _edges.uncorrelated(luma, *known, slope))

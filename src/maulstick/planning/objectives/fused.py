@@ -1,6 +1,7 @@
 """Losses of an image that are computed together with their slope."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -32,25 +33,27 @@ def fused(image: Tensor, native: Pass) -> Tensor:
     return result
 
 
+Plain = Callable[[Tensor, Tensor], Tensor]
+"""What returns the loss, a scalar, of an image (C, H, W) and numbers (k,), all on one device, by PyTorch.
+
+It makes no tensor of the CPU's memory, and looks at no value, so that a GPU can record it.
+"""
+
+
 class Recorded:
-    """Loss of an image and its slope as PyTorch finds them, which a GPU records and then replays.
+    """One loss of images and its slope as PyTorch finds them, which a GPU records and then replays."""
 
-    plain: returns the loss, a scalar, of an image (C, H, W) and numbers (k,), all on one device. It makes no tensor of
-    the CPU's memory, and looks at no value.
-    """
-
-    def __init__(self, plain: Callable[[Tensor, Tensor], Tensor]) -> None:
-        self._plain = plain
+    def __init__(self) -> None:
         self._image = self._numbers = torch.empty(0)  # what is replayed reads these
         self._known: Sequence[float] = ()  # the numbers that are there
         self._repeated = Repeated(self._image.device)
 
-    def __call__(self, image: Tensor, numbers: Sequence[float] = ()) -> Tensor:
-        """Return the loss, a scalar, of an image (C, H, W) and numbers (k,)."""
-        result: Tensor = _WithSlope.apply(image, lambda: self._found(image.detach(), numbers))
+    def __call__(self, plain: Plain, image: Tensor, numbers: Sequence[float] = ()) -> Tensor:
+        """Return the loss, a scalar, of an image (C, H, W) and numbers (k,); plain: the same at each call."""
+        result: Tensor = _WithSlope.apply(image, lambda: self._found(plain, image.detach(), numbers))
         return result
 
-    def _found(self, image: Tensor, numbers: Sequence[float]) -> tuple[Tensor, Tensor]:
+    def _found(self, plain: Plain, image: Tensor, numbers: Sequence[float]) -> tuple[Tensor, Tensor]:
         """Return the loss and its slope (C, H, W)."""
         if not self._suits(image) or len(numbers) != len(self._known):
             self._image, self._numbers, self._known = torch.empty_like(image), image.new_empty(len(numbers)), ()
@@ -59,17 +62,17 @@ class Recorded:
         if numbers != self._known:
             self._numbers.copy_(torch.tensor(numbers, dtype=image.dtype, device=image.device))
             self._known = numbers
-        self._repeated(self._work, on=self._image)
+        self._repeated(partial(self._work, plain), on=self._image)
         return self._value.clone(), self._slope.clone()
 
     def _suits(self, image: Tensor) -> bool:
         own = self._image
         return (own.shape, own.device, own.dtype) == (image.shape, image.device, image.dtype)
 
-    def _work(self) -> None:
+    def _work(self, plain: Plain) -> None:
         image = self._image.detach().requires_grad_()
         with torch.enable_grad():
-            value = self._plain(image, self._numbers)
+            value = plain(image, self._numbers)
         (self._slope,) = torch.autograd.grad(value, image)
         self._value = value.detach()
 

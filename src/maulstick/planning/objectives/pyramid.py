@@ -43,26 +43,25 @@ class MeanSquares:
     """
 
     def __init__(self, target: Tensor, scale: Tensor, pull: Tensor | None = None) -> None:
-        self._compared = target, scale, pull
-        self._recorded = Recorded(lambda canvas, weights: self.plain(canvas, weights.unbind()))
+        self._compared, self._recorded = (target, scale, pull), Recorded()
 
     def __call__(self, canvas: Tensor, weights: Sequence[float]) -> Tensor:
         """Return it, a scalar, for a canvas (C, H, W); weights: of each level, the finest first."""
         if not has_native(canvas):
-            return self._recorded(canvas, weights)
+            return self._recorded(self.plain, canvas, weights)
         target, scale, pull = self._compared
         pull = canvas.new_empty(0, 0, 0) if pull is None else pull
         others = [each.detach().contiguous().numpy() for each in (target, scale)]
         terms = np.array(weights, dtype=np.float32), pull.detach().contiguous().numpy()
         return fused(canvas, lambda seen, slope: _pyramid.mean_squares(THREADS, seen, *others, *terms, slope))
 
-    def plain(self, canvas: Tensor, weights: Sequence[float | Tensor]) -> Tensor:
-        """Return the same plainly: on any device, in any precision."""
+    def plain(self, canvas: Tensor, weights: Tensor) -> Tensor:
+        """Return the same plainly: on any device, in any precision; weights: (levels,)."""
         target, scale, pull = self._compared
         difference = canvas - target
         total = difference.new_zeros(()) if pull is None else (difference * pull).mean()
         difference = difference * scale
-        for level, weight in enumerate(weights):
+        for level, weight in enumerate(weights.unbind()):
             difference = halved(difference) if level else difference
             total = total + weight * difference.square().mean()
         return total
