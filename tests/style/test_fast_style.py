@@ -9,6 +9,7 @@ from torch import Tensor
 
 from maulstick.style import shape
 from maulstick.style.density import Density
+from maulstick.style.free import FreeStyle
 from maulstick.style.trait_costs import gist_and_roughness, plain_trait_costs, trait_costs, traits
 from maulstick.style.traits import path_length, plain_path_length
 from tests.support.style.synthetic_hands import all_hands, circle, drawn, exemplar_of, line, zigzag
@@ -159,3 +160,27 @@ def test_costs_by_a_density_and_their_slopes_are_those_of_the_plain_way(alike: b
         slopes(lambda x, of=of: of(x)[0], signal, points) for of in (density.cost, density.plain_cost)
     )
     assert is_near(found, wanted, 1e-9)
+
+
+@pytest.mark.parametrize("times", [1.0, 1e-3, 30.0, 0.0])
+def test_costs_of_free_strokes_and_their_slopes_are_those_of_the_plain_way(times: float) -> None:
+    style = FreeStyle(shortest=0.004, longest=0.1)
+    codes, knots = times * noise(60, 13), noise(60, 4)
+    codes[0], codes[1, 0], codes[2, 5:7] = 0, 0, codes[2, 3:5]  # of no length, no chord, and a step of no length
+    given = [each.float() for each in (codes, knots)]
+    in_double = [each.double() for each in given]
+    fast, plain = style.cost(*given).double(), style.plain_cost(*in_double)
+    assert ((fast - plain).abs() <= ROUNDING * plain.abs()).all()
+    signal = noise(60)
+    found, expected = slopes(style.cost, signal, *given), slopes(style.plain_cost, signal, *in_double)
+    for one, other in zip(found, expected, strict=True):
+        assert times == 0 or all(column.any() for column in other.unbind(1))
+        apart = (one - other).norm(dim=1)
+        assert (apart <= FLOAT32_GRADIENT * other.norm(dim=1).clamp(min=1e-3)).all()
+
+
+def test_a_free_stroke_without_slopes_asked_for_costs_the_same() -> None:
+    style, codes, knots = FreeStyle(shortest=0.004, longest=0.1), noise(9, 13).float(), noise(9, 4).float()
+    asked = codes.clone().requires_grad_()
+    assert torch.equal(style.cost(codes.T.contiguous().T, knots), style.cost(asked, knots).detach())
+    assert style.cost(codes[:0], knots[:0]).shape == (0,)

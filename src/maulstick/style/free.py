@@ -4,14 +4,16 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
-from typing import Self
+from typing import Any, Self
 
 import torch
 from torch import Generator, Tensor
+from torch.autograd.function import once_differentiable
 
 from maulstick.errors import InputError
 from maulstick.painting.raster import Canvas
 from maulstick.strokes.strokes import POINTS
+from maulstick.style import _free
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import spline_basis
 from maulstick.style.style import Style
@@ -135,6 +137,14 @@ class FreeStyle(Style):
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,): relative bending of the control polygon, length beyond the limits, and changes of pressure."""
+        if codes.device.type == "cpu" and codes.dtype == torch.float32:
+            limits = self.unit, self.shortest, self.longest
+            costs: Tensor = _Cost.apply(codes.contiguous(), pressure_knots.contiguous(), limits)
+            return costs
+        return self.plain_cost(codes, pressure_knots)
+
+    def plain_cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
+        """Return the same as `cost`, plainly: on any device, in any precision."""
         controls = self._controls(codes)
         steps = (controls[:, 2:] - controls[:, :-2]).reshape(len(codes), CONTROL_POINTS - 1, 2)
         length = steps.square().sum(-1).add(1e-12).sqrt().sum(1)
@@ -143,3 +153,18 @@ class FreeStyle(Style):
         shorter = (torch.log(self.shortest / length)).clamp(min=0)
         longer = (torch.log(length / self.longest)).clamp(min=0)
         return bending + 100 * (shorter + longer).square() + pressure_knots.diff(dim=1).square().sum(1)
+
+
+class _Cost(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, codes: Tensor, knots: Tensor, limits: tuple[float, float, float]) -> Tensor:
+        given, costs = (codes.detach(), knots.detach()), codes.new_empty(len(codes), 1)
+        slopes = [torch.empty_like(each) for each in given]
+        _free.cost(*(x.numpy() for x in given), *limits, costs.numpy(), *(x.numpy() for x in slopes))
+        ctx.save_for_backward(*slopes)
+        return costs[:, 0]
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad_out: Tensor) -> tuple[Tensor | None, ...]:
+        return *(grad_out[:, None] * slopes for slopes in ctx.saved_tensors), None
