@@ -94,7 +94,7 @@ class Task:
         return [self.points, self.thickness] + [self.colours] * (self.row.name == "composite")
 
     def forward(self, kernels: ModuleType, strokes: Sequence[Tensor]) -> Tensor:
-        """What the strokes that these leaves are of look like."""
+        """What strokes look like: their points, thickness and, on a canvas, colours."""
         if self.row.name == "darkness":
             return kernels.darkness(*strokes, *self.numbers, height=self.row.px, width=self.row.width)
         return kernels.composite(self.canvas, *strokes, *self.numbers)

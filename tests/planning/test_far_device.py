@@ -105,7 +105,8 @@ def test_a_mural_of_another_device_is_that_of_the_cpu(portrait: Image) -> None:
 def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypatch: pytest.MonkeyPatch) -> None:
     moves_and_views = ("_to_copy", "unsqueeze", "squeeze", "expand", "select.int", "view", "detach")
     asked: list[str] = []
-    of_steps: list[list[str]] = []
+    recorded: list[str] = []
+    of_steps: list[tuple[list[str], int]] = []
     computed = far_devices._computed
 
     def noted(operation: Any, *args: Any) -> Any:
@@ -116,13 +117,15 @@ def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypa
         return result
 
     def watch(progress: PlanProgress) -> bool:
-        of_steps.append(asked.copy())
+        of_steps.append((asked.copy(), len(recorded)))
         asked.clear()
+        recorded.clear()
         return True
 
     def replayed(self: Repeated, work: Callable[[], None], on: object) -> None:
         before = len(asked)
         repeat(self, work, on)
+        recorded.extend(asked[before:])
         asked[before:] = ["replay"]
 
     repeat = Repeated.__call__
@@ -133,7 +136,9 @@ def test_a_step_asks_another_device_for_few_operations(portrait: Image, monkeypa
         style, settings = load_style("free", layout.canvas), options(steps=30)
         plan(problem_of(layout, (nominal("round"),), style, settings, LossOptions(), device=device), settings, watch)
     first, usual = of_steps[4], of_steps[21]  # nothing is sorted, moved or mixed; later only the finest tones count
-    assert 5 < len(usual) <= len(first) <= 20, first
+    assert 5 < len(usual[0]) < len(first[0]) <= 15, first
+    assert 5 < usual[1] <= 14
+    assert usual[1] < first[1] <= 82
 
 
 def test_tensors_of_two_devices_do_not_mix() -> None:

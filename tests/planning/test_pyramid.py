@@ -1,3 +1,6 @@
+import gc
+import weakref
+
 import pytest
 import torch
 from hypothesis import given, settings
@@ -5,6 +8,7 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from maulstick.planning.objectives import pyramid
+from maulstick.planning.objectives.fused import Plain, Recorded
 from maulstick.planning.objectives.pyramid import MeanSquares, levels_of
 
 ROUNDING = 1e-5  # relative, of float32
@@ -58,31 +62,61 @@ def test_a_canvas_that_does_not_lie_row_by_row_has_the_same_value_and_slope() ->
     assert torch.equal(plain.grad, rows.grad)
 
 
+@pytest.fixture(params=["as it is", "replayed"])
+def device(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> torch.device:
+    """A GPU where there is one; else the CPU, which also writes results where the first were, as what is replayed."""
+    find = Recorded._work
+
+    def again(self: Recorded, plain: Plain) -> None:
+        first = vars(self).get("_value"), vars(self).get("_slope")
+        find(self, plain)
+        if first[1] is not None and first[1].shape == self._slope.shape:
+            self._value, self._slope = first[0].copy_(self._value), first[1].copy_(self._slope)
+
+    if request.param == "replayed":
+        monkeypatch.setattr(Recorded, "_work", again)
+    return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+
+
 @pytest.mark.parametrize("weights", [[1.0, 2.0], [0.5, 0.25, 0.25], [3.0]])
-def test_other_precisions_are_computed_plainly_again_and_again(weights: list[float]) -> None:
-    first, target, scale, pull = (each.double() for each in images(1, 3, 33, 20))
-    compared = MeanSquares(target, scale, pull)
-    for canvas in (first, first - 0.5, first):  # a GPU would record the second, and replay the third
+def test_other_precisions_are_computed_plainly_again_and_again(device: torch.device, weights: list[float]) -> None:
+    first, target, scale, pull = (each.double().to(device) for each in images(1, 3, 33, 20))
+    compared, in_levels = MeanSquares(target, scale, pull), torch.tensor(weights, dtype=torch.float64, device=device)
+    for canvas in (first, first - 0.5, first):  # a GPU records the second, and replays the third
         fast, plain = (canvas.clone().requires_grad_() for _ in range(2))
-        loss, expected = compared(fast, weights), compared.plain(plain, torch.tensor(weights, dtype=torch.float64))
+        loss, expected = compared(fast, weights), compared.plain(plain, in_levels)
         (3 * loss).backward()
         (3 * expected).backward()
         assert fast.grad is not None
-        assert torch.equal(loss, expected)
+        assert torch.allclose(loss, expected, rtol=1e-12, atol=0)
         assert torch.allclose(fast.grad, plain.grad, rtol=1e-12, atol=0)
 
 
-def test_what_was_found_for_one_canvas_stays_when_another_is_compared() -> None:
-    first, target, scale, _ = (each.double() for each in images(5, 3, 18, 16))
-    compared = MeanSquares(target, scale)
-    canvases = [(first + shift).requires_grad_() for shift in (0, 1)]
-    losses = [compared(canvas, weights) for canvas, weights in zip(canvases, ([1.0], [2.0]), strict=True)]
-    for canvas, loss, weight in zip(canvases, losses, (1.0, 2.0), strict=True):
+def test_what_was_found_for_one_canvas_stays_when_others_are_compared(device: torch.device) -> None:
+    first, target, scale, _ = (each.double().to(device) for each in images(5, 3, 18, 16))
+    compared, weights = MeanSquares(target, scale), (1.0, 2.0, 2.0, 4.0)
+    canvases = [(first + shift).requires_grad_() for shift in range(4)]
+    losses = [compared(canvas, [weight]) for canvas, weight in zip(canvases, weights, strict=True)]
+    for canvas, loss, weight in zip(canvases, losses, weights, strict=True):
         plain = canvas.detach().requires_grad_()
-        (expected := compared.plain(plain, torch.tensor([weight], dtype=torch.float64))).backward()
+        expected = compared.plain(plain, torch.tensor([weight], dtype=torch.float64, device=device))
+        expected.backward()
         loss.backward()
-        assert torch.equal(loss, expected)
-        assert torch.equal(canvas.grad, plain.grad)
+        assert torch.allclose(loss, expected, rtol=1e-12, atol=0)
+        assert torch.allclose(canvas.grad, plain.grad, rtol=1e-12, atol=0)
+
+
+@pytest.mark.parametrize("precision", [torch.float32, torch.float64])
+def test_a_target_is_freed_with_what_compares_it(precision: torch.dtype) -> None:
+    canvas, target, scale, _ = (each.to(precision) for each in images(6, 3, 18, 16))
+    compared, known = MeanSquares(target, scale), weakref.ref(target)
+    compared(canvas.requires_grad_(), [1.0]).backward()
+    gc.disable()
+    try:
+        del compared, target
+        assert known() is None
+    finally:
+        gc.enable()
 
 
 def test_the_same_difference_has_the_same_slope_to_the_bit() -> None:

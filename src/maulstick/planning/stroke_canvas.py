@@ -171,7 +171,7 @@ class StrokeCanvas:
 
 
 def _moved(tensors: list[Tensor], device: torch.device) -> list[Tensor]:
-    """Return tensors of one type on a device. Another than theirs gets all at once, since each move is waited for."""
+    """Return tensors of one type on a device; to another than theirs in one copy, since each copy is waited for."""
     if all(tensor.device == device for tensor in tensors):
         return tensors
     together = torch.cat([tensor.flatten() for tensor in tensors]).to(device)

@@ -137,7 +137,7 @@ class FreeStyle(Style):
 
     def cost(self, codes: Tensor, pressure_knots: Tensor) -> Tensor:
         """Cost (N,): relative bending of the control polygon, length beyond the limits, and changes of pressure."""
-        if codes.device.type == "cpu" and codes.dtype == torch.float32:
+        if all(each.device.type == "cpu" and each.dtype == torch.float32 for each in (codes, pressure_knots)):
             limits = self.unit, self.shortest, self.longest
             costs: Tensor = _Cost.apply(codes.contiguous(), pressure_knots.contiguous(), limits)
             return costs

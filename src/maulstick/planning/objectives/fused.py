@@ -45,7 +45,7 @@ class Recorded:
 
     def __init__(self) -> None:
         self._image = self._numbers = torch.empty(0)  # what is replayed reads these
-        self._known: Sequence[float] = ()  # the numbers that are there
+        self._known: tuple[float, ...] = ()  # the numbers that are there
         self._repeated = Repeated(self._image.device)
 
     def __call__(self, plain: Plain, image: Tensor, numbers: Sequence[float] = ()) -> Tensor:
@@ -59,11 +59,11 @@ class Recorded:
             self._image, self._numbers, self._known = torch.empty_like(image), image.new_empty(len(numbers)), ()
             self._repeated = Repeated(image.device)
         self._image.copy_(image)
-        if numbers != self._known:
-            self._numbers.copy_(torch.tensor(numbers, dtype=image.dtype, device=image.device))
-            self._known = numbers
+        if (asked := tuple(numbers)) != self._known:
+            self._numbers.copy_(torch.tensor(asked, dtype=image.dtype, device=image.device))
+            self._known = asked
         self._repeated(partial(self._work, plain), on=self._image)
-        return self._value.clone(), self._slope.clone()
+        return self._value.clone(), self._slope.clone()  # a replay writes into the same memory
 
     def _suits(self, image: Tensor) -> bool:
         own = self._image

@@ -30,7 +30,7 @@ def halved(image: Tensor) -> Tensor:
     return conv2d(columns, taps[None, None, None, :], stride=(1, 2))[:, 0]
 
 
-@cache
+@cache  # a GPU could not record a copy from the processor's memory
 def _taps(dtype: torch.dtype, device: torch.device) -> Tensor:
     return torch.tensor([1.0, 4.0, 6.0, 4.0, 1.0], dtype=dtype, device=device) / 16
 

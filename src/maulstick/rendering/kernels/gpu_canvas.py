@@ -27,7 +27,7 @@ class Canvas:
         canvas, points = (x.shape for x in given[:2])
         self.sizes, self.device, self.painted = Sizes(*points[:2], *canvas), given[0].device, 0
         self._given, self._grad_out = [torch.empty_like(x) for x in given], torch.empty_like(given[0])
-        self._trainable = torch.ones(points[0], device=self.device)
+        self._trainable = torch.empty(points[0], device=self.device)
         self._shapes = canvas, points, points[:2], (points[0], self.sizes.columns - 1)  # of the gradients
         self._gradients = torch.empty(sum(map(math.prod, self._shapes)), device=self.device)
         self._paint, self._return = Repeated(self.device), Repeated(self.device)

@@ -15,14 +15,18 @@ class Repeated:
 
     def __call__(self, work: Callable[[], None], on: object) -> None:
         """Do the work; on: what stands for its tensors, another where they are others."""
+        if self._device.type != "cuda":
+            work()
+            return
         if on is not self._on:
             self._on, self._runs, self._graph = on, 0, None
-        if self._runs == 1 and self._device.type == "cuda":  # what it launches has been compiled by then
-            self._graph = torch.cuda.CUDAGraph()
-            with torch.cuda.graph(self._graph, capture_error_mode="thread_local"):
+        with torch.cuda.device(self._device):
+            if self._runs == 1:  # what it launches has been compiled by then
+                self._graph = torch.cuda.CUDAGraph()
+                with torch.cuda.graph(self._graph, capture_error_mode="thread_local"):
+                    work()
+            self._runs += 1
+            if self._graph is None:
                 work()
-        self._runs += 1
-        if self._graph is None:
-            work()
-        else:
-            self._graph.replay()
+            else:
+                self._graph.replay()
