@@ -67,7 +67,7 @@ def supply_of(hand: str, picture: str, brush: str) -> tuple[Layout, InkSupply]:
     """The picture on the sheet, and the ink that it needs and that a stroke gives."""
     pen = load_brush(brush)
     layout = lay_out_for(load(picture), Sheet(width=SHEET[0], height=SHEET[1]), pen, "contain", PX)
-    supply = InkSupply.of(layout, pen, style_of(hand), BLACK, with_lines=False)
+    supply = InkSupply.of(layout, pen, style_of(hand), (BLACK,), with_lines=False)
     assert supply is not None
     return layout, supply
 

@@ -59,7 +59,7 @@ def test_one_tube_is_one_ink_and_drawn_with_one_brush(tmp_path: Path) -> None:
         "plan", "--demo", "--brush", "wash,marker", "--paints-from", tmp_path / "tube.csv", "--out", tmp_path / "a"
     )
     assert ran.code == 2
-    assert ran.mistake.startswith("--brush wash,marker names several, and one ink is drawn with one")
+    assert ran.mistake.startswith("--brush wash,marker names several, and ink is drawn with one")
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_one_tube_is_one_ink_and_drawn_with_one_brush(tmp_path: Path) -> None:
         (("--brush", "wash,"), "there is no brush ''; there are: FILE.json, fineliner, "),
         (
             ("--brush", "wash,marker", "--ink", "black"),
-            "--brush wash,marker names several, and one ink is drawn with one; name one, or paint in colours",
+            "--brush wash,marker names several, and ink is drawn with one; name one, or paint in colours",
         ),
     ],
 )

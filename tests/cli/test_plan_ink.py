@@ -64,9 +64,7 @@ def test_auto_takes_at_most_ten_thousand_strokes_and_says_how_many_there_should_
 def test_auto_without_one_ink_in_a_hand_says_what_it_is_for(tmp_path: Path, words: tuple[str, ...]) -> None:
     ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--strokes", "auto", *words)
     assert ran.code == 2
-    assert ran.mistake.startswith(
-        "--strokes is auto, which counts strokes of a hand for one ink; give --style and --ink"
-    )
+    assert ran.mistake.startswith("--strokes is auto, which counts strokes of a hand for ink; give --style and --ink")
     assert not (tmp_path / "out").exists()
 
 
@@ -127,7 +125,7 @@ def test_a_drawing_that_there_is_not_and_one_without_an_ink_are_refused(tmp_path
     ran = run("plan", PORTRAIT, "--out", tmp_path / "out", *PEN, "--drawing", "dots")
     assert (ran.code, ran.mistake) == (2, "there is no drawing 'dots'; there are: both, lines, tones")
     ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--drawing", "lines")
-    assert (ran.code, ran.mistake) == (2, "--drawing lines is for one ink; give --ink, or leave it out")
+    assert (ran.code, ran.mistake) == (2, "--drawing lines is for ink; give --ink, or leave it out")
 
 
 def test_lines_of_a_text_are_refused(tmp_path: Path) -> None:

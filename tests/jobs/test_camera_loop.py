@@ -230,7 +230,7 @@ def test_a_single_paint_that_was_mixed_does_not_become_an_ink(
     monkeypatch.setattr(camera_loop, "plan", stop)
     with pytest.raises(InterruptedError):
         replanned(alone, PAINTED, WHITE, picture())
-    assert seen[0].one_ink == is_ink
+    assert seen[0].in_ink == is_ink
 
 
 def without_style() -> Painting:

@@ -183,7 +183,7 @@ def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_pl
         write_painting(ms.plan(folder / "disc.png", **quick, **way), file)
         for _ in range(2):
             prepared = prepared_from(file)
-            assert prepared.settings.one_ink == is_ink, way
+            assert prepared.settings.in_ink == is_ink, way
             assert (prepared.tones is not None) == is_ink, way
             write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
 

@@ -71,12 +71,13 @@ def same_pyramid(monkeypatch: pytest.MonkeyPatch) -> None:
     ("settings", "weights", "text"),
     [
         (options(steps=9), {"edges": 1.0}, None),
+        (options(steps=9, paints=None, palette=PALETTE, in_colours=True), {}, None),
         (options(steps=9, paints=None, palette=PALETTE), {}, None),
         (options(steps=9, paints=None), {}, None),
         (options(steps=9, ask_every=4), {"likeness": 1.0, "sketch": 1.0, "look": 1.0}, None),
         (options(steps=9, ask_every=4), {}, "a boat"),
     ],
-    ids=["mixed paints", "given paints", "one ink", "networks", "text alone"],
+    ids=["mixed paints", "given paints", "inks", "one ink", "networks", "text alone"],
 )
 def test_a_plan_of_another_device_is_that_of_the_cpu(
     portrait: Image, settings: PlannerSettings, weights: Mapping[str, float], text: str | None

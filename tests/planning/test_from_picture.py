@@ -260,7 +260,7 @@ def test_faces_count_more_unless_told_otherwise(portrait: Picture, round_brush: 
 
 
 def test_paints_are_known_by_their_names_where_they_have_one(layout: Layout, round_brush: Brush) -> None:
-    wanted = options(paints=None, palette=((0.9, 0.8, 0.7), (0.2, 0.2, 0.4)), steps=20)
+    wanted = options(paints=None, palette=((0.9, 0.8, 0.7), (0.2, 0.2, 0.4)), in_colours=True, steps=20)
     style = load_style("free", layout.canvas)
     planned = plan(problem_of(layout, (round_brush,), style, wanted, NO_NETWORK), wanted)
     names = {hex_colour((0.2, 0.2, 0.4)): "dusk"}
@@ -285,7 +285,7 @@ def test_what_became_of_a_plan_is_written_into_its_file_term_by_term(
 def test_tones_of_an_ink_are_judged_beside_what_the_ink_can_show_of_a_coloured_picture(
     painting: Painting, layout: Layout, round_brush: Brush
 ) -> None:
-    black = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, ink=(0.0, 0.0, 0.0))
+    black = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, inks=((0.0, 0.0, 0.0),))
     assert layout.target is not None
     grey = replace(layout, target=np.repeat(layout.target.mean(axis=2, keepdims=True), 3, axis=2))
     in_colours, in_grey = (

@@ -110,7 +110,7 @@ def test_strokes_that_are_moved_in_regions_are_of_the_kind_they_were(
     new = initialiser(both, INK, arranged=arranged)
     strokes = new.strokes(both.paper, density(both), 60)[0]
     old = strokes[are_circles(regions.style, strokes)]
-    for rows, there in new.by_pool(torch.arange(len(old)), old, density(both)):
+    for rows, there in new.by_pool(torch.arange(len(old)), old, torch.zeros(len(old)), density(both)[None]):
         (moved,) = new.moved(old[rows], both.paper, both.paper, there, 0.01)
         assert len(moved) == len(rows) > 5
         assert are_circles(regions.style, moved).all()
@@ -134,7 +134,7 @@ def test_a_region_where_nothing_is_wanted_keeps_its_share_of_strokes_and_those_t
     strokes = new.strokes(parted.paper, wanted, 60)[0]
     assert regions.style.regions_of(strokes.codes).bincount(minlength=3).tolist() == [30, 30, 0]
     own = strokes[regions.style.regions_of(strokes.codes) == 1]
-    ((rows, there),) = new.by_pool(torch.arange(len(own)), own, wanted)
+    ((rows, there),) = new.by_pool(torch.arange(len(own)), own, torch.zeros(len(own)), wanted[None])
     (moved,) = new.moved(own[rows], parted.paper, parted.paper, there, 0.01)
     assert (regions.style.regions_of(moved.codes) == 1).all()
 

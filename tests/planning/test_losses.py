@@ -103,7 +103,7 @@ def test_with_one_ink_colours_are_not_compared() -> None:
     for one_ink in (True, False):
         _, (network_loss,) = losses_of(
             LossOptions(weights={"tone": 0, "likeness": 1}),
-            Reference(grey, torch.ones(30, 40), PAPER, 2.0 if one_ink else None),
+            Reference(grey, torch.ones(30, 40), PAPER, 2.0, grey=one_ink),
             TinyNetwork,
         )
         assert (network_loss.term.losses(shades, [0]).item() < 1e-6) is one_ink

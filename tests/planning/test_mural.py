@@ -229,7 +229,7 @@ def test_one_ink_draws_all_windows(mural: Mural, round_brush: Brush) -> None:
 
 def test_paints_that_there_are_stay_what_they_are(mural: Mural, round_brush: Brush) -> None:
     there = ((0.1, 0.1, 0.1), (0.9, 0.8, 0.7), (0.5, 0.3, 0.2))
-    drawn = planned_as(replace(QUICK, paints=None, palette=there), mural, round_brush)
+    drawn = planned_as(replace(QUICK, paints=None, palette=there, in_colours=True), mural, round_brush)
     assert drawn.paints.tolist() == [pytest.approx(there[i]) for i in (1, 2, 0)]
     assert len(torch.unique(drawn.paint_of)) == 3
 

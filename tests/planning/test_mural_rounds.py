@@ -139,7 +139,7 @@ def test_a_window_draws_in_one_ink_where_the_whole_does_and_never_in_a_paint_mix
     asked: list[Window] = []
     plan_strip(noting(asked), settings=replace(SETTINGS, paints=paints))
     assert {len(window.settings.palette) for window in asked} == {1}
-    assert {window.settings.one_ink for window in asked} == {is_ink}
+    assert {window.settings.in_ink for window in asked} == {is_ink}
 
 
 def test_a_mural_goes_on_from_no_other_plan(states: list[State], planned: PlanResult) -> None:

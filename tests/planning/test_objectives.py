@@ -120,7 +120,7 @@ def test_ink_costs_in_lights_that_are_left_blank_most_where_the_picture_is_light
     picture, target = sheet.clone(), sheet.clone()
     picture[:, 20:40], picture[:, 40:] = 0.8 * paper + 0.2 * ink, 0.2 * paper + 0.8 * ink
     target[:, 40:] = picture[:, 40:]
-    veiled = Tones(veil=0.3, contrast=1.0, lightest=100.0, darkest=20.0, ink=(ink, ink, ink))
+    veiled = Tones(veil=0.3, contrast=1.0, lightest=100.0, darkest=20.0, inks=((ink, ink, ink),))
     pull = veiled.away_from_lights(target, picture, sheet)
     assert replace(veiled, veil=0.0).away_from_lights(picture, picture, sheet) is None
     with_lights, without = (Halftone(target, torch.ones(64, 64), 5.0, each) for each in (pull, None))

@@ -14,7 +14,6 @@ from maulstick.planning.placement import (
     detail,
     edges,
     find_places,
-    ink_density,
     sizes_at,
     start_strokes,
     unlike,
@@ -166,16 +165,6 @@ def test_a_picture_of_more_pixels_has_the_same_density(density: Callable[[Floats
     assert found.shape == (780, 570)
     each = density(picture)
     assert found.reshape(260, 3, 190, 3).mean(axis=(1, 3)) == pytest.approx(each, rel=0.02, abs=0.02 * each.max())
-
-
-def test_ink_is_asked_for_by_how_far_a_tone_lies_from_paper_to_ink() -> None:
-    paper, ink = np.full((3, 1, 5), 0.9), np.array([0.1, 0.1, 0.1])
-    image = np.array([0.9, 0.5, 0.1, 0.0, 1.0])[None, None].repeat(3, axis=0)
-    assert ink_density(image, paper, ink) == pytest.approx(np.array([[0, 0.5, 1, 1, 0]]), abs=1e-12)
-    red = np.array([0.9, 0.1, 0.1])
-    assert ink_density(np.full((3, 1, 5), 0.9), paper, red) == pytest.approx(0)
-    assert ink_density(red[:, None, None].repeat(5, axis=2), paper, red) == pytest.approx(1)
-    assert not ink_density(image, paper, np.full(3, 0.9)).any(), "an ink like the paper"
 
 
 def three(spacing: float) -> Places:

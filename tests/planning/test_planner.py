@@ -184,14 +184,14 @@ TUBES = ((0.1, 0.1, 0.1), (0.95, 0.95, 0.9), (0.75, 0.3, 0.15), (0.2, 0.3, 0.5))
 
 
 def test_given_paints_are_used_as_they_are_the_lightest_first(problem: PlanningProblem) -> None:
-    found = plan(problem, options(paints=None, palette=TUBES))
+    found = plan(problem, options(paints=None, palette=TUBES, in_colours=True))
     assert found.paints.tolist() == [pytest.approx(TUBES[i]) for i in (1, 2, 3, 0)]
     assert 2 <= changes(found) <= 3
     assert mse(rendered(problem, found), problem.target) < 0.3 * mse(problem.paper, problem.target)
 
 
 def test_strokes_take_other_paints_of_those_given_where_that_is_better(problem: PlanningProblem) -> None:
-    given = options(paints=None, palette=TUBES, exact=True)
+    given = options(paints=None, palette=TUBES, in_colours=True, exact=True)
     kept = [plan(problem, replace(given, seed=seed), schedule=replace(GIVEN_PAINTS, repaints=())) for seed in range(3)]
     taken = [plan(problem, replace(given, seed=seed)) for seed in range(3)]
     errors = [np.mean([mse(rendered(problem, found), problem.target) for found in plans]) for plans in (kept, taken)]

@@ -30,7 +30,7 @@ def of_grey(*greys: float) -> Layout:
 
 
 def supply(layout: Layout, ink: tuple[float, float, float] = BLACK, *, with_lines: bool = True) -> InkSupply:
-    found = InkSupply.of(layout, PEN, HAND, ink, with_lines=with_lines)
+    found = InkSupply.of(layout, PEN, HAND, (ink,), with_lines=with_lines)
     assert found is not None
     return found
 
@@ -131,8 +131,8 @@ def test_a_picture_too_pale_to_show_anything_keeps_its_tones_though_all_of_it_wa
 
 def test_a_style_that_may_grow_its_strokes_and_no_picture_have_no_tones() -> None:
     layout = of_grey(0.5)
-    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), BLACK, with_lines=True) is None
-    assert InkSupply.of(replace(layout, target=None), PEN, HAND, BLACK, with_lines=True) is None
+    assert InkSupply.of(layout, PEN, FreeStyle.for_canvas(layout.canvas), (BLACK,), with_lines=True) is None
+    assert InkSupply.of(replace(layout, target=None), PEN, HAND, (BLACK,), with_lines=True) is None
 
 
 def test_a_brush_that_is_pressed_gives_more_ink_than_a_pen(round_brush: Brush) -> None:
@@ -143,7 +143,7 @@ def test_of_a_brush_that_is_pressed_as_many_strokes_are_enough_as_show_the_pictu
     round_brush: Brush,
 ) -> None:
     layout = of_grey(0.9, 0.6, 0.3)
-    pressed, pen = (InkSupply.of(layout, brush, HAND, BLACK, with_lines=True) for brush in (round_brush, PEN))
+    pressed, pen = (InkSupply.of(layout, brush, HAND, (BLACK,), with_lines=True) for brush in (round_brush, PEN))
     assert pressed is not None
     assert pen is not None
     assert pen.enough == pen.fewest
@@ -155,7 +155,7 @@ def test_of_a_brush_that_is_pressed_as_many_strokes_are_enough_as_show_the_pictu
 def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
     ink = (0.1, 0.1, 0.4)
     layout = lay_out_for(astronaut()[:256, 90:346] / np.float32(255), SHEET, PEN, "contain", 100)
-    blank = Tones(veil=1.0, contrast=1.0, lightest=100.0, darkest=100.0, ink=ink)
+    blank = Tones(veil=1.0, contrast=1.0, lightest=100.0, darkest=100.0, inks=(ink,))
     wanted = PlannerSettings(strokes=30, paints=None, palette=(ink,))
 
     def asked(tones: Tones) -> torch.Tensor:
@@ -174,5 +174,5 @@ def test_lines_lie_over_tones_that_leave_them_blank_in_the_ink() -> None:
 
 def test_a_picture_is_as_its_ink_can_show_it_whatever_its_colours() -> None:
     paper, coloured = torch.ones(3, 1, 2), torch.tensor([[[0.9, 0.1]], [[0.6, 0.7]], [[0.3, 0.4]]])
-    shown = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, ink=BLACK).in_ink(coloured, paper)
+    shown = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, inks=(BLACK,)).in_ink(coloured, paper)
     assert torch.allclose(shown, torch.tensor([[0.6, 0.4]]).expand(3, 1, 2), atol=1e-6)

@@ -27,7 +27,7 @@ def expect_chosen(page: Page) -> None:
     chosen = {
         "Machine": "AxiDraw",
         "Brush or pen": "marker, held at one pressure: 2.4 mm",
-        "Colours": "One ink",
+        "Colours": "Ink",
         "Strokes": "12",
         "Sheet": "A5",
         "Outlines": "0.5",
@@ -51,13 +51,13 @@ def test_from_the_default_form_a_plotter_draws_and_all_that_was_chosen_is_there_
     expect(brush).to_have_value("round, 0.69 to 16 mm")
     choose(tab, "Machine", "AxiDraw")
     expect(brush).to_have_value("Pen: 0.25 mm black, Sakura Pigma Micron 01")
-    expect(tab.get_by_label("Colours", exact=True)).to_have_value("One ink")
+    expect(tab.get_by_label("Colours", exact=True)).to_have_value("Ink")
     choose(tab, "Machine", "Franka arm")
     expect(brush).to_have_value("round, 0.69 to 16 mm")
     expect(tab.get_by_label("Colours", exact=True)).to_have_value("Paints")
     choose(tab, "Machine", "AxiDraw")
     choose(tab, "Brush or pen", re.compile("^marker, held at one pressure: 2.4 mm$"))
-    choose(tab, "Colours", "One ink")
+    choose(tab, "Colours", "Ink")
     choose(tab, "How carefully", re.compile("sketch"))
     choose(tab, "Sheet", re.compile("^A5$"))
     tab.get_by_label("Strokes", exact=True).fill("12")

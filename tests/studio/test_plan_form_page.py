@@ -40,7 +40,7 @@ def test_several_brushes_are_chosen_in_colours_kept_and_named_on_the_card(
     expect(tab.get_by_role("listbox")).to_have_count(0)
     expect(go).to_be_in_viewport(ratio=1)
     assert tab.evaluate(f"{EDGES}('.fields').bottom <= {EDGES}('.go').top"), "it covers none of them"
-    choose(tab, "Colours", "One ink")
+    choose(tab, "Colours", "Ink")
     expect(more).to_be_hidden()
     choose(tab, "Colours", "Paints")
     expect(more).to_be_visible()

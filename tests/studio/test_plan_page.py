@@ -153,7 +153,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
         opened.get_by_role("option", name=name).click()
         expect(opened.get_by_role("listbox")).to_have_count(0)
 
-    choose("Colours", "One ink")
+    choose("Colours", "Ink")
     expect(arranged).to_be_visible()
     expect(drawing).to_be_hidden()  # there is no picture that has lines
     bring_a_picture(opened, tmp_path)
@@ -172,7 +172,7 @@ def test_a_drawing_in_one_ink_can_be_asked_for_as_on_the_command_line_and_its_no
     for each in (drawing, enough, arranged):
         expect(each).to_be_hidden()
     expect(strokes).to_be_enabled()
-    choose("Colours", "One ink")
+    choose("Colours", "Ink")
     expect(strokes).to_be_disabled()
 
     opened.get_by_label("Hand size").fill("")

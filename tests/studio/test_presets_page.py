@@ -31,7 +31,7 @@ def drop(page: Page, content: bytes, name: str) -> None:
 
 
 def expect_ink_on_a5(page: Page) -> None:
-    for label, value in {"Machine": "AxiDraw", "Colours": "One ink", "Sheet": "A5", "Outlines": "0.5"}.items():
+    for label, value in {"Machine": "AxiDraw", "Colours": "Ink", "Sheet": "A5", "Outlines": "0.5"}.items():
         expect(page.get_by_label(label, exact=True)).to_have_value(value)
 
 

@@ -55,6 +55,11 @@ def lightness(colours: Floats) -> Floats:
     return lab
 
 
+def light_first(colours: Floats) -> Ints:
+    """Return the indices (N,) of colours (N, 3), sRGB in [0, 1], from the lightest to the darkest."""
+    return np.argsort(-lightness(colours), kind="stable")
+
+
 def parse_colour(text: str) -> tuple[float, float, float]:
     """Return sRGB in [0, 1] of a colour's name, such as ``black``, or of ``#rrggbb``. Raises InputError for others."""
     refusal = InputError(f"{text!r} is not a colour; write a name such as black, or #rrggbb")

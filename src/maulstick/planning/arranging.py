@@ -21,39 +21,40 @@ _WEIGHT = 3e-3  # beside a loss of tones; a third of it leaves groups apart
 class Arranging:
     """The price of strokes that lie otherwise beside each other, and on the picture, than their hands'.
 
-    strokes: that a plan begins with, as dense as they will be.  spacing: metres between them.
-    share: in [0, 1], of the price.  A region's strokes count as many as they are; of those whose hand's arrangement is
-    not known nothing is asked.
+    strokes: that a plan begins with, as dense as they will be.  ink_of: (N,), their inks.
+    spacing: metres between them.  share: in [0, 1], of the price.
+    The strokes of each ink are arranged among themselves, as they are drawn. A region's strokes count as many as they
+    are; of those whose hand's arrangement is not known nothing is asked.
     """
 
-    def __init__(self, problem: PlanningProblem, strokes: StrokeParameters, spacing: float, share: float) -> None:
+    def __init__(
+        self, problem: PlanningProblem, strokes: StrokeParameters, ink_of: Tensor, spacing: float, share: float
+    ) -> None:
         self._regions, self._weight = problem.regions, _WEIGHT * share
         hands = [problem.style] if self._regions is None else [region.hand for region in self._regions.said]
-        begins = self._by_hand(strokes)
         self._hands = {
-            number: _ArrangedHand(hand, hand.arrangement, problem, begins[number], spacing)
-            for number, hand in enumerate(hands)
-            if hand.arrangement is not None and number in begins
+            (number, ink): _ArrangedHand(hands[number], arrangement, problem, own, spacing)
+            for (number, ink), own in self._parts(strokes, ink_of).items()
+            if (arrangement := hands[number].arrangement) is not None
         }
 
-    def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
+    def price(self, strokes: StrokeParameters, ink_of: Tensor, torch_rng: Generator) -> Tensor:
         """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""
         price = torch.zeros(())
-        for number, own in self._by_hand(strokes).items():
-            if number in self._hands and len(own) > NEAREST:
-                price = price + len(own) / len(strokes) * self._hands[number].price(own, torch_rng)
+        for part, own in self._parts(strokes, ink_of).items():
+            if part in self._hands and len(own) > NEAREST:
+                price = price + len(own) / len(strokes) * self._hands[part].price(own, torch_rng)
         return self._weight * price
 
-    def _by_hand(self, strokes: StrokeParameters) -> dict[int, StrokeParameters]:
-        """Return the strokes of each hand that has any, with its own codes."""
-        if self._regions is None:
-            return {0: strokes}
-        style = self._regions.style
-        regions, found = style.regions_of(strokes.codes), {}
-        for number in regions.unique().tolist():
-            rows = regions == number
+    def _parts(self, strokes: StrokeParameters, ink_of: Tensor) -> dict[tuple[int, int], StrokeParameters]:
+        """Return the strokes of each hand and ink that has any, with the hand's own codes."""
+        hand_of = torch.zeros_like(ink_of) if self._regions is None else self._regions.style.regions_of(strokes.codes)
+        found = {}
+        for number, ink in torch.stack([hand_of, ink_of], dim=1).unique(dim=0).tolist():
+            rows = (hand_of == number) & (ink_of == ink)
             own = StrokeParameters(**{name: tensor[rows] for name, tensor in strokes.each().items()})  # with gradients
-            found[number] = replace(own, codes=style.own_codes(own.codes, number))
+            codes = own.codes if self._regions is None else self._regions.style.own_codes(own.codes, number)
+            found[number, ink] = replace(own, codes=codes)
         return found
 
 

@@ -21,7 +21,7 @@ class CanvasLoss:
         self._problem, self._ask_every = problem, options.ask_every
         self._surrogate = Surrogate(problem.network_losses, problem.paper) if problem.network_losses else None
         self.pool = 1
-        if options.one_ink:  # greys are made of lines, which only a blurred view shows as grey
+        if options.in_ink:  # greys are made of lines, which only a blurred view shows as grey
             self.pool = max(1, round(4 * problem.brushes[0].widest * problem.canvas.pixels_per_metre))
 
     @property

@@ -29,7 +29,7 @@ def coarsest(problem: PlanningProblem, options: PlannerSettings, spacing: float)
     ink, which are made of lines, edges, and what networks see.
     """
     sees_edges = any(isinstance(each.term, Edges) for each in problem.objectives)
-    if not _is_large(problem.paper) or options.one_ink or problem.network_losses or sees_edges:
+    if not _is_large(problem.paper) or options.in_ink or problem.network_losses or sees_edges:
         return 1
     side = min(spacing / _APART, 2 * problem.brushes[0].widest)
     return max(1, round(side * problem.canvas.pixels_per_metre))

@@ -20,11 +20,11 @@ from maulstick.planning.layout import Layout
 from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.objectives import towards_contours
-from maulstick.planning.placement import ink_density
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.planning.room import kept_in
+from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import truth
@@ -35,7 +35,7 @@ from maulstick.style.regional import RegionalStyle
 
 _DEFAULT_LOSSES = LossOptions()
 _CPU = torch.device("cpu")
-_PALEST = 0.01  # grey of one ink whose lines are the furthest apart that is reckoned with
+_PALEST = 0.01  # grey whose lines are the furthest apart that is reckoned with
 _BLUR = 2e-3  # metres: standard deviation of what an eye blurs that stands two metres away
 _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
@@ -55,9 +55,9 @@ def problem_of(
 ) -> PlanningProblem:
     """Return the planning problem of a layout with these losses; `network` is called where a loss needs one.
 
-    brushes: the broadest first; one ink has one.
+    brushes: the broadest first; inks have one.
     importance: (H, W), how much each pixel counts; when left out, as `importance_of` says of the layout.
-    device: renders, and compares with the picture.  tones: those of one ink that the picture is planned in, if any.
+    device: renders, and compares with the picture.  tones: those of inks that the picture is planned in, if any.
     regions: of the layout's canvas, whose hands then draw instead of the `style`.
     bare: (H, W, 3), the sheet without what is painted, on which tones are made; when left out, the layout's.
     Raises InputError for losses that cannot be had.
@@ -75,10 +75,11 @@ def problem_of(
         target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device))
         if tones.lines:
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
-            target = target + dark * (torch.tensor(tones.ink).to(target)[:, None, None] - target)
-    spacing = _spacing(target, paper, brushes[0], layout, options) if options.one_ink else None
+            target = target + dark * (torch.tensor(tones.darkest_ink).to(target)[:, None, None] - target)
+    spacing = _spacing(target, paper, brushes[0], layout, options) if options.in_ink else None
     pull = _pull(target, picture, paper, tones, options, contours=loss_options.contours)
-    reference = Reference(target, weights, torch.tensor(layout.sheet.paper, device=device), spacing, pull, weights_of)
+    sheet, grey = torch.tensor(layout.sheet.paper, device=device), options.in_ink and len(options.palette) == 1
+    reference = Reference(target, weights, sheet, spacing, pull, weights_of, grey)
     return PlanningProblem(
         target,
         paper,
@@ -102,8 +103,8 @@ def _pull(
     *,
     contours: bool,
 ) -> torch.Tensor | None:
-    """Return the slope of what counts beside the tones of one ink, as `Halftone` takes it, where anything does."""
-    if target is None or picture is None or not options.one_ink:
+    """Return the slope of what counts beside the tones of inks, as `Halftone` takes it, where anything does."""
+    if target is None or picture is None or not options.in_ink:
         return None
     lights = None if tones is None else tones.away_from_lights(target, picture, paper)
     if not contours:
@@ -114,11 +115,11 @@ def _pull(
 def _spacing(
     target: torch.Tensor | None, paper: torch.Tensor, brush: Brush, layout: Layout, options: PlannerSettings
 ) -> float:
-    """Return the pixels between thinnest lines of one ink in the usual grey of a target (C, H, W)."""
+    """Return the pixels between thinnest lines in the usual grey of a target (C, H, W)."""
     width = 2 * brush.finest * layout.canvas.pixels_per_metre
     if target is None:
         return width
-    amounts = ink_density(as_array(target), as_array(paper), np.array(options.palette[0]))
+    amounts = separated(target.double(), paper.double(), options.palette).sum(dim=0).cpu().numpy()
     shown = amounts[amounts > 0]
     return width / max(float(shown.mean()), _PALEST) if len(shown) else width
 

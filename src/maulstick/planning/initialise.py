@@ -7,6 +7,7 @@ import torch
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
+from maulstick.colour.palette import light_first
 from maulstick.painting.brush import Brush
 from maulstick.planning.directions import directions
 from maulstick.planning.groups import choose_groups, place_groups
@@ -17,7 +18,6 @@ from maulstick.planning.placement import (
     colours_at,
     detail,
     find_places,
-    ink_density,
     sizes_at,
     start_strokes,
     strokes_at,
@@ -26,9 +26,10 @@ from maulstick.planning.placement import (
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
+from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Complexes, Floats
 from maulstick.style import Style
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
@@ -54,7 +55,8 @@ class Initialiser:
         self._problem, self._options, self._arranged = problem, options, arranged
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
-        self._ink = np.array(options.palette[0])
+        self.palette = tuple(options.palette[number] for number in light_first(np.array(options.palette)))
+        self._lines: tuple[Tensor, complex, Complexes] | None = None  # the last, since each ink takes the same
         self._usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
 
     def first(self) -> tuple[StrokeParameters, float]:
@@ -63,11 +65,10 @@ class Initialiser:
         if target is None:
             return self._anywhere(self._options.strokes)
         image = as_array(target)
-        if self._options.one_ink:
-            density = ink_density(image, self._paper, self._ink)
-        else:
-            differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
-            density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
+        if self._options.in_ink:
+            return self._of_inks(target, self._where_allowed(self._amounts(image)), self._options.strokes)
+        differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
+        density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
 
     def completed(self, start: StrokeParameters, pool: int) -> StrokeParameters:
@@ -80,28 +81,65 @@ class Initialiser:
             return joined([start, self._anywhere(count, self._usual_spacing)[0]])
         with torch.no_grad():
             canvas = StrokeCanvas(start, problem).render()
-            density = self.missing(TargetView(problem.target, problem.weights, pool), canvas)
-        return joined([start, self.strokes(problem.target, density, count, self._usual_spacing)[0]])
+            missing = self.missing(TargetView(problem.target, problem.weights, pool), canvas)
+        if self._options.in_ink:
+            return joined([start, self._of_inks(problem.target, missing, count, self._usual_spacing)[0]])
+        return joined([start, self.strokes(problem.target, missing[0], count, self._usual_spacing)[0]])
 
-    def by_pool(self, rows: Tensor, strokes: StrokeParameters, density: Floats) -> list[tuple[Tensor, Floats]]:
-        """Return rows of the strokes pool by pool, and of each pool the density (H, W); one pool without regions."""
-        if (regions := self._problem.regions) is None:
-            return [(rows, density)]
-        region_of, found = regions.style.regions_of(strokes.codes)[rows], []
-        for members, _ in regions.pools:
-            own = rows[torch.from_numpy(members)[region_of]]
-            if len(own):
-                found.append((own, regions.within(members, density)))
-        return found
+    def by_pool(
+        self, rows: Tensor, strokes: StrokeParameters, paint_of: Tensor, density: Floats
+    ) -> list[tuple[Tensor, Floats]]:
+        """Return rows of the strokes ink by ink and pool by pool, and of each the density (H, W) where it may be.
+
+        paint_of: (N,).  density: as `missing` returns it. Without regions there is one pool.
+        """
+        ink_of = paint_of[rows] if self._options.in_ink else torch.zeros_like(rows)
+        parts = [(rows[ink_of == ink], there) for ink, there in enumerate(density)]
+        if (regions := self._problem.regions) is not None:
+            region_of = regions.style.regions_of(strokes.codes)
+            parts = [
+                (own[torch.from_numpy(members)[region_of[own]]], regions.within(members, there))
+                for own, there in parts
+                for members, _ in regions.pools
+            ]
+        several = len(density) > 1  # of which one that is nowhere missing stays where it is
+        return [(own, there) for own, there in parts if len(own) and (there.any() or not several)]
 
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
-        """Return the density (H, W) of strokes that the canvas (C, H, W) still needs to become the target."""
+        """Return the density of strokes of each ink that the canvas (C, H, W) still needs to become the target.
+
+        It is (k, H, W), from the lightest ink on, or (1, H, W) of paints.
+        """
         image, painted = as_array(view.target), as_array(canvas)
-        if self._options.one_ink:
-            density = ink_density(image, self._paper, self._ink) - ink_density(painted, self._paper, self._ink)
-            ink: Floats = gaussian_filter(density, image.shape[1] / 100 + view.pool).clip(min=0) * self._weights
-            return ink
-        return unlike(painted - image) * self._weights
+        if self._options.in_ink:
+            density = self._amounts(image) - self._amounts(painted)
+            sigma = image.shape[1] / 100 + view.pool
+            return self._where_allowed(gaussian_filter(density, (0, sigma, sigma)).clip(min=0) * self._weights)
+        return unlike(painted - image)[None] * self._weights
+
+    def _amounts(self, image: Floats) -> Floats:
+        """Return how much of each ink the image (C, H, W) shows, (k, H, W)."""
+        return separated(torch.from_numpy(image), torch.from_numpy(self._paper), self.palette).numpy()
+
+    def _where_allowed(self, density: Floats) -> Floats:
+        """Return a density of inks (k, H, W), 0 where a region does not allow them."""
+        if (regions := self._problem.regions) is None:
+            return density
+        allowed = regions.allowed_paints(torch.arange(len(regions.said)), np.array(self.palette))
+        return density * allowed.T[:, regions.labels]
+
+    def _of_inks(
+        self, target: Tensor, density: Floats, count: int, room: float = np.inf
+    ) -> tuple[StrokeParameters, float]:
+        """Return `count` strokes as `strokes` does, each ink's as many as its share of the density (k, H, W)."""
+        inks, parts = torch.tensor(self.palette), []
+        ends = np.cumsum(density.sum(axis=(1, 2)) + 1e-9)
+        counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
+        for ink, there, own in zip(inks, density, counts, strict=True):
+            if own:
+                strokes, spacing = self.strokes(target, there, own, room)
+                parts.append((replace(strokes, colours=ink.expand(own, -1).clone()), spacing))
+        return joined([strokes for strokes, _ in parts]), min(spacing for _, spacing in parts)
 
     def strokes(
         self, target: Tensor, density: Floats, count: int, room: float = np.inf
@@ -139,18 +177,20 @@ class Initialiser:
         """Return others in place of some strokes, each alone: of each brush, at the same places; else as `strokes`.
 
         In colours each is as wide as what is wrong on the canvas (C, H, W) there: a dot is mended by a dot.
-        In one ink they are around the hand's strokes that those before are most like. Most of these are long, and if
-        others of any length took their place, the hand's lengths would make the rest longer than their shapes are.
+        Of an ink they keep it, and are around the hand's strokes that those before are most like. Most of these are
+        long, and if others of any length took their place, the hand's lengths would make the rest longer than their
+        shapes are.
         """
-        like = self._problem.style.decode(strokes.codes).detach() if self._options.one_ink else None
+        like = self._problem.style.decode(strokes.codes).detach() if self._options.in_ink else None
         if self._arranged:
-            return [self._in_groups(target, density, len(strokes), like)]
+            return [replace(self._in_groups(target, density, len(strokes), like), colours=strokes.colours)]
         places = self._places(target, density, len(strokes), room)
-        if not self._options.one_ink:
+        if not self._options.in_ink:
             widest = HALF_WIDTH_IN_SPACINGS * self._usual_spacing * self._problem.canvas.pixels_per_metre
             sizes = sizes_at(as_array(canvas) - as_array(target), places.centres, widest)
             places = replace(places, spacing=np.minimum(places.spacing, sizes / HALF_WIDTH_IN_SPACINGS))
-        return [self._with_brush(number, places, like) for number in range(len(self._problem.brushes))]
+        others = [self._with_brush(number, places, like) for number in range(len(self._problem.brushes))]
+        return [replace(each, colours=strokes.colours) for each in others] if self._options.in_ink else others
 
     def _shares(self, count: int, density: Floats) -> list[tuple[int, Floats]]:
         """Return how many of the strokes each brush is given, and the density (H, W) where it may be.
@@ -235,16 +275,30 @@ class Initialiser:
         """Return `count` strokes of a hand, with its own codes, in groups, or each alone, `like` others."""
         arrangement = hand.arrangement
         assert arrangement is not None
-        scale, image = self._problem.canvas.pixels_per_metre, as_array(target)
-        room = self._usual_spacing * scale
-        lines = directions(image, room, arrangement.leaning)
-        if self._problem.guides is not None:
-            lines = self._problem.guides.over(lines)
+        scale = self._problem.canvas.pixels_per_metre
         alone = None if like is None else hand.nearest(like)
         groups = choose_groups(arrangement, count, self._rng) if alone is None else list(alone[:, None].numpy())
-        places, rows = place_groups(image, lines, density, arrangement, groups, room, scale, self._rng)
+        places, rows = place_groups(
+            as_array(target),
+            self._lines_of(target, arrangement.leaning),
+            density,
+            arrangement,
+            groups,
+            self._usual_spacing * scale,
+            scale,
+            self._rng,
+        )
         codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
         return strokes_at(places, codes, knots, self._problem.brushes[0], scale)
+
+    def _lines_of(self, target: Tensor, leaning: complex) -> Complexes:
+        """Return the lines (H, W) of a target that the groups of a hand are turned along which leans so."""
+        if self._lines is None or self._lines[0] is not target or self._lines[1] != leaning:
+            lines = directions(as_array(target), self._usual_spacing * self._problem.canvas.pixels_per_metre, leaning)
+            if self._problem.guides is not None:
+                lines = self._problem.guides.over(lines)
+            self._lines = target, leaning, lines
+        return self._lines[2]
 
     def _anywhere(self, count: int, room: float = np.inf) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing, both as `strokes` does."""
@@ -253,6 +307,9 @@ class Initialiser:
             left, top, right, bottom = (round(edge * self._problem.canvas.pixels_per_metre) for edge in free)
             density[:] = 0
             density[top:bottom, left:right] = 1
+        if self._options.in_ink:
+            every = np.repeat(density[None], len(self.palette), axis=0)
+            return self._of_inks(self._problem.paper, every, count, room)
         strokes, spacing = self.strokes(self._problem.paper, density, count, room)
         strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
         return strokes, spacing

@@ -43,7 +43,7 @@ class LossOptions:
 
     text: what it should show.  look: (H, W, 3), a picture whose look it should have.
     weights: of the terms by name, 1 for the usual strength; `weights_of_terms` says what holds for those left out.
-    contours: whether one ink draws them beside its tones.
+    contours: whether inks draw them beside their tones.
     Among the weights may be `faces`, how much more a face counts in the picture than its surroundings: 1 when left out.
 
     Raises InputError for a term that does not exist, a weight out of range, and contradictions.
@@ -95,9 +95,9 @@ class Reference:
     """Images that the terms compare the canvas with.
 
     target: (3, H, W), or None.  weights: (H, W).  paper: (3,), its colour.
-    spacing: pixels between the lines that one ink's greys are made of; None where there are several colours.
-    pull: (3, H, W), of one ink, as `Halftone` takes it.
-    weights_of: weights (H, W) of single terms by name, where they differ.
+    spacing: pixels between the lines that inks' tones are made of; None where there are paints.
+    pull: (3, H, W), of inks, as `Halftone` takes it.
+    weights_of: weights (H, W) of single terms by name, where they differ.  grey: whether networks see no colours.
     """
 
     target: Tensor | None
@@ -106,11 +106,7 @@ class Reference:
     spacing: float | None
     pull: Tensor | None = None
     weights_of: Mapping[str, Tensor] = field(default_factory=dict)
-
-    @property
-    def one_ink(self) -> bool:
-        """Whether the painting has one ink."""
-        return self.spacing is not None
+    grey: bool = False
 
 
 def losses_of(
@@ -155,5 +151,5 @@ def _network_loss(name: str, loss_options: LossOptions, reference: Reference, ne
         return Look(network, picture, views, reference.paper, torch_rng)
     assert reference.target is not None
     if name == "sketch":
-        return sketch(network, reference.target, views, reference.paper, grey=reference.one_ink)
-    return Likeness(network, reference.target, views, reference.paper, grey=reference.one_ink)
+        return sketch(network, reference.target, views, reference.paper, grey=reference.grey)
+    return Likeness(network, reference.target, views, reference.paper, grey=reference.grey)

@@ -85,17 +85,6 @@ def unlike(difference: Floats) -> Floats:
     return density
 
 
-def ink_density(image: Floats, paper: Floats, ink: Floats) -> Floats:
-    """Return how much ink the image (C, H, W) shows, (H, W).
-
-    It is 0 where the image is like the paper, (C, H, W), or lighter, and 1 where it is like the ink, (C,), or darker.
-    """
-    full = ink[:, None, None] - paper
-    amount = ((image - paper) * full).sum(axis=0) / np.maximum((full**2).sum(axis=0), 1e-9)
-    density: Floats = amount.clip(0, 1)
-    return density
-
-
 def find_places(target: Floats, density: Floats, count: int, rng: np.random.Generator, room: float = np.inf) -> Places:
     """Return `count` places on the target (C, H, W), spread by the density (H, W), along the edges of the target.
 

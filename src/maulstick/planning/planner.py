@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from maulstick.colour.palette import lightness, mix_paints
+from maulstick.colour.palette import mix_paints
 from maulstick.errors import InputError
 from maulstick.planning.arranging import Arranging
 from maulstick.planning.brush_choice import best_brushes
@@ -24,7 +24,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.room import surface_of
-from maulstick.planning.schedule import GIVEN_PAINTS, ONE_INK, Schedule
+from maulstick.planning.schedule import GIVEN_PAINTS, IN_INK, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import coverage, recolouring_costs, removal_costs
@@ -54,7 +54,7 @@ def plan(
 
     watch: called after every step; once it returns False, colours become paints at once and the plan is finished in
     a few more steps.  start: the strokes to begin with; those that are left out are drawn from the picture.
-    schedule: `Schedule()`, for one ink `ONE_INK`, or for paints that are given `GIVEN_PAINTS`, when left out.
+    schedule: `Schedule()`, for inks `IN_INK`, or for paints that are given `GIVEN_PAINTS`, when left out.
     resume: what `PlanProgress.state` returned in an earlier run of the same problem; planning goes on from there.
     Raises InputError for more strokes to start with than are planned, and a state of another plan.
     """
@@ -63,7 +63,7 @@ def plan(
         raise InputError.of_range("the number of strokes to start with", len(start), allowed)
     keep_freed_memory()
     in_paints = Schedule() if options.paints is not None else GIVEN_PAINTS
-    schedule = schedule or (ONE_INK if options.one_ink else in_paints)
+    schedule = schedule or (IN_INK if options.in_ink else in_paints)
     if resume is None:
         planning = _Planning(problem, options, schedule, start)
     else:
@@ -100,7 +100,7 @@ class _Planning:
         self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         hands = self._style.hands if isinstance(self._style, RegionalStyle) else (self._style,)
         known = any(hand.arrangement is not None for hand in hands)
-        arranged = options.one_ink and options.arrange > 0 and known
+        arranged = options.in_ink and options.arrange > 0 and known
         self._initialiser = Initialiser(problem, options, arranged, self._rng, self._torch_rng)
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         if start is not None and len(start) < options.strokes:
@@ -114,22 +114,24 @@ class _Planning:
             start, self._spacing = self._initialiser.first()
         elif self._lengths is not None:
             self._lengths = path_length(self._style.decode(start.codes)).sort().values
-        self._arranging = Arranging(problem, start, self._spacing, options.arrange) if arranged else None
         trained = {
             "codes": True,
             "centres": True,
             "angles": True,
             "pressure_knots": any(brush.pressure_matters for brush in problem.brushes),
-            "colours": not options.one_ink,
+            "colours": not options.in_ink,
             "brush_of": False,
         }
         strokes = StrokeParameters(**{k: x.clone().requires_grad_(trained[k]) for k, x in start.each().items()})
-        self._stroke_canvas = StrokeCanvas(strokes, problem, in_groups=self._arranging is not None)
-        if options.one_ink:
-            self._stroke_canvas.paints = torch.tensor(options.palette)
+        self._stroke_canvas = StrokeCanvas(strokes, problem, in_groups=arranged)
+        if options.in_ink:
+            self._stroke_canvas.quantise(torch.tensor(self._initialiser.palette), schedule.grouped)
+        self._arranging = None
+        if arranged:
+            self._arranging = Arranging(problem, start, self._stroke_canvas.paint_of, self._spacing, options.arrange)
         self._coarsest = coarsest(problem, options, self._spacing)
         self._finest = 1.0  # side of the pixels that the last steps are drawn on, in the canvas' own
-        turning = 1.0 if self._arranging is None else _TURNING_OF_GROUPS
+        turning = _TURNING_OF_GROUPS if arranged else 1.0
         lightest = torch.tensor([brush.lightest for brush in problem.brushes])
         self._descent = Descent(strokes, self._spacing, lightest, turning)
         self._progress = schedule.begins
@@ -218,7 +220,7 @@ class _Planning:
         self._loss.ask(canvas, self._steps, self._torch_rng)
         loss, parts = self._loss.of(canvas, now)
         if self._arranging is not None:
-            loss = loss + self._arranging.price(strokes, self._torch_rng).to(loss.device)
+            loss = loss + self._arranging.price(strokes, self._stroke_canvas.paint_of, self._torch_rng).to(loss.device)
         self._descent.step(loss + self._style_price.of(strokes).to(loss.device), now)
         self._style_price.adapt(self._stride)
         if isinstance(self._style, RegionalStyle):
@@ -233,15 +235,16 @@ class _Planning:
 
         Of several brushes each takes the one that serves best there.
         """
-        costs, view = self._removal_costs(self._side), self._loss.view
+        stroke_canvas, view = self._stroke_canvas, self._loss.view
+        costs = self._removal_costs(self._side)
         useless = torch.argsort(costs, stable=True)[: max(1, int(_RELOCATED_SHARE * len(costs)))]
         with torch.no_grad():
-            canvas = self._stroke_canvas.render(side=self._side)
+            canvas = stroke_canvas.render(side=self._side)
         density = self._initialiser.missing(view, canvas)
         left = torch.ones(len(costs), dtype=torch.bool).index_fill(0, useless, False)
-        own = self._stroke_canvas.strokes[left]
-        for rows, there in self._initialiser.by_pool(useless, self._stroke_canvas.strokes, density):
-            strokes = self._stroke_canvas.strokes[rows]
+        own = stroke_canvas.strokes[left]
+        for rows, there in self._initialiser.by_pool(useless, stroke_canvas.strokes, stroke_canvas.paint_of, density):
+            strokes = stroke_canvas.strokes[rows]
             moved = self._initialiser.moved(strokes, view.target, canvas, there, self._spacing)
             if len(moved) > 1:
                 moved = [best_brushes(self._problem, view, own, moved, self._torch_rng)]
@@ -259,8 +262,7 @@ class _Planning:
             return
         options = self._options
         if options.paints is None:
-            palette = np.array(options.palette)
-            paints = torch.tensor(palette[np.argsort(-lightness(palette), kind="stable")], dtype=torch.float32)
+            paints = torch.tensor(self._initialiser.palette)
         else:
             marks, colours = self._stroke_canvas.drawn()
             shown = as_array(self._stroke_canvas.by_row(coverage(self._loss.view, self._problem.paper, marks, colours)))
@@ -273,7 +275,7 @@ class _Planning:
     def _repaint(self) -> None:
         """Give strokes other paints of the palette where that makes the loss smaller."""
         stroke_canvas = self._stroke_canvas
-        if stroke_canvas.paints is None or len(stroke_canvas.paints) < 2 or self._options.paints is not None:
+        if stroke_canvas.paints is None or self._options.paints is not None or self._options.in_ink:
             return
         marks, colours = stroke_canvas.drawn()
         costs = recolouring_costs(

@@ -25,11 +25,11 @@ class PlannerSettings:
     """Settings of the planner.
 
     strokes: at most so many; exactly so many with `exact`.
-    paints: how many colours to mix; None paints with the `palette`, sRGB in [0, 1]; a palette of one colour is an ink.
+    paints: how many colours to mix; None draws with the `palette` of inks, or of paints, sRGB in [0, 1].
     steps: of the optimiser.  ask_every: steps between two calls of the network losses.
     pinned: colours among the `paints` that are used as they are, sRGB in [0, 1].
-    in_colours: whether a palette of one colour is a paint and no ink, since it goes on where that paint was mixed.
-    arrange: in [0, 1], how far strokes are arranged as the hand arranges them, where the style knows how.
+    in_colours: whether the palette is of paints and not of inks.
+    arrange: in [0, 1], how far strokes of inks are arranged as the hand arranges them, where the style knows how.
     seed: repeats a plan to the bit on one machine, with the same versions, settings and number of threads.
     Raises InputError for a value out of its range.
     """
@@ -68,9 +68,9 @@ class PlannerSettings:
             raise InputError.of_range("the seed", self.seed, "in 0 to 4294967295")
 
     @property
-    def one_ink(self) -> bool:
-        """Whether there is one ink, so that greys are made of the distance between lines."""
-        return self.paints is None and len(self.palette) == 1 and not self.in_colours
+    def in_ink(self) -> bool:
+        """Whether the palette is of inks, so that tones are made of the distance between lines."""
+        return self.paints is None and not self.in_colours
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class PlanningProblem:
     room: the part of the canvas that ink must not leave, None for all of it.
     regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
     guides: directions of strokes that are said; None where the picture alone says them.
-    pull: (3, H, W), of one ink, as `Halftone` takes it.
+    pull: (3, H, W), of inks, as `Halftone` takes it.
     """
 
     target: Tensor | None

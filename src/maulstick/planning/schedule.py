@@ -31,8 +31,8 @@ REPLAN = Schedule(begins=0.3, coarse=(0.0, 0.0), sorts=(), relocations=(), quant
 None is moved elsewhere: so late, that spoils more than it mends.
 """
 
-ONE_INK = Schedule(relocations=(0.05, 0.1, 0.15, 0.2, 0.3))
-"""Schedule for one ink: none is moved late, for it cannot take the colour of its place and needs longer to suit it."""
+IN_INK = Schedule(relocations=(0.05, 0.1, 0.15, 0.2, 0.3))
+"""Schedule for inks: none is moved late, for it cannot take the colour of its place and needs longer to suit it."""
 
 GIVEN_PAINTS = Schedule(quantise=0.35, repaints=tuple(0.4 + 0.05 * i for i in range(10)))
 """Schedule for a palette: its paints may be far from the colours that strokes would choose, so shapes need longer."""

@@ -28,7 +28,7 @@ class TargetView:
     """View of the target (C, H, W), with which a canvas is compared.
 
     weights: (H, W), how much each pixel counts.  pool: side of the squares that are averaged before, pixels.
-    pull: (C, H, W), of one ink, as `Halftone` takes it.
+    pull: (C, H, W), of inks, as `Halftone` takes it.
     """
 
     target: Tensor

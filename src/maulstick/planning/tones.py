@@ -1,4 +1,4 @@
-"""Tones of one ink: how dark so many strokes of a hand can make a sheet, and the picture with no more ink than that."""
+"""Tones of inks: how dark so many strokes of a hand can make a sheet, and the picture with no more ink than that."""
 
 from dataclasses import dataclass, replace
 from math import ceil, e, log, pi, sqrt
@@ -13,7 +13,8 @@ from torch import Tensor
 from maulstick.colour.palette import lightness
 from maulstick.painting.brush import Brush
 from maulstick.planning.layout import Layout
-from maulstick.planning.placement import ink_density
+from maulstick.planning.problem import Colour
+from maulstick.planning.separation import separated
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.rendering.traj2stroke import Traj2Stroke
@@ -33,16 +34,15 @@ _LEVELS = 512  # amounts that are told apart while tones are chosen
 _VEILS = 64  # tried
 _BINS = 20  # of a histogram, for each standard deviation of what lines tell
 
-Colour = tuple[float, float, float]
-
 
 @dataclass(frozen=True)
 class Tones:
     """How amounts of ink in a picture, from 0 (paper) to 1 (ink), become what strokes can give.
 
-    amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank.
+    amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank. Of several inks it is their
+    sum, and all change alike.
 
-    lightest, darkest: L* of the picture's tones in this way.  ink: sRGB in [0, 1].
+    lightest, darkest: L* of the picture's tones in this way, in the darkest ink.  inks: sRGB in [0, 1].
     lines: how dark the lines that carry the picture are drawn over its tones, from 0 to 1.
     """
 
@@ -50,7 +50,7 @@ class Tones:
     contrast: float
     lightest: float
     darkest: float
-    ink: Colour
+    inks: tuple[Colour, ...]
     lines: float = 0.0
 
     @property
@@ -62,13 +62,14 @@ class Tones:
         """Return the target (C, H, W) in these tones, beside the paper (C, H, W); itself where they are its own."""
         if not self.compressed:
             return target
-        full = self._full(paper)
-        return paper + (self.contrast * (_amount(target, paper, full) - self.veil)).clamp(0, 1) * full
+        amounts = separated(target, paper, self.inks)
+        own = amounts.sum(dim=0)
+        wanted = (self.contrast * (own - self.veil)).clamp(0, 1)
+        return self._mixed(amounts / own.clamp(min=_NOTHING) * wanted, paper)
 
     def in_ink(self, image: Tensor, paper: Tensor) -> Tensor:
-        """Return the image (C, H, W) as this ink can show it on the paper (C, H, W): without colours of its own."""
-        full = self._full(paper)
-        return paper + _amount(image, paper, full) * full
+        """Return the image (C, H, W) as these inks can show it on the paper (C, H, W): without colours of its own."""
+        return self._mixed(separated(image, paper, self.inks), paper)
 
     def away_from_lights(self, target: Tensor, picture: Tensor, paper: Tensor) -> Tensor | None:
         """Return the slope (C, H, W) of a canvas whose ink costs in lights left blank, or None where these leave none.
@@ -78,12 +79,19 @@ class Tones:
         """
         if not self.compressed:
             return None
-        full = self._full(paper)
-        wanted, own = (_amount(image, paper, full) for image in (target, picture))
-        return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * full
+        wanted, own = (separated(image, paper, self.inks).sum(dim=0) for image in (target, picture))
+        return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * self._full(paper).mean(dim=0)
+
+    @property
+    def darkest_ink(self) -> Colour:
+        """The ink that lines are drawn with."""
+        return darkest_of(self.inks)
+
+    def _mixed(self, amounts: Tensor, paper: Tensor) -> Tensor:
+        return paper + (amounts[:, None] * self._full(paper)).sum(dim=0)
 
     def _full(self, paper: Tensor) -> Tensor:
-        return torch.tensor(self.ink).to(paper)[:, None, None] - paper
+        return torch.tensor(self.inks).to(paper)[:, :, None, None] - paper
 
 
 @dataclass(frozen=True)
@@ -93,7 +101,7 @@ class InkSupply:
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
     per_stroke: pixels that a stroke hides alone, pressed hardest.  per_line: the same, pressed so that it is no wider
     than what an eye sees at once.  glance_lines: strokes that hide what an eye sees at once.
-    paper, ink: colours, sRGB in [0, 1].  with_lines: whether lines are drawn over tones, as dark as ink is short.
+    paper, inks: colours, sRGB in [0, 1].  with_lines: whether lines are drawn over tones, as dark as ink is short.
     """
 
     amounts: Floats
@@ -102,23 +110,25 @@ class InkSupply:
     per_line: float
     glance_lines: float
     paper: Colour
-    ink: Colour
+    inks: tuple[Colour, ...]
     with_lines: bool
 
     @classmethod
-    def of(cls, layout: Layout, brush: Brush, style: Style, ink: Colour, *, with_lines: bool) -> Self | None:
+    def of(
+        cls, layout: Layout, brush: Brush, style: Style, inks: tuple[Colour, ...], *, with_lines: bool
+    ) -> Self | None:
         """Return the supply; None without a picture, and for a style that may grow its strokes."""
         if layout.target is None or style.lengths(1) is None:
             return None
-        image, under = (each.transpose(2, 0, 1).astype(np.float64) for each in (layout.target, layout.under))
-        amounts = ink_density(image, under, np.array(ink))
+        image, under = (torch.from_numpy(each).permute(2, 0, 1).double() for each in (layout.target, layout.under))
+        amounts = separated(image, under, inks).sum(dim=0).numpy()
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
         per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
         per_line = per_stroke
         if brush.pressure_matters:
             per_line = ink_per_stroke(brush, style, resolution, float(brush.pressure_for(np.array(_GLANCE / 2))))
-        return cls(amounts, glanced, per_stroke, per_line, lines, layout.sheet.paper, ink, with_lines)
+        return cls(amounts, glanced, per_stroke, per_line, lines, layout.sheet.paper, inks, with_lines)
 
     @property
     def needed(self) -> float:
@@ -153,8 +163,8 @@ class InkSupply:
             veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.glance_lines))
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
-        light, dark = lightness(paper + ends[:, None] * (np.array(self.ink) - paper)).tolist()
-        return Tones(veil, contrast, light, dark, self.ink, lines)
+        light, dark = lightness(paper + ends[:, None] * (np.array(darkest_of(self.inks)) - paper)).tolist()
+        return Tones(veil, contrast, light, dark, self.inks, lines)
 
     def note(self, strokes: int) -> str | None:
         """Return a sentence for people where so many strokes cannot give the picture's tones."""
@@ -166,11 +176,6 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.fewest:,} strokes would reach them"
         )
-
-
-def _amount(image: Tensor, paper: Tensor, full: Tensor) -> Tensor:
-    """Return how much of the way from the paper to the ink, `full` (C, H, W), an image is, (H, W) in [0, 1]."""
-    return (((image - paper) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)).clamp(0, 1)
 
 
 @one_torch_thread()
@@ -227,6 +232,11 @@ class Amounts:
         share = gaussian_filter1d(counts / counts.sum(), _BINS, mode="constant")
         share = share[share > 0]
         return float(-(share * np.log(share * _BINS)).sum()) - log(2 * pi * e) / 2
+
+
+def darkest_of(inks: tuple[Colour, ...]) -> Colour:
+    """Return the darkest of the inks."""
+    return inks[int(np.argmin(lightness(np.array(inks))))]
 
 
 def _choices(amounts: Amounts, darkest: float, given: float) -> list[tuple[float, float]]:

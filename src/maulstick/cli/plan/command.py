@@ -36,7 +36,7 @@ def plan(
         str,
         _painting(
             metavar="N|auto",
-            help="Number of strokes, at most. Strokes that do nothing are left out. auto: as many as one ink needs.",
+            help="Number of strokes, at most. Strokes that do nothing are left out. auto: as many as ink needs.",
         ),
     ] = str(PlanOptions.strokes),
     exact: Annotated[bool, _painting("--exact", metavar="", help="Paint exactly that many strokes.")] = False,
@@ -49,11 +49,11 @@ def plan(
     ] = PlanOptions.hand_size,
     drawing: Annotated[
         str,
-        _painting(metavar="WHAT", help="Draw contours and tones of one ink (both), lines alone, or tones alone."),
+        _painting(metavar="WHAT", help="Draw contours and tones in ink (both), lines alone, or tones alone."),
     ] = PlanOptions.drawing,
     arrange: Annotated[
         float,
-        _painting(metavar="SHARE", help="Arrange strokes of one ink as the hand arranges them: 0, not at all, to 1."),
+        _painting(metavar="SHARE", help="Arrange strokes of ink as the hand arranges them: 0, not at all, to 1."),
     ] = PlanOptions.arrange,
     brush: Annotated[
         str,
@@ -87,7 +87,10 @@ def plan(
         Path | None, _painting(metavar="FILE", help="Use these paints unmixed: a CSV file with lines name,#rrggbb.")
     ] = None,
     ink: Annotated[
-        str | None, _painting(metavar="COLOUR", help="Use one ink instead of paints: black, or #rrggbb.")
+        str | None,
+        _painting(
+            metavar="COLOUR", help="Draw in ink instead of paints: black, or #rrggbb; several as in black,#a04020."
+        ),
     ] = None,
     size: Annotated[
         str,

@@ -13,7 +13,7 @@ import torch
 
 from maulstick.calibration.collect import spread_apart
 from maulstick.errors import InputError
-from maulstick.jobs.plan.again import is_in_one_ink, neighbours_of, palette_of, parameters_of, with_locked
+from maulstick.jobs.plan.again import is_in_ink, neighbours_of, palette_of, parameters_of, with_locked
 from maulstick.jobs.plan.device import choose_device
 from maulstick.painting.brush import Brush, finest_of
 from maulstick.painting.edit import PictureEdit
@@ -129,11 +129,11 @@ def replanned(
         steps=steps,
         seed=seed,
         arrange=arrange if isinstance(arrange, int | float) else PlannerSettings.arrange,
-        in_colours=not is_in_one_ink(painting),
+        in_colours=not is_in_ink(painting),
     )
     bare, drawing = lay_out_for(picture, painting.sheet, finest, fit, pixels, margin), options.get("drawing", "both")
     with_lines = drawing == "both"
-    supply = InkSupply.of(bare, finest, style, settings.palette[0], with_lines=with_lines) if settings.one_ink else None
+    supply = InkSupply.of(bare, finest, style, settings.palette, with_lines=with_lines) if settings.in_ink else None
     asked = options.get("strokes")  # tones are those of all, also where some were left out in the end
     count = max(len(painting.strokes), asked if isinstance(asked, int) else 0)
     problem = problem_of(

@@ -98,8 +98,8 @@ class Again:
         return {paint.hex: paint.name for paint in self.painting.paints if paint.name is not None}
 
     def in_paints(self, settings: PlannerSettings) -> PlannerSettings:
-        """Return the settings with the painting's paints, or its ink."""
-        in_colours = not is_in_one_ink(self.painting)
+        """Return the settings with the painting's paints, or its inks."""
+        in_colours = not is_in_ink(self.painting)
         return replace(settings, paints=None, palette=palette_of(self.painting), pinned=(), in_colours=in_colours)
 
     def check_regions(self, regions: Regions) -> None:
@@ -130,11 +130,11 @@ def palette_of(painting: Painting) -> tuple[Colour, ...]:
     return tuple(dict.fromkeys(paint.colour for paint in painting.paints))
 
 
-def is_in_one_ink(painting: Painting) -> bool:
-    """Return whether a painting was planned in one ink; one whose only paint was mixed was not."""
+def is_in_ink(painting: Painting) -> bool:
+    """Return whether a painting was planned in inks; one whose only paint was mixed was not."""
     options = painting.provenance.options
     mixed = options.get("paints") is not None or options.get("in_colours") is True
-    return len(palette_of(painting)) == 1 and not mixed
+    return (len(palette_of(painting)) == 1 or options.get("ink") is not None) and not mixed
 
 
 def locked_in(painting: Painting) -> list[Stroke]:

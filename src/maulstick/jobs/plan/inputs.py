@@ -68,7 +68,7 @@ def settings_of(
 
     Raises InputError for colours that are to be pinned, or named by regions, among paints that are not mixed.
     """
-    palette = tuple(tube.colour for tube in tubes) or (parse_colour(options.ink or "black"),)
+    palette = tuple(tube.colour for tube in tubes) or tuple(parse_colour(ink) for ink in options.inks or ("black",))
     paints, pinned = options.mixed_paints, tuple(parse_colour(colour) for colour in options.pin)
     if paints is None and pinned:
         raise InputError(f"{option('pin')} names colours among paints to mix, and none are mixed; leave it out")
@@ -87,6 +87,7 @@ def settings_of(
         options.seed,
         options.arrange,
         pinned,
+        in_colours=len(tubes) > 1,
     )
 
 
@@ -99,7 +100,7 @@ def enough(supply: InkSupply | None) -> int:
     """Return the number of strokes that give the ink of a picture, at most `MOST_AUTO`."""
     if supply is None:
         raise InputError(
-            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for one ink; give {option('style')} and "
+            f"{option('strokes')} is {AUTO}, which counts strokes of a hand for ink; give {option('style')} and "
             f"{option('ink')}, or a number"
         )
     return min(supply.enough, MOST_AUTO)

@@ -25,7 +25,7 @@ AUTO: Final = "auto"
 """Number of strokes that is found from the picture's ink."""
 
 DRAWINGS: Final = ("both", "lines", "tones")
-"""What one ink draws of a picture: contours and tones, the lines that carry it, or tones alone."""
+"""What ink draws of a picture: contours and tones, the lines that carry it, or tones alone."""
 
 FILES: Final = ("background", "again", "regions", "say", "guides", "look", "paints_from", "clip_weights")
 """Options that are paths of files."""
@@ -47,14 +47,14 @@ _FEWEST_PX, _MOST_PX = 16, 32_768  # pixels over the picture's height: a thumbna
 class PlanOptions:
     """Options of planning a painting; lengths as a person writes them, colours as ``white`` or ``#rrggbb``.
 
-    strokes: at most so many; exactly so many with `exact`; ``auto``, as many as one ink needs in a hand, up to 10,000.
+    strokes: at most so many; exactly so many with `exact`; ``auto``, as many as ink needs in a hand, up to 10,000.
     style: a name, or the path of a JSON file.  hand_size: times the size of its strokes.  brush: as style; several,
     as in ``wash,round,fineliner``, paint one after another in colours, the broadest first.
     pressure: holds the brush at one pressure in [0, 1], for machines that only lift their pen.
     robot: the machine that will paint, as `paint` takes it or only its kind, as in ``axidraw``; one that only lifts its
     pen holds the brush at one pressure, 0.5 unless `pressure` says another.
-    paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead.
-    paints_from: a CSV file of paints to use unmixed instead.
+    paints: how many colours to mix, 12 unless there are fewer strokes.  ink: a colour to draw with instead, or several,
+    as in ``black,#a04020``, each with a pen of its own.  paints_from: a CSV file of paints to use unmixed instead.
     size: of the sheet, as in ``200x160mm`` or ``A4``, or as ``A4-auto``, turned as the picture.  paper: its colour.
     fit: ``contain`` shows all of the picture, ``cover`` fills all of the sheet.
     margin: paper left bare at each edge of the sheet, as in ``10mm``; with one, no ink leaves the picture's area.
@@ -71,8 +71,8 @@ class PlanOptions:
     weights: of the terms of the loss by name, 1 for the usual: tone, edges, likeness, sketch, text, look. Beside them
     `faces`: how much more a face counts in the picture than its surroundings, 1 for the usual, 0 for not at all.
     clip, clip_weights, clip_layers: a CLIP model by name, a file of its weights, which of its layers to compare by.
-    drawing: what one ink draws: both contours and tones, the lines that carry the picture, or its tones.
-    arrange: in [0, 1], how far strokes of one ink are arranged as the hand arranges them, where the style knows how.
+    drawing: what ink draws: both contours and tones, the lines that carry the picture, or its tones.
+    arrange: in [0, 1], how far strokes of ink are arranged as the hand arranges them, where the style knows how.
     steps: of the optimiser.  ask_every: steps between two evaluations of networks.
     px: pixels over the picture's height while planning, by default as many as the brush needs.
     seed: repeats a plan to the bit on one machine.
@@ -161,7 +161,10 @@ class PlanOptions:
                 f"{option('background')} shows the sheet as it is, and {option('paper')} its colour; "
                 "leave one of them out"
             )
-        for colour in (*self.pin, *(() if self.ink is None else (self.ink,))):
+        inks = [parse_colour(colour) for colour in self.inks]
+        if len(set(inks)) < len(inks):
+            raise InputError(f"{option('ink')} {self.ink} names one colour twice; name each once")
+        for colour in self.pin:
             parse_colour(colour)
         object.__setattr__(self, "pin", tuple(self.pin))
         if (self.regions is None) != (self.say is None):
@@ -178,9 +181,7 @@ class PlanOptions:
         if self.drawing not in DRAWINGS:
             raise InputError.of_choice("drawing", self.drawing, DRAWINGS)
         if self.drawing != DRAWINGS[0] and self.ink is None:
-            raise InputError(
-                f"{option('drawing')} {self.drawing} is for one ink; give {option('ink')}, or leave it out"
-            )
+            raise InputError(f"{option('drawing')} {self.drawing} is for ink; give {option('ink')}, or leave it out")
         if not (isinstance(self.arrange, int | float) and 0 <= self.arrange <= 1):
             raise InputError.of_range(option("arrange"), self.arrange, "from 0, not at all, to 1")
         for name, weight in self.weights.items():
@@ -193,8 +194,13 @@ class PlanOptions:
         return PictureEdit.of(vars(self))
 
     @property
+    def inks(self) -> tuple[str, ...]:
+        """Colours of the inks to draw with, as they are said; none where it is painted."""
+        return () if self.ink is None else tuple(colour.strip() for colour in self.ink.split(","))
+
+    @property
     def mixed_paints(self) -> int | None:
-        """Number of colours that are mixed; None where an ink or paints of a file are used."""
+        """Number of colours that are mixed; None where inks or paints of a file are used."""
         if self.ink is not None or self.paints_from is not None:
             return None
         usual = _USUAL_PAINTS if self.strokes == AUTO else min(_USUAL_PAINTS, self.strokes)

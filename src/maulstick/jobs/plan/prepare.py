@@ -71,7 +71,7 @@ def prepare(
     settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
     if again is not None:
         settings = again.in_paints(settings)
-    supply = _supply(options, settings, layout, brushes, style) if settings.one_ink else None
+    supply = _supply(options, settings, layout, brushes, style) if settings.in_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
@@ -166,10 +166,10 @@ def _check_windows(again: Again | None, directing: Directing) -> None:
 def _supply(
     options: PlanOptions, settings: PlannerSettings, layout: Layout, brushes: tuple[Brush, ...], style: Style
 ) -> InkSupply | None:
-    """Return the supply of one ink. Raises InputError for several brushes."""
+    """Return the supply of inks. Raises InputError for several brushes."""
     if len(brushes) > 1:
         raise InputError(
-            f"{option('brush')} {names_of(brushes)} names several, and one ink is drawn with one; name one, or "
+            f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "
             "paint in colours"
         )
-    return InkSupply.of(layout, brushes[0], style, settings.palette[0], with_lines=options.drawing == "both")
+    return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=options.drawing == "both")

@@ -35,7 +35,7 @@ class Prepared:
 
     names: names of the paints by their colours as ``#rrggbb``.  mural: set where the picture is planned in windows.
     workers: processes that plan windows at the same time.
-    device: what plans, and a note on it for people.  supply: of one ink, in a hand.
+    device: what plans, and a note on it for people.  supply: of inks, in a hand.
     is_held: whether the brush is held at one pressure since the machine only lifts its pen.
     again: what is planned again, None for a new plan.  kept: painting whose locked strokes stay among those planned.
     """
@@ -85,7 +85,7 @@ class Prepared:
             if self.request.options.strokes == AUTO:
                 notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
             notes.append(self.supply.note(self.settings.strokes))
-        if self.settings.one_ink:
+        if self.settings.in_ink:
             notes.append(self._crowded())
         return [note for note in notes if note is not None]
 
@@ -142,7 +142,7 @@ class Prepared:
         if self.again is not None:
             painting = in_paints_of(painting, self.again.painting)
         arrangement = self.style.arrangement
-        if arrangement is not None and self.settings.one_ink and self.settings.arrange:
+        if arrangement is not None and self.settings.in_ink and self.settings.arrange:
             painting = painting.model_copy(update={"succession": arrangement.succession})
         return with_metrics(painting, self.layout, self.problem, self.tones)
 

@@ -19,7 +19,7 @@ import numpy as np
 import torch
 from torch import Generator, Tensor
 
-from maulstick.colour.palette import lightness
+from maulstick.colour.palette import light_first
 from maulstick.errors import InputError
 from maulstick.ordering.layers import by_paint
 from maulstick.painting.brush import Brush
@@ -69,7 +69,7 @@ def plan_mural(
     planned at the same time; once it returns False, what is in work ends after a few more steps, and later windows
     stay as they were planned in the whole.
     resume: what `PlanProgress.state` returned in an earlier run of the same mural; planning goes on from there.
-    device: renders, and compares with the picture.  tones: those of one ink that the whole is planned in, if any.
+    device: renders, and compares with the picture.  tones: those of inks that the whole is planned in, if any.
     plan_windows: plans the windows of a round; the result does not depend on how.
     Raises InputError for a text, since every window would be made to show it, for a side below one pixel, and for a
     state of another plan.
@@ -111,9 +111,9 @@ class _Planning:
             return
         problem = self._planner.problem(self._whole, self._importance, self._options)
         planned = plan(problem, self._options, self._progress.watch_whole, resume=self._progress.state_of_whole())
-        light_first = np.argsort(-lightness(as_array(planned.paints)), kind="stable")  # as the planner sorts a palette
-        paint_of = torch.from_numpy(np.argsort(light_first))[planned.paint_of]
-        paints = planned.paints[torch.from_numpy(light_first)]
+        order = light_first(as_array(planned.paints))  # as the planner sorts a palette
+        paint_of = torch.from_numpy(np.argsort(order))[planned.paint_of]
+        paints = planned.paints[torch.from_numpy(order)]
         self._progress.begin(PlanResult(replace(planned.strokes, colours=paints[paint_of]), paints, paint_of))
 
     def plan_round(self, windows: list[int], plan_windows: PlanWindows) -> None:
@@ -151,7 +151,7 @@ class _Planning:
         """Return the settings of a window, for so many strokes in the given paints (k, 3)."""
         seed = int(np.random.SeedSequence((self._options.seed, index)).generate_state(1)[0])
         palette = tuple((red, green, blue) for red, green, blue in paints.tolist())
-        settled = replace(self._options, paints=None, palette=palette, pinned=(), in_colours=not self._options.one_ink)
+        settled = replace(self._options, paints=None, palette=palette, pinned=(), in_colours=not self._options.in_ink)
         return replace(settled, strokes=strokes, seed=seed, arrange=0.0)
 
     def _put_together(self, before: "_Snapshot", windows: list[int]) -> None:

@@ -50,7 +50,7 @@ def towards_contours(picture: Tensor) -> Tensor:
 
 
 class Halftone(Objective):
-    """Tone of one ink, whose greys are made of the distance between lines, and what it is pulled to beside it.
+    """Tone of inks, whose tones are made of the distance between lines, and what it is pulled to beside it.
 
     target: (C, H, W).  weights: (H, W), how much each pixel counts.  spacing: pixels between lines in usual greys.
     pull: (C, H, W), the slope of what counts beside, as `towards_contours` and `Tones.away_from_lights` return it.

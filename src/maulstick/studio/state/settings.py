@@ -19,6 +19,7 @@ WHITE: Final = "#ffffff"
 """Colour of paper, as a field for colours shows it."""
 
 _PAUSE = 0.5  # seconds between two writings: a person who types a number changes it with every key
+_MOST_INKS = 32  # that are kept
 _USUAL = PlanOptions()
 
 _Text = Annotated[str, Field(max_length=100)]
@@ -31,7 +32,7 @@ class Choices(BaseModel):
 
     machine: kind of the machine that will paint, "" for none yet.  brush: one, or several by commas.
     own_size: where `size` names none.
-    turned, fit, margin: of the sheet, millimetres.  kind: whether it paints in paints or in one ink.
+    turned, fit, margin: of the sheet, millimetres.  kind: whether it paints in paints or draws in ink.
     enough: whether there are as many strokes as the picture needs.  effort: steps of the optimiser.
     unmixed: whether only the paints of the studio's tubes are used.  tries: number of plans, the best of which is kept.
     """
@@ -51,6 +52,7 @@ class Choices(BaseModel):
     kind: Literal["paints", "ink"] = "paints"
     paints: Annotated[int, Field(ge=1, le=64)] = _USUAL.mixed_paints or 1
     ink: _Text = "#000000"
+    more_inks: Annotated[list[_Text], Field(max_length=_MOST_INKS)] = []
     strokes: Annotated[int, Field(ge=1, le=MOST_STROKES)] = int(_USUAL.strokes)
     enough: bool = False
     drawing: _Text = DRAWINGS[0]

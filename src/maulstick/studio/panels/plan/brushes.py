@@ -43,9 +43,9 @@ class BrushChoice:
         self._offer_more(names[1:])
         return any(map(is_pen, self._offered))
 
-    def show(self, one_ink: bool) -> None:
-        """Show the field for more brushes in colours, where the first is one. one_ink: whether there are none."""
-        self._more.visible = not one_ink and not is_pen(str(self.first.value))
+    def show(self, in_ink: bool) -> None:
+        """Show the field for more brushes in paints, where the first is a brush. in_ink: whether there are none."""
+        self._more.visible = not in_ink and not is_pen(str(self.first.value))
 
     def _offer_more(self, chosen: list[str]) -> None:
         """Offer all brushes but the first beside it; those of the chosen ones are chosen that are offered."""

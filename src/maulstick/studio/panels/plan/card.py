@@ -200,7 +200,7 @@ class PlanCard:
 def _paint_button(plan: Plan) -> ui.button:
     """Make the button that leads on, to the paints where there are some to be mixed."""
     options = plan.request.options
-    if options.ink is not None or options.mixed_paints == 1:  # the machine asks for the only one
+    if options.ink is not None or options.mixed_paints == 1:  # the machine asks for each ink, or the only paint
         to_paint = f"/paint?plan={plan.name}"
         return ui.button("Paint it", icon="precision_manufacturing", on_click=lambda: ui.navigate.to(to_paint))
     return ui.button("Mix and paint", icon="palette", on_click=lambda: ui.navigate.to(f"/paints?plan={plan.name}"))
@@ -220,7 +220,10 @@ def _summary(request: PlanRequest, style: str) -> str:
     mixed = options.mixed_paints
     hand = f"{style} at {options.hand_size:g} times its size" if options.hand_size != 1 else style
     strokes = "as many strokes as it needs" if options.strokes == AUTO else f"{options.strokes} strokes"
-    colours = "one ink" if options.ink is not None else _only(options.brush) if mixed == 1 else f"{mixed} paints"
+    if options.inks:
+        colours = "one ink" if len(options.inks) == 1 else f"{len(options.inks)} inks"
+    else:
+        colours = _only(options.brush) if mixed == 1 else f"{mixed} paints"
     parts = [hand, brushes_in_words(options.brush), strokes, colours, in_words(options.size)]
     if options.drawing != usual.drawing:
         parts.append(DRAWN[options.drawing].lower())

@@ -9,7 +9,6 @@ from nicegui import app, html, ui
 from nicegui.elements.mixins.value_element import ValueElement
 from pydantic import ValidationError
 
-from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, MaulstickError, option, validation_fault
 from maulstick.jobs.plan.options import AUTO, PlanOptions
 from maulstick.jobs.plan.request import MOST_TRIES, PlanRequest
@@ -17,6 +16,7 @@ from maulstick.painting.pens import load_pen
 from maulstick.studio.panels.plan.again import values_of
 from maulstick.studio.panels.plan.brushes import BrushChoice, are_offered
 from maulstick.studio.panels.plan.editor import PictureEditor
+from maulstick.studio.panels.plan.inks import InkChoice
 from maulstick.studio.panels.plan.more import MoreChoices
 from maulstick.studio.panels.plan.pictures import PictureChoice
 from maulstick.studio.panels.plan.presets import PresetChoice
@@ -33,7 +33,7 @@ from maulstick.studio.wording import PLANNED_FOR, WORDS_LABEL
 
 _DEFAULT = PlanOptions()
 DRAWN = {"both": "Contours and tones", "lines": "Lines alone", "tones": "Tones alone"}
-"""What one ink draws of a picture, for people."""
+"""What ink draws of a picture, for people."""
 
 _FREE = "free"  # the style of nobody's hand
 _EFFORTS = {150: "A sketch, quickly", _DEFAULT.steps: "As usual", 1500: "Fine, and slowly"}  # by steps of the optimiser
@@ -83,9 +83,9 @@ class PlanForm:
                 self._style = ui.select([], label="Hand", on_change=self._learn_of_hand)
                 self._hand_size = ui.number("Hand size", step=0.1, suffix="times").bind_value(kept, "hand_size")
                 self._brushes = BrushChoice()
-                self._kind = ui.select({"paints": "Paints", "ink": "One ink"}, label="Colours").bind_value(kept, "kind")
+                self._kind = ui.select({"paints": "Paints", "ink": "Ink"}, label="Colours").bind_value(kept, "kind")
                 self._paints = ui.number("How many", min=1, max=_MOST_PAINTS, precision=0).bind_value(kept, "paints")
-                self._ink = ui.color_input("The ink").bind_value(kept, "ink")
+                self._inks = InkChoice(kept)
                 self._strokes = ui.number("Strokes", min=1, max=_MOST_STROKES, step=50, precision=0)
                 self._strokes.bind_value(kept, "strokes")
                 self._drawing = ui.select(DRAWN, label="What it draws").bind_value(kept, "drawing")
@@ -116,8 +116,8 @@ class PlanForm:
 
     def _fields(self) -> tuple[ValueElement[Any], ...]:
         numbers = (self._hand_size, self._paints, self._strokes, self._enough, self._effort)
-        choices = (self._machine, self._style, self._kind, self._ink, self._drawing)
-        return (*choices, *self._brushes.fields, *numbers, *self._sheet.fields, *self._more.fields)
+        choices = (self._machine, self._style, self._kind, self._drawing)
+        return (*choices, *self._inks.fields, *self._brushes.fields, *numbers, *self._sheet.fields, *self._more.fields)
 
     def _keep(self) -> None:
         """Keep all that is chosen, for this page while a person is at other panels, and for those opened later."""
@@ -142,21 +142,22 @@ class PlanForm:
         """Draw in the ink of the pen that is chosen."""
         pen = str(self._brushes.first.value)
         if is_pen(pen):
-            self._kind.value, self._ink.value = "ink", load_pen(pen).colour
+            self._kind.value, self._inks.first.value = "ink", load_pen(pen).colour
 
     def _follow(self) -> None:
         """Show what means something beside what is chosen."""
         self._editor.open(self._picture.name)
         self._sheet.follow()
-        one_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
+        in_ink, of_picture = self._kind.value == "ink", self._picture.path is not None
         self._both.visible = of_picture and bool(str(self._text.value or "").strip())
-        self._paints.visible, self._ink.visible = not one_ink, one_ink
-        self._brushes.show(one_ink)
-        self._drawing.visible = one_ink and of_picture
-        self._enough.visible = one_ink and of_picture and self._style.value != _FREE
+        self._paints.visible = not in_ink
+        self._inks.show(in_ink)
+        self._brushes.show(in_ink)
+        self._drawing.visible = in_ink and of_picture
+        self._enough.visible = in_ink and of_picture and self._style.value != _FREE
         self._pale.visible = self._enough.visible and not self._enough.value
         self._strokes.set_enabled(not self._takes_enough)
-        self._arrange.element.visible = one_ink and self._is_arranged
+        self._arrange.element.visible = in_ink and self._is_arranged
 
     async def _learn_of_hand(self) -> None:
         """Find out whether the chosen hand has an arrangement."""
@@ -241,14 +242,12 @@ class PlanForm:
             strokes = _whole(self._strokes, "the number of strokes", _MOST_STROKES)
         if self._hand_size.value is None:
             raise InputError.of_range(option("hand_size"), "nothing", "a number of times")
-        placing, ink = self._sheet.placing(), str(self._ink.value) if self._kind.value == "ink" else None
+        placing, ink = self._sheet.placing(), self._inks.colours if self._kind.value == "ink" else None
         paints = None
-        if ink is not None:
-            parse_colour(ink)
-        elif strokes != AUTO:
+        if ink is None and strokes != AUTO:
             paints = min(_whole(self._paints, "the number of paints", _MOST_PAINTS), strokes)
         weights = {name: slider.value for name, slider in self._weights.items()}
-        asked: dict[str, Any] = {"paints": paints, **self._more.options(one_ink=ink is not None)}
+        asked: dict[str, Any] = {"paints": paints, **self._more.options(in_ink=ink is not None)}
         options = PlanOptions(
             **asked,
             text=text,

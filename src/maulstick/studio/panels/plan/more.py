@@ -42,10 +42,10 @@ class MoreChoices:
         shown_by(self.root, studio.gallery.changed, self._offer)
         shown_by(self.root, studio.mixing.changed, self._offer)
 
-    def options(self, one_ink: bool) -> dict[str, Any]:
-        """Return the options of these fields by their names. one_ink: whether the plan is in one, and not in paints."""
+    def options(self, in_ink: bool) -> dict[str, Any]:
+        """Return the options of these fields by their names. in_ink: whether the plan is in ink, and not in paints."""
         paper, under, look = (str(field.value or "") for field in (self._paper, self._under, self._look))
-        tubes = self._studio.mixing.tubes_file if self._unmixed.value and not one_ink else None
+        tubes = self._studio.mixing.tubes_file if self._unmixed.value and not in_ink else None
         return {
             "paper": _USUAL.paper if paper.lower() == WHITE else paper,
             "background": self._studio.gallery.path(under) if under else None,
