@@ -52,6 +52,7 @@ COMMANDS = {
     "splines": ["benchmarks/splines.py"],
     "held": ["benchmarks/held.py"],
     "arrangement": ["benchmarks/arrangement.py"],
+    "inks": ["benchmarks/inks.py"],
     "order": ["benchmarks/order.py"],
     "sim_to_real": ["experiments/sim_to_real.py"],
     "other_renderer": ["experiments/other_renderer.py"],  # last: splender may be missing
@@ -89,6 +90,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "held": held.held_table,
     "held_elsewhere": held.held_elsewhere_table,
     "arrangement": arrangement.arrangement_table,
+    "inks": arrangement.inks_table,
     "order": arrangement.order_table,
     "sim_to_real": easel.sim_to_real_table,
     "summary": summary.summary_table,

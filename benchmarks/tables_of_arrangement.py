@@ -89,3 +89,17 @@ def above_floor(rows: list[Row], people: dict[tuple[str, int], Row], key: str) -
     of = [people[row["hand"], row["split"]] for row in rows]
     pairs = [(row[key] - own[key], own[f"others_{key}"] - own[key]) for row, own in zip(rows, of, strict=True)]
     return np.array(pairs)
+
+
+def inks_table() -> str:
+    """Pens as inks and as paints, photograph by photograph."""
+    rows, lines = rows_of("inks"), []
+    for picture in [*dict.fromkeys(row["picture"] for row in rows), "all"]:
+        for way in dict.fromkeys(row["way"] for row in rows):
+            own = [row for row in rows if row["way"] == way and picture in (row["picture"], "all")]
+            written = {"psnr_blurred": 1, "ssim": 2, "energy": 2, "strokes": 0, "seconds": 0}
+            figures = [with_range([row[key] for row in own], digits) for key, digits in written.items()]
+            lines.append([picture, way, str(len(own)), *figures])
+    others = np.mean([row["others"] for row in rows])
+    head = ["photograph", "pens as", "plans", "PSNR, blurred (dB)", "SSIM"]
+    return table([*head, f"arrangement (others: {others:.2f})", "strokes", "seconds"], lines)

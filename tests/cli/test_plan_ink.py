@@ -128,6 +128,32 @@ def test_a_drawing_that_there_is_not_and_one_without_an_ink_are_refused(tmp_path
     assert (ran.code, ran.mistake) == (2, "--drawing lines is for ink; give --ink, or leave it out")
 
 
+def test_several_inks_are_pens_of_one_kind_in_an_order_from_light_to_dark(tmp_path: Path) -> None:
+    ran = paint(tmp_path / "out", *PEN, "--style", "elephant", "--strokes", "60", "--ink", "black, #d2691e")
+    assert ran.code == 0, ran.stderr
+    assert "note: 60 strokes of this length give" in ran.stderr
+    painting = read_painting(tmp_path / "out" / "painting.json")
+    assert [paint.hex for paint in painting.paints] == ["#d2691e", "#000000"]
+    assert {paint.brush for paint in painting.paints} == {"fineliner"}
+    assert {stroke.paint for stroke in painting.strokes} == {0, 1}
+    assert painting.succession is not None, "drawn as the hand goes on from stroke to stroke"
+    assert painting.provenance.metrics["darkest"] < painting.provenance.metrics["lightest"]
+
+
+@pytest.mark.parametrize(
+    ("inks", "said"),
+    [
+        ("black,#000000", "--ink black,#000000 names one colour twice; name each once"),
+        ("black,pale", "'pale' is not a colour; write a name such as black, or #rrggbb"),
+        ("black,", "'' is not a colour; write a name such as black, or #rrggbb"),
+    ],
+)
+def test_inks_that_are_named_twice_or_are_no_colours_are_refused(tmp_path: Path, inks: str, said: str) -> None:
+    ran = run("plan", PORTRAIT, "--out", tmp_path / "out", "--ink", inks)
+    assert (ran.code, ran.mistake) == (2, said)
+    assert not (tmp_path / "out").exists()
+
+
 def test_lines_of_a_text_are_refused(tmp_path: Path) -> None:
     ran = run("plan", "--text", "a boat", "--ink", "black", "--drawing", "lines", "--out", tmp_path / "out")
     assert (ran.code, ran.mistake) == (2, "--drawing lines draws those of a picture; name one, or leave it out")

@@ -188,6 +188,21 @@ def test_a_single_paint_stays_the_paint_or_the_ink_it_was_however_often_it_is_pl
             write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
 
 
+def test_inks_stay_inks_and_paints_of_a_file_paints_however_often_they_are_planned_again(folder: Path) -> None:
+    (folder / "tubes.csv").write_text("name,colour\nnight,#102040\nsun,#e0a020\n")
+    ways: dict[str, Any] = {"ink": "#102040, #e0a020"}, {"paints_from": folder / "tubes.csv"}
+    quick: dict[str, Any] = {"strokes": 20, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
+    for way, are_inks in zip(ways, (True, False), strict=True):
+        file = folder / "plan" / "two.json"
+        write_painting(ms.plan(folder / "disc.png", **quick, **way), file)
+        for _ in range(2):
+            prepared = prepared_from(file)
+            assert prepared.settings.in_ink == are_inks, way
+            assert len(prepared.settings.palette) == 2 or not are_inks
+            assert (prepared.tones is not None) == are_inks, way
+            write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
+
+
 def test_a_text_alone_has_no_picture(folder: Path, changed: Painting) -> None:
     alone = changed.provenance.model_copy(update={"image": None, "image_sha256": None})
     assert picture_near(changed.model_copy(update={"provenance": alone}), folder / "alone.json") is None

@@ -29,3 +29,13 @@ def test_networks_get_torch_s_own_number_of_threads_and_one_where_that_is_asked(
         with usual_torch_threads():
             assert torch.get_num_threads() == USUAL
     assert torch.get_num_threads() == USUAL
+
+
+def test_the_thread_that_asks_goes_back_through_what_is_planned_itself_and_others_do_afterwards() -> None:
+    walked = torch._C._is_multithreading_enabled  # type: ignore[attr-defined]
+    assert walked()
+    with one_torch_thread():
+        assert not walked()
+        with usual_torch_threads():
+            assert not walked()
+    assert walked()

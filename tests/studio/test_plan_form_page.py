@@ -61,6 +61,34 @@ def test_several_brushes_are_chosen_in_colours_kept_and_named_on_the_card(
     card(tab).get_by_role("button", name="Stop and keep").click()
 
 
+def test_several_inks_are_named_kept_and_drawn_with(
+    studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
+) -> None:
+    tab = page("/plan")
+    bring_a_picture(tab, tmp_path)
+    more = tab.get_by_label("More inks", exact=True)
+    expect(more).to_be_hidden()
+    choose(tab, "Brush or pen", "fineliner")
+    choose(tab, "Colours", "Ink")
+    for ink in ("#d2691e", "blue"):
+        more.fill(ink)
+        more.press("Enter")
+        expect(tab.locator(".q-chip", has_text=ink)).to_be_visible()
+    tab.get_by_label("Strokes", exact=True).fill("20")
+    choose(tab, "How carefully", "A sketch, quickly")
+    tab.get_by_role("button", name="Plan it").click()
+    expect(card(tab).get_by_text("loops, fineliner, 20 strokes, 3 inks")).to_be_visible()
+    request = studio.folder / "plans" / "my-sunset" / "request.json"
+    assert json.loads(request.read_bytes())["options"]["ink"] == "#000000,#d2691e,blue"
+    card(tab).get_by_role("button", name="Stop and keep").click()
+    more.press("Backspace")
+    expect(tab.locator(".q-chip", has_text="blue")).to_have_count(0)
+    tab.get_by_role("button", name="Plan again like this").click()
+    expect(tab.locator(".q-chip", has_text="blue")).to_be_visible()
+    tab.reload()
+    expect(tab.locator(".q-chip", has_text="blue")).to_be_visible()
+
+
 def test_a_slider_counts_as_it_was_left_however_soon_the_plan_begins(
     studio: RunningStudio, page: Callable[..., Page], tmp_path: Path
 ) -> None:

@@ -14,9 +14,10 @@ _USUAL = ContextVar("usual", default=_AT_START)
 def one_torch_thread() -> Iterator[None]:
     """Let torch use one thread: most tensors here are too small to be shared, and idle threads would burn time.
 
-    The kernels have their own threads.
+    The kernels have their own threads. What goes back through a GPU is asked for by this thread, too, which saves the
+    way to another one and back at every step.
     """
-    with _threads(1):
+    with _threads(1), torch.autograd.set_multithreading_enabled(False):
         yield
 
 
