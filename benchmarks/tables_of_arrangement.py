@@ -97,9 +97,9 @@ def inks_table() -> str:
     for picture in [*dict.fromkeys(row["picture"] for row in rows), "all"]:
         for way in dict.fromkeys(row["way"] for row in rows):
             own = [row for row in rows if row["way"] == way and picture in (row["picture"], "all")]
-            written = {"psnr_blurred": 1, "ssim": 2, "energy": 2, "strokes": 0, "seconds": 0}
+            written = {"psnr_blurred": 1, "ssim": 2, "energy": 2, "strokes": 0}
             figures = [with_range([row[key] for row in own], digits) for key, digits in written.items()]
             lines.append([picture, way, str(len(own)), *figures])
     others = np.mean([row["others"] for row in rows])
     head = ["photograph", "pens as", "plans", "PSNR, blurred (dB)", "SSIM"]
-    return table([*head, f"arrangement (others: {others:.2f})", "strokes", "seconds"], lines)
+    return table([*head, f"arrangement (others: {others:.2f})", "strokes"], lines)

@@ -145,6 +145,10 @@ def test_several_inks_are_pens_of_one_kind_in_an_order_from_light_to_dark(tmp_pa
     [
         ("black,#000000", "--ink black,#000000 names one colour twice; name each once"),
         ("black,pale", "'pale' is not a colour; write a name such as black, or #rrggbb"),
+        (
+            ",".join(f"#00000{n:x}" for n in range(13)),
+            "the number of colours of --ink is 13; it must be at most 12",
+        ),
         ("black,", "'' is not a colour; write a name such as black, or #rrggbb"),
     ],
 )

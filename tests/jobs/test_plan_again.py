@@ -13,7 +13,7 @@ from PIL import Image
 import maulstick as ms
 from maulstick.errors import InputError
 from maulstick.jobs.paint.camera_loop import replanned
-from maulstick.jobs.plan.again import picture_near, planned_before
+from maulstick.jobs.plan.again import palette_of, picture_near, planned_before
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.prepare import prepare
 from maulstick.jobs.plan.prepared import Prepared
@@ -201,6 +201,13 @@ def test_inks_stay_inks_and_paints_of_a_file_paints_however_often_they_are_plann
             assert len(prepared.settings.palette) == 2 or not are_inks
             assert (prepared.tones is not None) == are_inks, way
             write_painting(prepared.painting(prepared.plan(lambda progress: True, None)), file)
+
+
+def test_an_ink_that_no_stroke_has_is_among_those_that_it_is_planned_again_in(folder: Path) -> None:
+    quick: dict[str, Any] = {"strokes": 6, "steps": 2, "px": 24, "size": SIDE, "style": "loops", "brush": "fineliner"}
+    painting = ms.plan(np.full((24, 24, 3), 0.6, dtype=np.float32), ink="black,red", **quick)
+    assert [paint.hex for paint in painting.paints] == ["#000000"]
+    assert palette_of(painting) == ((0, 0, 0), (1, 0, 0))
 
 
 def test_a_text_alone_has_no_picture(folder: Path, changed: Painting) -> None:

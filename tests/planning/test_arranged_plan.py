@@ -187,7 +187,7 @@ def test_the_price_of_regions_moves_strokes(problem: PlanningProblem) -> None:
     start = plan(both, replace(INK, strokes=40, steps=1, exact=True)).strokes
     moving = replace(start, centres=start.centres.clone().requires_grad_())
     ink_of = torch.zeros(len(start), dtype=torch.long)
-    price = Arranging(both, start, ink_of, 0.01, 1.0).price(moving, ink_of, torch.Generator().manual_seed(0))
+    price = Arranging(both, start, ink_of, 0.01, 1.0).price(moving, torch.Generator().manual_seed(0))
     (slopes,) = torch.autograd.grad(price, moving.centres)
     assert (slopes.abs().sum(dim=1) > 0).float().mean() > 0.9
 

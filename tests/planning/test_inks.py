@@ -16,6 +16,7 @@ from maulstick.planning.result import PlanProgress, PlanResult
 from maulstick.planning.schedule import REPLAN
 from maulstick.planning.state import State
 from maulstick.planning.stroke_effects import TargetView
+from maulstick.style.regional import RegionalStyle
 from tests.planning.conftest import options, problem_for
 from tests.planning.test_arranged_plan import HAND, same, unplaced
 from tests.support.nominal import nominal
@@ -67,7 +68,7 @@ def test_strokes_lie_by_groups_of_the_hand_ink_by_ink(problem: PlanningProblem, 
     prices = []
     for found in (planned, alone):
         price = Arranging(problem, found.strokes, found.paint_of, 0.01, 1.0)
-        prices.append(float(price.price(found.strokes, found.paint_of, torch.Generator().manual_seed(0))))
+        prices.append(float(price.price(found.strokes, torch.Generator().manual_seed(0))))
     assert prices[0] < 0.7 * prices[1]
 
 
@@ -76,7 +77,7 @@ def test_a_picture_in_the_tones_of_one_of_the_inks_is_drawn_in_that_alone() -> N
     assert [found.paints[number].tolist() for number in found.paint_of.unique().tolist()] == [pytest.approx(DARK)]
 
 
-def test_the_order_in_which_inks_are_said_changes_nothing(problem: PlanningProblem, planned: PlanResult) -> None:
+def test_the_order_of_a_palette_of_inks_changes_nothing(problem: PlanningProblem, planned: PlanResult) -> None:
     assert same(plan(problem, replace(INKS, palette=(BLUE, DARK, RED))), planned)
 
 
@@ -154,13 +155,45 @@ def test_regions_are_drawn_in_inks_each_in_those_that_it_allows(problem: Plannin
     assert len(inks[0]) > 1
 
 
+@pytest.mark.parametrize("arranged", [True, False], ids=["arranged", "each alone"])
+def test_a_region_with_a_share_has_the_inks_of_its_part_of_the_picture(
+    problem: PlanningProblem, *, arranged: bool
+) -> None:
+    parted = in_halves(problem, Region("left", HAND, (True,), share=0.7))
+    strokes, _ = initialiser(parted, INKS, arranged=arranged).first()
+    assert isinstance(parted.style, RegionalStyle)
+    left = parted.style.regions_of(strokes.codes) == 1
+    assert int(left.sum()) == round(0.7 * INKS.strokes)
+    assert {nearest(colour) for colour in strokes.colours[left].tolist()} == {RED}
+    assert {nearest(colour) for colour in strokes.colours[~left].tolist()} == {BLUE}
+
+
+def test_an_ink_is_not_moved_into_a_region_that_does_not_allow_it(problem: PlanningProblem) -> None:
+    parted = in_halves(problem, Region("left", HAND, (True,), colours=(RED,)))
+    new = initialiser(parted, INKS)
+    strokes = new.first()[0]
+    blue = torch.tensor([nearest(colour) == BLUE for colour in strokes.colours.tolist()])
+    rows, paint_of = blue.nonzero()[:, 0], torch.full((len(strokes),), new.palette.index(BLUE))
+    density = np.ones((3, *problem.weights.shape))
+    density[new.palette.index(BLUE)] = 0
+    assert len(rows) > 10
+    assert new.by_pool(rows, strokes, paint_of, density) == []
+
+
 def test_a_text_without_a_picture_begins_with_strokes_of_all_inks(problem: PlanningProblem) -> None:
     strokes, _ = initialiser(replace(problem, target=None), INKS).first()
     assert {nearest(colour) for colour in strokes.colours.tolist()} == {DARK, RED, BLUE}
 
 
-def initialiser(problem: PlanningProblem, settings: PlannerSettings) -> Initialiser:
-    return Initialiser(problem, settings, True, np.random.default_rng(0), torch.Generator().manual_seed(0))
+def in_halves(problem: PlanningProblem, left: Region) -> PlanningProblem:
+    labels = np.zeros(problem.weights.shape, dtype=np.int64)
+    labels[:, : labels.shape[1] // 2] = 1
+    regions = Regions(labels, (Region("rest", HAND, (True,)), left), problem.canvas)
+    return replace(problem, regions=regions, style=regions.style)
+
+
+def initialiser(problem: PlanningProblem, settings: PlannerSettings, *, arranged: bool = True) -> Initialiser:
+    return Initialiser(problem, settings, arranged, np.random.default_rng(0), torch.Generator().manual_seed(0))
 
 
 def nearest(colour: list[float]) -> tuple[float, float, float]:

@@ -227,6 +227,14 @@ def test_one_ink_draws_all_windows(mural: Mural, round_brush: Brush) -> None:
     assert len(torch.unique((drawn.strokes.centres < SIDE / 2).long() @ torch.tensor([1, 2]))) == 4
 
 
+def test_several_inks_draw_all_windows_each_with_a_pen_of_its_own(mural: Mural, round_brush: Brush) -> None:
+    inks = ((0.0, 0.1, 0.3), (0.9, 0.6, 0.4))
+    drawn = planned_as(replace(QUICK, paints=None, palette=inks), mural, round_brush)
+    assert drawn.paints.tolist() == [pytest.approx(inks[1]), pytest.approx(inks[0])]
+    assert drawn.paint_of.unique().tolist() == [0, 1]
+    assert (drawn.paint_of.diff() >= 0).all(), "pen by pen"
+
+
 def test_paints_that_there_are_stay_what_they_are(mural: Mural, round_brush: Brush) -> None:
     there = ((0.1, 0.1, 0.1), (0.9, 0.8, 0.7), (0.5, 0.3, 0.2))
     drawn = planned_as(replace(QUICK, paints=None, palette=there, in_colours=True), mural, round_brush)

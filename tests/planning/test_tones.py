@@ -12,7 +12,7 @@ from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import problem_of
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.problem import PlannerSettings
-from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke
+from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke, strongest_of
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
 from tests.support.style.synthetic_hands import exemplar_of, line
@@ -176,3 +176,42 @@ def test_a_picture_is_as_its_ink_can_show_it_whatever_its_colours() -> None:
     paper, coloured = torch.ones(3, 1, 2), torch.tensor([[[0.9, 0.1]], [[0.6, 0.7]], [[0.3, 0.4]]])
     shown = Tones(veil=0.0, contrast=1.0, lightest=100.0, darkest=0.0, inks=(BLACK,)).in_ink(coloured, paper)
     assert torch.allclose(shown, torch.tensor([[0.6, 0.4]]).expand(3, 1, 2), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("inks", "paper"),
+    [
+        ((BLACK, (0.8, 0.1, 0.1), (0.9, 0.8, 0.2)), (1.0, 1.0, 1.0)),
+        ((BLACK, (1.0, 1.0, 1.0), (0.35, 0.23, 0.13)), (0.78, 0.72, 0.6)),
+        (((1.0, 1.0, 1.0), (0.9, 0.8, 0.2)), (0.06, 0.06, 0.08)),
+    ],
+    ids=["white paper", "dark and light on toned paper", "light on dark paper"],
+)
+def test_no_ink_earns_anything_in_lights_that_are_left_blank(
+    inks: tuple[tuple[float, float, float], ...], paper: tuple[float, float, float]
+) -> None:
+    sheet = torch.tensor(paper)[:, None, None].expand(3, 4, 6).clone()
+    veiled = Tones(veil=0.3, contrast=1.0, lightest=100.0, darkest=20.0, inks=inks)
+    pull = veiled.away_from_lights(sheet, sheet, sheet)
+    assert pull is not None
+    costs = [float((pull[:, 0, 0] * (torch.tensor(ink) - sheet[:, 0, 0])).sum()) for ink in inks]
+    assert min(costs) > -1e-6
+    assert max(costs) > 0.01
+
+
+def test_lines_are_drawn_in_the_ink_that_differs_most_from_the_paper() -> None:
+    white, yellow = (1.0, 1.0, 1.0), (0.95, 0.85, 0.2)
+    assert strongest_of((white, BLACK), BLACK) == white
+    assert strongest_of((yellow, BLACK), white) == BLACK
+    assert strongest_of((yellow, white), (0.06, 0.06, 0.08)) == white
+
+
+def test_tones_of_several_inks_fade_alike_and_what_is_paler_than_the_veil_is_blank() -> None:
+    red, blue, paper = (0.8, 0.1, 0.1), (0.1, 0.2, 0.7), torch.ones(3, 1, 3)
+    towards = torch.tensor([red, blue]) - 1
+    shares = torch.tensor([[0.6, 0.2], [0.2, 0.2], [0.1, 0.0]])
+    picture = paper + (shares @ towards).T[:, None]
+    veiled = Tones(veil=0.2, contrast=0.5, lightest=100.0, darkest=20.0, inks=(red, blue))
+    amounts = shares.sum(dim=1, keepdim=True)
+    wanted = paper + (shares / amounts * (0.5 * (amounts - 0.2)).clamp(min=0) @ towards).T[:, None]
+    assert torch.allclose(veiled.apply(picture, paper), wanted, atol=0.02)

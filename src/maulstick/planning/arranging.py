@@ -1,5 +1,6 @@
 """Holding a plan's strokes arranged as a hand arranges its strokes, with any pen and any picture."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import torch
@@ -10,6 +11,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import at_pixels
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
+from maulstick.storage.arrays import Complexes
 from maulstick.style import Style
 from maulstick.style.arrangement import Arrangement
 from maulstick.style.arrangement.laid import NEAREST, Laid
@@ -31,31 +33,57 @@ class Arranging:
         self, problem: PlanningProblem, strokes: StrokeParameters, ink_of: Tensor, spacing: float, share: float
     ) -> None:
         self._regions, self._weight = problem.regions, _WEIGHT * share
+        self._rows = {ink: (ink_of == ink).nonzero()[:, 0] for ink in ink_of.unique().tolist()}
         hands = [problem.style] if self._regions is None else [region.hand for region in self._regions.said]
+        lines = _Lines(problem, spacing)
         self._hands = {
-            (number, ink): _ArrangedHand(hands[number], arrangement, problem, own, spacing)
-            for (number, ink), own in self._parts(strokes, ink_of).items()
+            (number, ink): _ArrangedHand(hands[number], arrangement, own, problem.canvas.pixels_per_metre, lines)
+            for (number, ink), own in self._parts(strokes)
             if (arrangement := hands[number].arrangement) is not None
         }
 
-    def price(self, strokes: StrokeParameters, ink_of: Tensor, torch_rng: Generator) -> Tensor:
+    def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
         """Return the weighted price of where strokes lie and how they are turned; of their shapes as they are."""
         price = torch.zeros(())
-        for part, own in self._parts(strokes, ink_of).items():
+        for part, own in self._parts(strokes):
             if part in self._hands and len(own) > NEAREST:
                 price = price + len(own) / len(strokes) * self._hands[part].price(own, torch_rng)
         return self._weight * price
 
-    def _parts(self, strokes: StrokeParameters, ink_of: Tensor) -> dict[tuple[int, int], StrokeParameters]:
-        """Return the strokes of each hand and ink that has any, with the hand's own codes."""
-        hand_of = torch.zeros_like(ink_of) if self._regions is None else self._regions.style.regions_of(strokes.codes)
-        found = {}
-        for number, ink in torch.stack([hand_of, ink_of], dim=1).unique(dim=0).tolist():
-            rows = (hand_of == number) & (ink_of == ink)
-            own = StrokeParameters(**{name: tensor[rows] for name, tensor in strokes.each().items()})  # with gradients
-            codes = own.codes if self._regions is None else self._regions.style.own_codes(own.codes, number)
-            found[number, ink] = replace(own, codes=codes)
-        return found
+    def _parts(self, strokes: StrokeParameters) -> Iterator[tuple[tuple[int, int], StrokeParameters]]:
+        """Yield the strokes of each hand and ink that has any, with the hand's own codes."""
+        for ink, rows in self._rows.items():
+            own = strokes if len(self._rows) == 1 else _of_rows(strokes, rows)
+            if self._regions is None:
+                yield (0, ink), own
+                continue
+            style = self._regions.style
+            hand_of = style.regions_of(own.codes)  # relocation may change it
+            for number in hand_of.unique().tolist():
+                part = _of_rows(own, hand_of == number)
+                yield (number, ink), replace(part, codes=style.own_codes(part.codes, number))
+
+
+def _of_rows(strokes: StrokeParameters, rows: Tensor) -> StrokeParameters:
+    """Return some of the strokes, through which slopes go back."""
+    return StrokeParameters(**{name: tensor[rows] for name, tensor in strokes.each().items()})
+
+
+class _Lines:
+    """The picture's lines, (H, W), for each way that a hand leans; spacing: metres between strokes."""
+
+    def __init__(self, problem: PlanningProblem, spacing: float) -> None:
+        self._problem, self._spacing = problem, spacing
+        self._known: dict[complex, Complexes] = {}
+
+    def of(self, leaning: complex) -> Complexes:
+        """Return those of a hand that leans so."""
+        if leaning not in self._known:
+            problem = self._problem
+            picture = problem.paper if problem.target is None else problem.target
+            lines = directions(as_array(picture), self._spacing * problem.canvas.pixels_per_metre, leaning)
+            self._known[leaning] = lines if problem.guides is None else problem.guides.over(lines)
+        return self._known[leaning]
 
 
 class _ArrangedHand:
@@ -65,18 +93,13 @@ class _ArrangedHand:
         self,
         hand: Style,
         arrangement: Arrangement,
-        problem: PlanningProblem,
         strokes: StrokeParameters,
-        spacing: float,
+        pixels_per_metre: float,
+        lines: _Lines,
     ) -> None:
-        self._hand = hand
+        self._hand, self._scale, self._lines = hand, pixels_per_metre, lines.of(arrangement.leaning)
         self._neighbourhoods = arrangement.neighbourhoods.crowded(self._laid(strokes).density())
         self._alignments = torch.from_numpy(arrangement.alignments)
-        self._scale = problem.canvas.pixels_per_metre
-        picture = problem.paper if problem.target is None else problem.target
-        self._lines = directions(as_array(picture), spacing * self._scale, arrangement.leaning)
-        if problem.guides is not None:
-            self._lines = problem.guides.over(self._lines)
 
     def price(self, strokes: StrokeParameters, torch_rng: Generator) -> Tensor:
         """Return the price of the hand's strokes."""

@@ -26,7 +26,7 @@ from maulstick.planning.result import PlanResult
 from maulstick.planning.room import kept_in
 from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.planning.tones import Tones
+from maulstick.planning.tones import Tones, strongest_of
 from maulstick.rendering.preview import truth
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Floats, Image
@@ -75,7 +75,9 @@ def problem_of(
         target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device))
         if tones.lines:
             dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
-            target = target + dark * (torch.tensor(tones.darkest_ink).to(target)[:, None, None] - target)
+            target = target + dark * (
+                torch.tensor(strongest_of(tones.inks, layout.sheet.paper)).to(target)[:, None, None] - target
+            )
     spacing = _spacing(target, paper, brushes[0], layout, options) if options.in_ink else None
     pull = _pull(target, picture, paper, tones, options, contours=loss_options.contours)
     sheet, grey = torch.tensor(layout.sheet.paper, device=device), options.in_ink and len(options.palette) == 1

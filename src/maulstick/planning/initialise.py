@@ -7,10 +7,10 @@ import torch
 from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
-from maulstick.colour.palette import light_first
 from maulstick.painting.brush import Brush
 from maulstick.planning.directions import directions
 from maulstick.planning.groups import choose_groups, place_groups
+from maulstick.planning.inks import Inks
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
     HALF_WIDTH_IN_SPACINGS,
@@ -23,10 +23,9 @@ from maulstick.planning.placement import (
     strokes_at,
     unlike,
 )
-from maulstick.planning.problem import PlannerSettings, PlanningProblem
+from maulstick.planning.problem import Colour, PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
-from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.storage.arrays import Complexes, Floats
@@ -55,9 +54,14 @@ class Initialiser:
         self._problem, self._options, self._arranged = problem, options, arranged
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
-        self.palette = tuple(options.palette[number] for number in light_first(np.array(options.palette)))
+        self._inks = Inks(problem, options.palette)
         self._lines: tuple[Tensor, complex, Complexes] | None = None  # the last, since each ink takes the same
         self._usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
+
+    @property
+    def palette(self) -> tuple[Colour, ...]:
+        """Colours of the inks, or of the paints that are given, the lightest first."""
+        return self._inks.palette
 
     def first(self) -> tuple[StrokeParameters, float]:
         """Return as many strokes as are planned, on the sheet as it is, and the median of their spacing, metres."""
@@ -66,7 +70,7 @@ class Initialiser:
             return self._anywhere(self._options.strokes)
         image = as_array(target)
         if self._options.in_ink:
-            return self._of_inks(target, self._where_allowed(self._amounts(image)), self._options.strokes)
+            return self._of_inks(target, self._inks.wanted(target), self._options.strokes)
         differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
         density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
@@ -95,14 +99,15 @@ class Initialiser:
         """
         ink_of = paint_of[rows] if self._options.in_ink else torch.zeros_like(rows)
         parts = [(rows[ink_of == ink], there) for ink, there in enumerate(density)]
+        several = len(density) > 1  # of which one that is nowhere missing stays where it is
         if (regions := self._problem.regions) is not None:
             region_of = regions.style.regions_of(strokes.codes)
             parts = [
                 (own[torch.from_numpy(members)[region_of[own]]], regions.within(members, there))
                 for own, there in parts
                 for members, _ in regions.pools
+                if not several or (there * members[regions.labels]).any()
             ]
-        several = len(density) > 1  # of which one that is nowhere missing stays where it is
         return [(own, there) for own, there in parts if len(own) and (there.any() or not several)]
 
     def missing(self, view: TargetView, canvas: Tensor) -> Floats:
@@ -110,35 +115,18 @@ class Initialiser:
 
         It is (k, H, W), from the lightest ink on, or (1, H, W) of paints.
         """
-        image, painted = as_array(view.target), as_array(canvas)
         if self._options.in_ink:
-            density = self._amounts(image) - self._amounts(painted)
-            sigma = image.shape[1] / 100 + view.pool
-            return self._where_allowed(gaussian_filter(density, (0, sigma, sigma)).clip(min=0) * self._weights)
-        return unlike(painted - image)[None] * self._weights
-
-    def _amounts(self, image: Floats) -> Floats:
-        """Return how much of each ink the image (C, H, W) shows, (k, H, W)."""
-        return separated(torch.from_numpy(image), torch.from_numpy(self._paper), self.palette).numpy()
-
-    def _where_allowed(self, density: Floats) -> Floats:
-        """Return a density of inks (k, H, W), 0 where a region does not allow them."""
-        if (regions := self._problem.regions) is None:
-            return density
-        allowed = regions.allowed_paints(torch.arange(len(regions.said)), np.array(self.palette))
-        return density * allowed.T[:, regions.labels]
+            return self._inks.missing(view, canvas)
+        return unlike(as_array(canvas) - as_array(view.target))[None] * self._weights
 
     def _of_inks(
         self, target: Tensor, density: Floats, count: int, room: float = np.inf
     ) -> tuple[StrokeParameters, float]:
         """Return `count` strokes as `strokes` does, each ink's as many as its share of the density (k, H, W)."""
-        inks, parts = torch.tensor(self.palette), []
-        ends = np.cumsum(density.sum(axis=(1, 2)) + 1e-9)
-        counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
-        for ink, there, own in zip(inks, density, counts, strict=True):
-            if own:
-                strokes, spacing = self.strokes(target, there, own, room)
-                parts.append((replace(strokes, colours=ink.expand(own, -1).clone()), spacing))
+        parts = []
+        for ink, there, own in self._inks.shares(density, count):
+            strokes, spacing = self.pooled(target, there, own, room)
+            parts.append((replace(strokes, colours=torch.tensor(ink).expand(own, -1).clone()), spacing))
         return joined([strokes for strokes, _ in parts]), min(spacing for _, spacing in parts)
 
     def strokes(
@@ -308,8 +296,7 @@ class Initialiser:
             density[:] = 0
             density[top:bottom, left:right] = 1
         if self._options.in_ink:
-            every = np.repeat(density[None], len(self.palette), axis=0)
-            return self._of_inks(self._problem.paper, every, count, room)
+            return self._of_inks(self._problem.paper, self._inks.everywhere(density), count, room)
         strokes, spacing = self.strokes(self._problem.paper, density, count, room)
         strokes.colours.copy_(torch.rand(strokes.colours.shape, generator=self._torch_rng))
         return strokes, spacing

@@ -220,7 +220,7 @@ class _Planning:
         self._loss.ask(canvas, self._steps, self._torch_rng)
         loss, parts = self._loss.of(canvas, now)
         if self._arranging is not None:
-            loss = loss + self._arranging.price(strokes, self._stroke_canvas.paint_of, self._torch_rng).to(loss.device)
+            loss = loss + self._arranging.price(strokes, self._torch_rng).to(loss.device)
         self._descent.step(loss + self._style_price.of(strokes).to(loss.device), now)
         self._style_price.adapt(self._stride)
         if isinstance(self._style, RegionalStyle):

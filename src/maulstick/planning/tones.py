@@ -42,7 +42,7 @@ class Tones:
     amount' = contrast * max(amount - veil, 0): what is lighter than the veil is left blank. Of several inks it is their
     sum, and all change alike.
 
-    lightest, darkest: L* of the picture's tones in this way, in the darkest ink.  inks: sRGB in [0, 1].
+    lightest, darkest: L* of the picture's tones in this way, in the strongest ink.  inks: sRGB in [0, 1].
     lines: how dark the lines that carry the picture are drawn over its tones, from 0 to 1.
     """
 
@@ -65,7 +65,7 @@ class Tones:
         amounts = separated(target, paper, self.inks)
         own = amounts.sum(dim=0)
         wanted = (self.contrast * (own - self.veil)).clamp(0, 1)
-        return self._mixed(amounts / own.clamp(min=_NOTHING) * wanted, paper)
+        return self._mixed(amounts / own.clamp(min=torch.finfo(own.dtype).tiny) * wanted, paper)
 
     def in_ink(self, image: Tensor, paper: Tensor) -> Tensor:
         """Return the image (C, H, W) as these inks can show it on the paper (C, H, W): without colours of its own."""
@@ -80,18 +80,18 @@ class Tones:
         if not self.compressed:
             return None
         wanted, own = (separated(image, paper, self.inks).sum(dim=0) for image in (target, picture))
-        return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * self._full(paper).mean(dim=0)
-
-    @property
-    def darkest_ink(self) -> Colour:
-        """The ink that lines are drawn with."""
-        return darkest_of(self.inks)
+        full = self._full(paper)
+        slope = full.mean(dim=0)
+        for each in [*full, *full]:  # on toned paper the mean of dark and light ink would pay for one of them
+            product, square = (slope * each).sum(dim=0), each.square().sum(dim=0).clamp(min=1e-9)
+            slope = slope - product.clamp(max=0) / square * each
+        return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * slope
 
     def _mixed(self, amounts: Tensor, paper: Tensor) -> Tensor:
         return paper + (amounts[:, None] * self._full(paper)).sum(dim=0)
 
     def _full(self, paper: Tensor) -> Tensor:
-        return torch.tensor(self.inks).to(paper)[:, :, None, None] - paper
+        return torch.tensor(self.inks, dtype=paper.dtype, device=paper.device)[:, :, None, None] - paper
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,9 @@ class InkSupply:
             veil, contrast = max(choices, key=lambda choice: seen.inked(*choice).told(self.glance_lines))
         ends = (contrast * (np.array([lightest, darkest]) - veil)).clip(0, 1)
         paper = np.array(self.paper)
-        light, dark = lightness(paper + ends[:, None] * (np.array(darkest_of(self.inks)) - paper)).tolist()
+        light, dark = lightness(
+            paper + ends[:, None] * (np.array(strongest_of(self.inks, self.paper)) - paper)
+        ).tolist()
         return Tones(veil, contrast, light, dark, self.inks, lines)
 
     def note(self, strokes: int) -> str | None:
@@ -234,9 +236,9 @@ class Amounts:
         return float(-(share * np.log(share * _BINS)).sum()) - log(2 * pi * e) / 2
 
 
-def darkest_of(inks: tuple[Colour, ...]) -> Colour:
-    """Return the darkest of the inks."""
-    return inks[int(np.argmin(lightness(np.array(inks))))]
+def strongest_of(inks: tuple[Colour, ...], paper: Colour) -> Colour:
+    """Return that of the inks which differs most from the paper."""
+    return inks[int(np.argmax(np.square(np.array(inks) - paper).sum(axis=1)))]
 
 
 def _choices(amounts: Amounts, darkest: float, given: float) -> list[tuple[float, float]]:

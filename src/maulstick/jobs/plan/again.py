@@ -14,12 +14,13 @@ import numpy as np
 import torch
 from pydantic import TypeAdapter, ValidationError
 
+from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.plan.inputs import not_a_paint
 from maulstick.jobs.plan.options import FILES, PlanOptions
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
-from maulstick.painting.painting import Painting, Sheet, Stroke
+from maulstick.painting.painting import Painting, Sheet, Stroke, hex_colour
 from maulstick.painting.painting_file import read_painting
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import Colour, Neighbours, PlannerSettings, PlanningProblem
@@ -126,8 +127,11 @@ class Again:
 
 
 def palette_of(painting: Painting) -> tuple[Colour, ...]:
-    """Return the colours of a painting, each once, sRGB in [0, 1]."""
-    return tuple(dict.fromkeys(paint.colour for paint in painting.paints))
+    """Return the colours of a painting, each once, and those of its inks that no stroke has, sRGB in [0, 1]."""
+    own = dict.fromkeys(paint.colour for paint in painting.paints)
+    known, said = {paint.hex for paint in painting.paints}, painting.provenance.options.get("ink")
+    inks = [parse_colour(ink.strip()) for ink in said.split(",")] if isinstance(said, str) else []
+    return (*own, *(ink for ink in inks if hex_colour(ink) not in known))
 
 
 def is_in_ink(painting: Painting) -> bool:

@@ -30,6 +30,9 @@ DRAWINGS: Final = ("both", "lines", "tones")
 FILES: Final = ("background", "again", "regions", "say", "guides", "look", "paints_from", "clip_weights")
 """Options that are paths of files."""
 
+MOST_INKS: Final = 12
+"""Inks of one plan; of more it takes long to find out how much the picture needs of each."""
+
 MOST_AUTO: Final = 10_000
 """Most strokes that are chosen for a picture: more would take a plotter days."""
 
@@ -162,6 +165,8 @@ class PlanOptions:
                 "leave one of them out"
             )
         inks = [parse_colour(colour) for colour in self.inks]
+        if len(inks) > MOST_INKS:
+            raise InputError.of_range(f"the number of colours of {option('ink')}", len(inks), f"at most {MOST_INKS}")
         if len(set(inks)) < len(inks):
             raise InputError(f"{option('ink')} {self.ink} names one colour twice; name each once")
         for colour in self.pin:

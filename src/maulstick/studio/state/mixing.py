@@ -99,14 +99,12 @@ class Mixing:
     async def missing(self, plan: str) -> list[PlannedPaint]:
         """Return the paints that must still be mixed before the plan can be painted.
 
-        Those of a drawing are pens, and so is one that is alone: the machine asks for them.
+        Those of a drawing are pens: the machine asks for them.
         """
         if is_svg(self._folder.painting(plan)):
             return []
         paints, mixed = await self.paints(plan), self.mixed(plan)
-        if len(paints) == 1:
-            return []
-        return [paint for paint in paints if paint.strokes and paint.label not in mixed]
+        return [paint for paint in paints if paint.strokes and not paint.is_pen and paint.label not in mixed]
 
     def mixed(self, plan: str) -> frozenset[str]:
         """Read the labels of the mixed paints; some may be of paints that the plan no longer has."""

@@ -9,7 +9,7 @@ from typing import Annotated, Final, Literal, final
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from maulstick.errors import InputError, OutputError
-from maulstick.jobs.plan.options import DRAWINGS, MOST_STROKES, PlanOptions
+from maulstick.jobs.plan.options import DRAWINGS, MOST_INKS, MOST_STROKES, PlanOptions
 from maulstick.jobs.plan.request import MOST_TRIES
 from maulstick.storage.records import read_record, write_record
 from maulstick.studio.state.folder import Folder
@@ -19,7 +19,6 @@ WHITE: Final = "#ffffff"
 """Colour of paper, as a field for colours shows it."""
 
 _PAUSE = 0.5  # seconds between two writings: a person who types a number changes it with every key
-_MOST_INKS = 32  # that are kept
 _USUAL = PlanOptions()
 
 _Text = Annotated[str, Field(max_length=100)]
@@ -52,7 +51,7 @@ class Choices(BaseModel):
     kind: Literal["paints", "ink"] = "paints"
     paints: Annotated[int, Field(ge=1, le=64)] = _USUAL.mixed_paints or 1
     ink: _Text = "#000000"
-    more_inks: Annotated[list[_Text], Field(max_length=_MOST_INKS)] = []
+    more_inks: Annotated[list[_Text], Field(max_length=MOST_INKS - 1)] = []
     strokes: Annotated[int, Field(ge=1, le=MOST_STROKES)] = int(_USUAL.strokes)
     enough: bool = False
     drawing: _Text = DRAWINGS[0]

@@ -20,7 +20,8 @@ class PlannedPaint:
     number: in the plan's palette, from 1.  display_name: its name for people.
     metres: length of all its strokes.  strokes: their number.
     place: among the paints in the order of their first use, from 1; 0 where no stroke has it.
-    times: number of times that it is taken up.  well: its place in the tray (x, y), metres, or None.
+    times: number of times that it is taken up.  is_pen: whether a pen draws it, which the machine asks for and nobody
+    mixes; so is a paint that is alone, most likely.  well: its place in the tray (x, y), metres, or None.
     """
 
     number: int
@@ -32,6 +33,7 @@ class PlannedPaint:
     strokes: int
     place: int
     times: int
+    is_pen: bool
     well: tuple[float, float] | None
 
     @property
@@ -62,6 +64,7 @@ def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ..
     wells = {} if tray_path is None else read_tray(tray_path).paints
     taken = [paint for paint, _ in groupby(stroke.paint for stroke in painting.strokes)]
     places = {paint: place for place, paint in enumerate(dict.fromkeys(taken), start=1)}
+    are_pens = len(painting.paints) == 1 or painting.provenance.options.get("ink") is not None
     used = [stroke.paint for stroke in painting.strokes]
     found = []
     for index, (paint, metres) in enumerate(zip(painting.paints, painting.metres_of_paints(), strict=True)):
@@ -77,6 +80,7 @@ def planned_paints(path: Path, tray_path: Path | None) -> tuple[PlannedPaint, ..
                 strokes=used.count(index),
                 place=places.get(index, 0),
                 times=taken.count(index),
+                is_pen=are_pens,
                 well=None if well is None else (well.x, well.y),
             )
         )

@@ -169,7 +169,8 @@ class _Setting:
         before = self._touches_before if self._unfilled else self._touches
         try:
             missing = await self._studio.mixing.missing(plan)
-            paints = 0 if self._is_drawing else len(await self._studio.mixing.paints(plan))
+            planned = () if self._is_drawing else await self._studio.mixing.paints(plan)
+            paints = sum(not paint.is_pen for paint in planned)
             status = await self._run.status(plan)
         except MaulstickError as error:
             fault = error_text(error)
@@ -183,7 +184,7 @@ class _Setting:
             self._form.fill(status.options)
         elif status is None and self._unfilled:
             machine = self._machine_for(plan) if self._touches == before else None
-            self._form.begin(machine, paints > 1)  # one paint is a pen, and a drawing is for pens
+            self._form.begin(machine, paints > 0)  # pens are not dipped, and a drawing is for pens
         self._unfilled = self._unfilled and bool(fault)
         self._begun.text = fault or _begun_text(status)
         self._missing = len(missing)

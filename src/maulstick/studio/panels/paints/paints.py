@@ -88,7 +88,7 @@ class _Paints:
         self._show_cards(plan, paints, recipes)
         for label, tick in self._ticks:
             tick.value = label in mixed
-        self._count_them(len({paint.label for paint in paints if paint.strokes}), len(set(missing)))
+        self._count_them(paints, len(set(missing)))
 
     def _show_nothing(self, why: str) -> None:
         self._shown = ()
@@ -109,18 +109,19 @@ class _Paints:
         self._shown, self._nothing.visible = to_show, False
         with self._cards:
             for paint, recipe in zip(paints, recipes, strict=True):
-                tick = _card(self._studio, plan, paint, recipe, alone=len(paints) == 1)
+                tick = _card(self._studio, plan, paint, recipe)
                 if tick is not None:
                     self._ticks.append((paint.label, tick))
 
-    def _count_them(self, paints: int, missing: int) -> None:
-        ready = (
-            "Everything is ready to paint." if paints > 1 else "Nothing is to be mixed: the machine asks for this one."
-        )
-        self._count.text = ready if not missing else f"{paints - missing} of {paints} are mixed."
-        self._bar.visible = paints > 1
-        self._bar.value = (paints - missing) / max(paints, 1)
-        self._all.visible = paints > 1 and missing > 0
+    def _count_them(self, paints: tuple[PlannedPaint, ...], missing: int) -> None:
+        used = len({paint.label for paint in paints if paint.strokes})
+        ready = "Everything is ready to paint."
+        if any(paint.is_pen for paint in paints):
+            ready = f"Nothing is to be mixed: the machine asks for {'this one' if used == 1 else 'each'}."
+        self._count.text = ready if not missing else f"{used - missing} of {used} are mixed."
+        self._bar.visible = bool(self._ticks)
+        self._bar.value = (used - missing) / max(used, 1)
+        self._all.visible = missing > 0
         self._paint.visible = not missing
 
     def _go_and_paint(self) -> None:
@@ -130,11 +131,8 @@ class _Paints:
         await self._studio.mixing.tick_all(self._plan.value)
 
 
-def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone: bool) -> ui.checkbox | None:
-    """Build the card of a paint; return its tick, None where the machine asks for it.
-
-    alone: the paint is the only one, most likely the ink of a pen.
-    """
+def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe) -> ui.checkbox | None:
+    """Build the card of a paint; return its tick, None where the machine asks for it."""
     with html.article().classes("sheet paint").props(f'aria-label="Paint {paint.number}"'):
         swatch = html.div().classes("swatch").style(f"background: {paint.hex}")
         with swatch.props(f'role="img" aria-label="The colour {paint.hex}"'):
@@ -142,7 +140,7 @@ def _card(studio: Studio, plan: str, paint: PlannedPaint, recipe: Recipe, alone:
         html.h2(paint.display_name[0].upper() + paint.display_name[1:])
         html.p(f"{paint.hex} · {_usage(paint)}").classes("figure hint")
         html.p(_place(studio, paint)).classes("hint")
-        if alone:
+        if paint.is_pen:
             return None
         if paint.is_named and not studio.mixing.has_own_tubes:
             html.p("As it is in its tube.")
