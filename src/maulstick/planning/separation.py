@@ -21,12 +21,12 @@ def separated(image: Tensor, paper: Tensor, inks: Sequence[Colour]) -> Tensor:
     The shares are those of least squares with a >= 0 and their sum at most 1; of all ways to mix a colour, the one that
     covers least.
     """
-    pixels = torch.cat([image, paper]).flatten(1)
     colours = torch.tensor(inks, dtype=paper.dtype, device=paper.device)
     if len(inks) == 1:
-        full = colours[0, :, None] - pixels[3:]
-        one = ((pixels[:3] - pixels[3:]) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)
-        return one.clamp(0, 1).reshape(1, *image.shape[1:])
+        full = colours[0, :, None, None] - paper
+        one = ((image - paper) * full).sum(dim=0) / full.square().sum(dim=0).clamp(min=1e-9)
+        return one.clamp(0, 1)[None]
+    pixels = torch.cat([image, paper]).flatten(1)
     levels = (pixels * _STEPS).round().clamp(0, _STEPS).long()
     places = (_STEPS + 1) ** torch.arange(len(levels), device=levels.device)
     alike, which = (levels * places[:, None]).sum(dim=0).unique(return_inverse=True)
