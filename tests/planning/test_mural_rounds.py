@@ -125,11 +125,11 @@ def test_a_window_is_made_when_it_is_asked_for_and_none_once_planning_is_to_end(
     assert [window.index for window in asked] == [0, 2]
 
 
-def test_a_window_arranges_nothing_since_it_does_not_see_all_strokes() -> None:
+@pytest.mark.parametrize("arrange", [1.0, 0.5])
+def test_a_window_is_arranged_as_far_as_the_whole(arrange: float) -> None:
     asked: list[Window] = []
-    assert SETTINGS.arrange == 1
-    plan_strip(noting(asked))
-    assert {window.settings.arrange for window in asked} == {0}
+    plan_strip(noting(asked), settings=replace(SETTINGS, arrange=arrange))
+    assert {window.settings.arrange for window in asked} == {arrange}
 
 
 @pytest.mark.parametrize(("paints", "is_ink"), [(1, False), (None, True)])

@@ -152,7 +152,7 @@ class _Planning:
         seed = int(np.random.SeedSequence((self._options.seed, index)).generate_state(1)[0])
         palette = tuple((red, green, blue) for red, green, blue in paints.tolist())
         settled = replace(self._options, paints=None, palette=palette, pinned=(), in_colours=not self._options.in_ink)
-        return replace(settled, strokes=strokes, seed=seed, arrange=0.0)
+        return replace(settled, strokes=strokes, seed=seed)
 
     def _put_together(self, before: "_Snapshot", windows: list[int]) -> None:
         """End a round: put the strokes of its windows, in their order, behind those that no window planned."""
