@@ -3,6 +3,7 @@
 import io
 import re
 import runpy
+import shlex
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -60,7 +61,7 @@ def said(folder: Path) -> dict[str, str]:
     with FakeGrbl(pace=400) as plotter, pytest.MonkeyPatch.context() as patch:
         for line in lines(PAGE):
             patch.setattr("sys.stdin", io.StringIO("\n" * 20))  # pens are put in when they are asked for
-            words = line.replace(PORT, plotter.port).split()
+            words = shlex.split(line.replace(PORT, plotter.port))
             if words[0] == "python":
                 patch.setattr("sys.argv", [words[1], *words[2:], *FEW[:4]])
                 runpy.run_path(words[1], run_name="__main__")

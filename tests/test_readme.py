@@ -1,6 +1,7 @@
 """The README's lines, in order, as a stranger would type them; plans with fewer steps."""
 
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ BIN = Path(sys.executable).parent
 QUICK = {
     "strokes=600": "strokes=40, steps=8, px=48",
     "--strokes 800": "--strokes 40 --steps 8 --px 48",
+    "--strokes 1000": "--strokes 40 --steps 8 --px 48",
     "--hand-size 0.5": "--steps 4 --px 48",
 }
 
@@ -47,10 +49,10 @@ def test_the_python_of_the_readme_runs(folder: Path) -> None:
 
 def test_the_commands_of_the_readme_run_in_order(folder: Path) -> None:
     commands = [line for line in lines(PAGE) if line.startswith("maulstick ") and line != "maulstick studio"]
-    assert len(commands) == 5
+    assert len(commands) == 6
     for command in commands:
         ran = subprocess.run(
-            [BIN / "maulstick", *quickly(command).split()[1:]], cwd=folder, capture_output=True, text=True
+            [BIN / "maulstick", *shlex.split(quickly(command))[1:]], cwd=folder, capture_output=True, text=True
         )
         assert ran.returncode == 0, ran.stderr
     assert {"painting.json", "painting.svg", "preview.png", "palette.png"} <= {
