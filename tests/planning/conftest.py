@@ -12,7 +12,10 @@ from torch import Tensor
 from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.objectives import Halftone, Tone, towards_contours
+from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem, Weighted
+from maulstick.planning.result import PlanProgress
+from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import load_style
 from tests.support.nominal import nominal
@@ -36,6 +39,19 @@ def problem_for(picture: Picture, brush: Brush, *, halftone: bool = False) -> Pl
     pull = towards_contours(target)
     tone = Weighted(Halftone(target, weights, 2.0, pull), 1.0)
     return PlanningProblem(target, paper, weights, canvas, (brush,), style, (tone,), pull=pull)
+
+
+def state_after(problem: PlanningProblem, settings: PlannerSettings, steps: int) -> State:
+    """Return the state of a plan after so many steps, of which it takes more."""
+    states: list[State] = []
+
+    def watch(progress: PlanProgress) -> bool:
+        if len(states) < steps:
+            states.append(progress.state())
+        return True
+
+    plan(problem, settings, watch)
+    return states[-1]
 
 
 def mse(canvas: Tensor, target: Tensor) -> float:

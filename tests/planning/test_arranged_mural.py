@@ -35,9 +35,7 @@ def drawn(
     resume: State | None = None,
 ) -> PlanResult:
     pen = (nominal("fineliner"),)
-    return plan_mural(
-        mural, pen, HAND, settings, watch, loss_options=LossOptions(), window_px=CORE, resume=resume
-    )  # fmt: skip
+    return plan_mural(mural, pen, HAND, settings, watch, loss_options=LossOptions(), window_px=CORE, resume=resume)
 
 
 @pytest.fixture(scope="module")

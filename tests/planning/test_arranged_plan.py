@@ -13,16 +13,15 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Region, Regions
-from maulstick.planning.result import PlanProgress, PlanResult
+from maulstick.planning.result import PlanResult
 from maulstick.planning.schedule import REPLAN
-from maulstick.planning.state import State
 from maulstick.storage.arrays import Image as Picture
 from maulstick.style import Style
 from maulstick.style.arrangement.laid import Laid
 from maulstick.style.exemplar import Exemplar
 from maulstick.style.hand import Hand
 from maulstick.style.regional import RegionalStyle
-from tests.planning.conftest import options, problem_for
+from tests.planning.conftest import options, problem_for, state_after
 from tests.support.drawn import as_strokes, hatching
 from tests.support.nominal import nominal
 from tests.support.style.synthetic_hands import all_hands
@@ -91,15 +90,7 @@ def test_a_seed_repeats_an_arranged_plan_to_the_bit_and_another_seed_does_not(
 def test_an_arranged_plan_goes_on_as_if_it_had_not_stopped(
     problem: PlanningProblem, planned: PlanResult, steps: int
 ) -> None:
-    states: list[State] = []
-
-    def watch(progress: PlanProgress) -> bool:
-        if len(states) < steps:
-            states.append(progress.state())
-        return True
-
-    plan(problem, INK, watch)
-    assert same(plan(problem, INK, resume=states[-1]), planned)
+    assert same(plan(problem, INK, resume=state_after(problem, INK, steps)), planned)
 
 
 @pytest.mark.parametrize("settings", [replace(INK, arrange=0.0), replace(INK, paints=4)], ids=["0", "paints"])

@@ -12,14 +12,14 @@ from maulstick.planning.initialise import Initialiser
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Region, Regions
-from maulstick.planning.result import PlanProgress, PlanResult
+from maulstick.planning.result import PlanResult
 from maulstick.planning.schedule import REPLAN
-from maulstick.planning.state import State
 from maulstick.planning.stroke_effects import TargetView
 from maulstick.style.regional import RegionalStyle
-from tests.planning.conftest import options, problem_for
-from tests.planning.test_arranged_plan import HAND, same, unplaced
+from tests.planning.conftest import options, problem_for, state_after
+from tests.planning.test_arranged_plan import HAND, unplaced
 from tests.support.nominal import nominal
+from tests.support.planning.same import same
 
 DARK, RED, BLUE = (0.05, 0.05, 0.1), (0.8, 0.15, 0.1), (0.1, 0.3, 0.75)
 INKS = options(paints=None, palette=(DARK, RED, BLUE), strokes=60, steps=40)
@@ -85,17 +85,7 @@ def test_the_order_of_a_palette_of_inks_changes_nothing(problem: PlanningProblem
 def test_a_plan_in_inks_goes_on_as_if_it_had_not_stopped(
     problem: PlanningProblem, planned: PlanResult, steps: int
 ) -> None:
-    states: list[State] = []
-
-    def watch(progress: PlanProgress) -> bool:
-        if len(states) < steps:
-            states.append(progress.state())
-        return True
-
-    plan(problem, INKS, watch)
-    found = plan(problem, INKS, resume=states[-1])
-    assert same(found, planned)
-    assert torch.equal(found.paint_of, planned.paint_of)
+    assert same(plan(problem, INKS, resume=state_after(problem, INKS, steps)), planned)
 
 
 def test_strokes_that_are_planned_again_keep_their_inks_and_new_ones_take_those_that_are_missing(

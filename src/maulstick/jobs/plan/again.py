@@ -17,7 +17,7 @@ from pydantic import TypeAdapter, ValidationError
 from maulstick.colour.palette import parse_colour
 from maulstick.errors import InputError, option, validation_fault
 from maulstick.jobs.plan.inputs import not_a_paint
-from maulstick.jobs.plan.options import FILES, PlanOptions
+from maulstick.jobs.plan.options import FILES, PlanOptions, colours_in
 from maulstick.jobs.plan.request import demo_picture
 from maulstick.painting.brush import Brush, in_painting_order
 from maulstick.painting.painting import Painting, Sheet, Stroke, hex_colour
@@ -130,7 +130,7 @@ def palette_of(painting: Painting) -> tuple[Colour, ...]:
     """Return the colours of a painting, each once, and those of its inks that no stroke has, sRGB in [0, 1]."""
     own = dict.fromkeys(paint.colour for paint in painting.paints)
     known, said = {paint.hex for paint in painting.paints}, painting.provenance.options.get("ink")
-    inks = [parse_colour(ink.strip()) for ink in said.split(",")] if isinstance(said, str) else []
+    inks = map(parse_colour, colours_in(said) if isinstance(said, str) else ())
     return (*own, *(ink for ink in inks if hex_colour(ink) not in known))
 
 

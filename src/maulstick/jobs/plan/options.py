@@ -201,7 +201,7 @@ class PlanOptions:
     @property
     def inks(self) -> tuple[str, ...]:
         """Colours of the inks to draw with, as they are said; none where it is painted."""
-        return () if self.ink is None else tuple(colour.strip() for colour in self.ink.split(","))
+        return () if self.ink is None else colours_in(self.ink)
 
     @property
     def mixed_paints(self) -> int | None:
@@ -230,6 +230,11 @@ class PlanOptions:
             raise InputError(f"{ways[0]} and {ways[1]} are two ways to say what to paint with; leave one of them out")
         if self.paints is not None and self.strokes != AUTO:
             _check_whole("paints", self.paints, 1, self.strokes, f"from 1 to the {self.strokes} strokes")
+
+
+def colours_in(said: str) -> tuple[str, ...]:
+    """Return the colours of inks, as in ``black,#a04020``, each as it is said."""
+    return tuple(colour.strip() for colour in said.split(","))
 
 
 def _absolute(name: str) -> str:
