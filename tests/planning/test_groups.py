@@ -3,8 +3,9 @@ import pytest
 
 from maulstick.planning import groups
 from maulstick.planning.directions import directions
-from maulstick.planning.groups import choose_groups, place_groups
+from maulstick.planning.groups import choose_groups, place_groups, without
 from maulstick.planning.placement import Places
+from maulstick.planning.tracing import lay_along
 from maulstick.storage.arrays import Floats, Ints
 from maulstick.style.arrangement import Arrangement
 from maulstick.style.hand import Hand
@@ -114,3 +115,29 @@ def test_a_seed_repeats_the_groups_to_the_bit_and_another_seed_does_not() -> Non
     one, same, other = (placed(seed=seed)[0].centres for seed in (1, 1, 2))
     assert np.array_equal(one, same)
     assert not np.array_equal(one, other)
+
+
+def test_a_group_loses_the_strokes_that_lie_elsewhere_as_often_as_they_do() -> None:
+    chosen = [np.array([4, 5, 6]), np.array([7]), np.array([4, 5, 6]), np.array([4, 5, 6])]
+    left = without(chosen, np.array([5, 7, 5, 4]))
+    assert [rows.tolist() for rows in left] == [[6], [4, 6], [4, 5, 6]]
+    assert [rows.tolist() for rows in without(chosen, np.array([], dtype=np.int64))] == [
+        rows.tolist() for rows in chosen
+    ]
+
+
+def test_groups_fill_what_strokes_along_lines_leave_blank() -> None:
+    paths, upright = SCALE * arranged().paths, np.stack([np.full(60, 20.0), np.arange(60.0)], axis=1)
+    chosen = choose_groups(arranged(), 96, np.random.default_rng(0))
+    along = lay_along([upright + np.array([step, 0]) for step in range(-15, 16, 3)], paths, np.full(len(paths), 2))
+    rest = without(chosen, along.rows)
+    places, rows = place_groups(
+        np.ones((3, *SIZE)), np.zeros(SIZE, dtype=complex), np.ones(SIZE), arranged(), rest, 7.5, SCALE,
+        np.random.default_rng(0), along,
+    )  # fmt: skip
+    first = len(along.rows)
+    assert first > 30
+    assert sorted(rows.tolist()) == sorted(np.concatenate(chosen).tolist())
+    assert places.centres[:first] == pytest.approx(along.paths.mean(axis=1))
+    assert places.angles[:first] == pytest.approx(arranged().angles[along.rows] + along.turns)
+    assert (places.centres[first:, 0] > 40).mean() > 0.8

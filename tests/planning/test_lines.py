@@ -110,3 +110,10 @@ def test_lines_lie_on_the_sheet_where_its_picture_does_and_nowhere_else() -> Non
     assert dark.max() > 0.3
     assert inside[np.abs(ring - 29) > 4].max() < 0.05, "a disc of 60 pixels of 200 is one of 30 of 100"
     assert not lines_on(replace(layout, target=None), load_brush("fineliner")).any()
+
+
+def test_a_light_ink_draws_the_lines_that_are_lighter_than_around() -> None:
+    pen, sheet = load_brush("fineliner"), Sheet(width=0.1, height=0.1)
+    dark, light = (lay_out_for(each, sheet, pen, "contain", 100) for each in (disc(60), 1 - disc(60)))
+    assert np.abs(lines_on(light, pen, light=True) - lines_on(dark, pen)).max() < 1e-3
+    assert np.abs(lines_on(dark, pen, light=True) - lines_on(dark, pen)).max() > 0.3

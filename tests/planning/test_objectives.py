@@ -136,6 +136,31 @@ def test_ink_costs_in_lights_that_are_left_blank_most_where_the_picture_is_light
     assert dark == 0
 
 
+@pytest.mark.parametrize(("paper", "ink"), [(1.0, 0.0), (0.2, 1.0)], ids=["black on white", "white on grey"])
+def test_ink_earns_on_lines_the_more_the_darker_they_are_and_the_shorter_ink_is(paper: float, ink: float) -> None:
+    sheet, full = torch.full((3, 64, 64), paper), torch.full((3, 1, 1), ink)
+    dark = torch.zeros(64, 64)
+    dark[10], dark[30] = 1.0, 0.5
+    short = Tones(veil=0.3, contrast=1.0, lightest=100.0, darkest=20.0, inks=((ink, ink, ink),), lines=0.6)
+    target = short.with_lines(sheet, dark, full)
+    assert torch.allclose(target[:, 10], 0.6 * full[:, 0] + 0.4 * sheet[:, 10])
+    assert torch.equal(target[:, 20], sheet[:, 20])
+
+    def earned_by_a_line(y: int, tones: Tones) -> float:
+        canvas, weights = sheet.clone(), torch.ones(64, 64)
+        canvas[:, y, 8:24] = ink
+        pull = tones.towards_lines(dark, full, sheet)
+        costs = [Halftone(target, weights, 5.0, pull if lines else None) for lines in (True, False)]
+        of_sheet, of_canvas = (costs[1].loss(each, 0.5) - costs[0].loss(each, 0.5) for each in (sheet, canvas))
+        return (of_canvas - of_sheet).item()
+
+    on_dark, on_faint, beside = (earned_by_a_line(y, short) for y in (10, 30, 20))
+    assert on_dark > 0
+    assert on_faint == pytest.approx(on_dark / 2, rel=1e-3)
+    assert beside == pytest.approx(0, abs=1e-9)
+    assert earned_by_a_line(10, replace(short, lines=0.3)) == pytest.approx(on_dark / 2, rel=1e-3)
+
+
 def test_halftone_does_not_change_as_planning_goes_on() -> None:
     objective = tone(noise(0, 3, 64, 64), spacing=1.0)
     canvas = noise(1, 3, 64, 64)

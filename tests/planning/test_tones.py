@@ -11,8 +11,8 @@ from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import problem_of
 from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.problem import PlannerSettings
-from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke, strongest_of
+from maulstick.planning.problem import Colour, PlannerSettings
+from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke, is_lighter, strongest_of
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
 from tests.support.style.synthetic_hands import exemplar_of, line
@@ -215,3 +215,10 @@ def test_tones_of_several_inks_fade_alike_and_what_is_paler_than_the_veil_is_bla
     amounts = shares.sum(dim=1, keepdim=True)
     wanted = paper + (shares / amounts * (0.5 * (amounts - 0.2)).clamp(min=0) @ towards).T[:, None]
     assert torch.allclose(veiled.apply(picture, paper), wanted, atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("ink", "paper", "lighter"), [(BLACK, (1, 1, 1), False), ((1, 1, 1), BLACK, True), ((0.9, 0.2, 0.1), BLACK, True)]
+)
+def test_an_ink_may_be_lighter_than_its_paper(ink: Colour, paper: Colour, lighter: bool) -> None:
+    assert is_lighter(ink, paper) is lighter

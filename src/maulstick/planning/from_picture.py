@@ -16,17 +16,15 @@ from maulstick.planning.attention import attention
 from maulstick.planning.drawn_pixels import finest
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
+from maulstick.planning.inked import inked, spacing_of
 from maulstick.planning.layout import Layout
-from maulstick.planning.lines import lines_on
 from maulstick.planning.losses import LossOptions, Reference, losses_of
-from maulstick.planning.objectives import towards_contours
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Regions
 from maulstick.planning.result import PlanResult
 from maulstick.planning.room import kept_in
-from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.planning.tones import Tones, strongest_of
+from maulstick.planning.tones import Tones
 from maulstick.rendering.preview import truth
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.storage.arrays import Floats, Image
@@ -35,7 +33,6 @@ from maulstick.style.regional import RegionalStyle
 
 _DEFAULT_LOSSES = LossOptions()
 _CPU = torch.device("cpu")
-_PALEST = 0.01  # grey whose lines are the furthest apart that is reckoned with
 _BLUR = 2e-3  # metres: standard deviation of what an eye blurs that stands two metres away
 _METRIC_VIEWS = 8  # views per network loss in the metrics of a finished plan: more than a call while planning
 
@@ -73,13 +70,10 @@ def problem_of(
     target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
     if picture is not None and tones is not None:
         target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device))
-        if tones.lines:
-            dark = tones.lines * torch.from_numpy(lines_on(layout, brushes[0])).to(device)
-            target = target + dark * (
-                torch.tensor(strongest_of(tones.inks, layout.sheet.paper)).to(target)[:, None, None] - target
-            )
-    spacing = _spacing(target, paper, brushes[0], layout, options) if options.in_ink else None
-    pull = _pull(target, picture, paper, tones, options, contours=loss_options.contours)
+    pull = None
+    if picture is not None and target is not None and options.in_ink:
+        target, pull = inked(target, picture, paper, layout, brushes[0], tones, contours=loss_options.contours)
+    spacing = spacing_of(target, paper, brushes[0], layout, options) if options.in_ink else None
     sheet, grey = torch.tensor(layout.sheet.paper, device=device), options.in_ink and len(options.palette) == 1
     reference = Reference(target, weights, sheet, spacing, pull, weights_of, grey)
     return PlanningProblem(
@@ -93,37 +87,8 @@ def problem_of(
         room=layout.room,
         regions=regions,
         pull=pull,
+        contours=loss_options.contours,
     )
-
-
-def _pull(
-    target: torch.Tensor | None,
-    picture: torch.Tensor | None,
-    paper: torch.Tensor,
-    tones: Tones | None,
-    options: PlannerSettings,
-    *,
-    contours: bool,
-) -> torch.Tensor | None:
-    """Return the slope of what counts beside the tones of inks, as `Halftone` takes it, where anything does."""
-    if target is None or picture is None or not options.in_ink:
-        return None
-    lights = None if tones is None else tones.away_from_lights(target, picture, paper)
-    if not contours:
-        return lights
-    return towards_contours(picture) if lights is None else towards_contours(picture) + lights
-
-
-def _spacing(
-    target: torch.Tensor | None, paper: torch.Tensor, brush: Brush, layout: Layout, options: PlannerSettings
-) -> float:
-    """Return the pixels between thinnest lines in the usual grey of a target (C, H, W)."""
-    width = 2 * brush.finest * layout.canvas.pixels_per_metre
-    if target is None:
-        return width
-    amounts = separated(target.double(), paper.double(), options.palette).sum(dim=0).cpu().numpy()
-    shown = amounts[amounts > 0]
-    return width / max(float(shown.mean()), _PALEST) if len(shown) else width
 
 
 def importance_of(layout: Layout, faces: float = 1.0) -> Image:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from maulstick.planning.placement import Places, at_pixels, colours_at, edge_size
+from maulstick.planning.tracing import NOTHING_ALONG, Along
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style.arrangement import Arrangement
@@ -27,10 +28,12 @@ def place_groups(
     room: float,
     scale: float,
     rng: np.random.Generator,
+    along: Along = NOTHING_ALONG,
 ) -> tuple[Places, Ints]:
     """Place groups of a hand by the density (H, W) along lines (H, W) of a target (C, H, W).
 
-    Return the places, and the rows of the hand's strokes that they are like, (N,). The longest groups are placed first.
+    Return the places, and the rows of the hand's strokes that they are like, (N,): those that lie `along` the target's
+    lines already, then the longest groups first.
     Each is laid where its lines miss most of what the density wants, turned along the lines there; where there are none
     it lies as the hand drew it.
 
@@ -40,9 +43,12 @@ def place_groups(
     height, width = density.shape
     paths = arrangement.paths * scale
     chosen = sorted(groups, key=lambda rows: -path_lengths(paths[rows]).sum())
+    strokes = np.concatenate([along.rows, *chosen])
     wanted = density + 1e-9  # an empty density counts as an even one
-    ink = _Ink(wanted * (path_lengths(paths[np.concatenate(chosen)]).sum() / wanted.sum()), _BLUR_IN_SPACINGS * room)
-    centres, turns = [], []
+    ink = _Ink(wanted * (path_lengths(paths[strokes]).sum() / wanted.sum()), _BLUR_IN_SPACINGS * room)
+    for path in along.paths:
+        ink.draw(path[None])
+    centres, turns = [along.paths.mean(axis=1)], [along.turns]
     for rows in chosen:
         middle = paths[rows].mean(axis=(0, 1))
         tried = ink.likely(_TRIED, rng)
@@ -53,7 +59,7 @@ def place_groups(
         ink.draw(moved[best])
         centres.append(moved[best].mean(axis=1))
         turns.append(np.full(len(rows), turn[best]))
-    strokes, where = np.concatenate(chosen), np.concatenate(centres)
+    where = np.concatenate(centres)
     places = Places(
         where,
         arrangement.angles[strokes] + np.concatenate(turns),
@@ -74,6 +80,18 @@ def choose_groups(arrangement: Arrangement, count: int, rng: np.random.Generator
                 chosen.append(rows)
             left -= len(rows)
     return chosen
+
+
+def without(groups: Sequence[Ints], rows: Ints) -> list[Ints]:
+    """Return groups of a hand's strokes without some of them, each row as often as it is among those."""
+    taken = np.bincount(rows, minlength=1 + max((int(group.max()) for group in groups), default=0))
+    left = []
+    for group in groups:
+        stays = taken[group] == 0  # no group has a stroke twice
+        np.subtract.at(taken, group[~stays], 1)
+        if stays.any():
+            left.append(group[stays])
+    return left
 
 
 def _turns(group: complex, lines: Complexes) -> Floats:

@@ -1,5 +1,6 @@
 """Initial strokes: all of them on the empty sheet, and later a few where the canvas is furthest from the picture."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +9,7 @@ from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.directions import directions
-from maulstick.planning.groups import choose_groups, place_groups
+from maulstick.planning.arranged_start import ArrangedStart
 from maulstick.planning.inks import Inks
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
@@ -20,7 +20,6 @@ from maulstick.planning.placement import (
     find_places,
     sizes_at,
     start_strokes,
-    strokes_at,
     unlike,
 )
 from maulstick.planning.problem import Colour, PlannerSettings, PlanningProblem
@@ -28,8 +27,8 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.storage.arrays import Complexes, Floats
-from maulstick.style import Style
+from maulstick.planning.tracing import within
+from maulstick.storage.arrays import Floats
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
 _FINER = 0.3  # size of a brush's first strokes beside those of the broader one before, whose details they are
@@ -55,8 +54,8 @@ class Initialiser:
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._inks = Inks(problem, options.palette)
-        self._lines: tuple[Tensor, complex, Complexes] | None = None  # the last, since each ink takes the same
         self._usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
+        self._arranged_start = ArrangedStart(problem, self._usual_spacing, rng, torch_rng)
 
     @property
     def palette(self) -> tuple[Colour, ...]:
@@ -70,7 +69,8 @@ class Initialiser:
             return self._anywhere(self._options.strokes)
         image = as_array(target)
         if self._options.in_ink:
-            return self._of_inks(target, self._inks.wanted(target), self._options.strokes)
+            lines = self._inks.lines(target) if self._arranged and self._problem.contours else []
+            return self._of_inks(target, self._inks.wanted(target), self._options.strokes, lines=lines)
         differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
         density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
@@ -120,12 +120,15 @@ class Initialiser:
         return unlike(as_array(canvas) - as_array(view.target))[None] * self._weights
 
     def _of_inks(
-        self, target: Tensor, density: Floats, count: int, room: float = np.inf
+        self, target: Tensor, density: Floats, count: int, room: float = np.inf, lines: Sequence[Floats] = ()
     ) -> tuple[StrokeParameters, float]:
-        """Return `count` strokes as `strokes` does, each ink's as many as its share of the density (k, H, W)."""
-        parts = []
+        """Return `count` strokes as `strokes` does, each ink's as many as its share of the density (k, H, W).
+
+        lines: of the target, that strokes follow, each of the ink that most of it is drawn in.
+        """
+        parts, all_inks = [], density.sum(axis=0)
         for ink, there, own in self._inks.shares(density, count):
-            strokes, spacing = self.pooled(target, there, own, room)
+            strokes, spacing = self.pooled(target, there, own, room, within(lines, there > all_inks / 2))
             parts.append((replace(strokes, colours=torch.tensor(ink).expand(own, -1).clone()), spacing))
         return joined([strokes for strokes, _ in parts]), min(spacing for _, spacing in parts)
 
@@ -146,11 +149,14 @@ class Initialiser:
         return joined([strokes for strokes, _ in parts]), min(spacing for _, spacing in parts)
 
     def pooled(
-        self, target: Tensor, density: Floats, count: int, room: float = np.inf
+        self, target: Tensor, density: Floats, count: int, room: float = np.inf, lines: Sequence[Floats] = ()
     ) -> tuple[StrokeParameters, float]:
-        """Return strokes as `strokes` does, wherever the density is. Each brush is spread over all where it may be."""
+        """Return strokes as `strokes` does, wherever the density is. Each brush is spread over all where it may be.
+
+        lines: as in `ArrangedStart.strokes`.
+        """
         if self._arranged:
-            return self._in_groups(target, density, count), self._usual_spacing
+            return self._in_groups(target, density, count, lines=lines), self._usual_spacing
         layers, spacing = [], []
         for number, (share, there) in enumerate(self._shares(count, density)):
             if share:
@@ -236,14 +242,16 @@ class Initialiser:
             order.append(rows)
         return joined(parts)[torch.from_numpy(np.concatenate(order).argsort())]
 
-    def _in_groups(self, target: Tensor, density: Floats, count: int, like: Tensor | None = None) -> StrokeParameters:
-        """Return `count` strokes as `strokes` does, in groups of the hand, or of the hand of each region.
+    def _in_groups(
+        self, target: Tensor, density: Floats, count: int, like: Tensor | None = None, lines: Sequence[Floats] = ()
+    ) -> StrokeParameters:
+        """Return `count` strokes as `strokes` does, arranged as the hand, or the hand of each region, arranges them.
 
-        like: as in `start_strokes`, of strokes that lie alone instead.
+        like, lines: as in `ArrangedStart.strokes`.
         """
         regions, style = self._problem.regions, self._problem.style
         if regions is None:
-            return self._groups_of(style, target, density, count, like)
+            return self._arranged_start.strokes(style, target, density, count, like, lines)
         ends = np.cumsum(np.bincount(regions.labels.ravel(), density.ravel(), len(regions.said)))
         counts = np.diff(np.round(count * ends / ends[-1]), prepend=0).astype(int).tolist()
         likes = [None] * len(counts) if like is None else like.split(counts)
@@ -253,40 +261,9 @@ class Initialiser:
             if own and region.hand.arrangement is None:
                 parts.append(self._with_brush(0, self._places(target, there, own, np.inf), own_like))
             elif own:
-                strokes = self._groups_of(region.hand, target, there, own, own_like)
+                strokes = self._arranged_start.strokes(region.hand, target, there, own, own_like, lines)
                 parts.append(replace(strokes, codes=regions.style.codes_in(number, strokes.codes)))
         return joined(parts)
-
-    def _groups_of(
-        self, hand: Style, target: Tensor, density: Floats, count: int, like: Tensor | None
-    ) -> StrokeParameters:
-        """Return `count` strokes of a hand, with its own codes, in groups, or each alone, `like` others."""
-        arrangement = hand.arrangement
-        assert arrangement is not None
-        scale = self._problem.canvas.pixels_per_metre
-        alone = None if like is None else hand.nearest(like)
-        groups = choose_groups(arrangement, count, self._rng) if alone is None else list(alone[:, None].numpy())
-        places, rows = place_groups(
-            as_array(target),
-            self._lines_of(target, arrangement.leaning),
-            density,
-            arrangement,
-            groups,
-            self._usual_spacing * scale,
-            scale,
-            self._rng,
-        )
-        codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
-        return strokes_at(places, codes, knots, self._problem.brushes[0], scale)
-
-    def _lines_of(self, target: Tensor, leaning: complex) -> Complexes:
-        """Return the lines (H, W) of a target that the groups of a hand are turned along which leans so."""
-        if self._lines is None or self._lines[0] is not target or self._lines[1] != leaning:
-            lines = directions(as_array(target), self._usual_spacing * self._problem.canvas.pixels_per_metre, leaning)
-            if self._problem.guides is not None:
-                lines = self._problem.guides.over(lines)
-            self._lines = target, leaning, lines
-        return self._lines[2]
 
     def _anywhere(self, count: int, room: float = np.inf) -> tuple[StrokeParameters, float]:
         """Return strokes all over the sheet in random colours, and their spacing, both as `strokes` does."""

@@ -32,12 +32,17 @@ def lines_for(picture: Image, sheet: Sheet, brush: Brush, fit: str, margin: floa
     return line_drawing(picture, 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit, margin)))
 
 
-def lines_on(layout: Layout, brush: Brush) -> Image:
-    """Return how dark the lines of a layout's picture are, (H, W), 0 where there is none."""
+def lines_on(layout: Layout, brush: Brush, *, light: bool = False) -> Image:
+    """Return how dark the lines of a layout's picture are, (H, W), 0 where there is none.
+
+    light: whether lines are what is lighter than around, for an ink that is lighter than its paper.
+    """
     dark = np.zeros(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
         picture, part = layout.crop(layout.target), layout.crop(dark)
-        lines = line_drawing(picture, 2 * brush.finest * layout.canvas.pixels_per_metre / picture.shape[0])
+        lines = line_drawing(
+            1 - picture if light else picture, 2 * brush.finest * layout.canvas.pixels_per_metre / picture.shape[0]
+        )
         part[:] = resize(1 - lines[..., 0], part.shape, anti_aliasing=True)
     return dark
 
@@ -47,16 +52,22 @@ def line_drawing(picture: Image, pen: float) -> Image:
 
     pen: width of the lines over the picture's height; they are at least a pixel wide.
     """
+    dark = line_middles(picture)
+    radius = max(pen * dark.shape[0] / 2, 0.5)
+    lines = grey_dilation(dark, footprint=_disc(radius))
+    return np.repeat((1 - lines)[..., None], 3, axis=2).astype(np.float32)
+
+
+def line_middles(picture: Image) -> Floats:
+    """Return how dark the middles of a picture's lines are, (h, w) in [0, 1], at most 1,024 pixels wide or high."""
     shrunk = min(1.0, _LONGEST_PX / max(picture.shape[:2]))
     size = [max(2, round(shrunk * side)) for side in picture.shape[:2]]
     grey: Floats = resize(rgb2gray(picture), size, anti_aliasing=True).astype(np.float64)
     sigma = max(_SCALE * size[0], 0.5)
     along = _flow(grey, sigma)
     found = _averaged_along(_difference(grey, along, sigma), along, _FLOW * sigma)
-    dark = np.tanh(_STEEP * np.maximum(-_middles(found, along), 0))
-    radius = max(pen * size[0] / 2, 0.5)
-    lines = grey_dilation(dark, footprint=_disc(radius))
-    return np.repeat((1 - lines)[..., None], 3, axis=2).astype(np.float32)
+    dark: Floats = np.tanh(_STEEP * np.maximum(-_middles(found, along), 0))
+    return dark
 
 
 def _flow(grey: Floats, sigma: float) -> Floats:

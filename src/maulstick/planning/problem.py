@@ -111,6 +111,7 @@ class PlanningProblem:
     regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
     guides: directions of strokes that are said; None where the picture alone says them.
     pull: (3, H, W), of inks, as `Halftone` takes it.
+    contours: whether arranged strokes of inks begin along the lines of the target.
     """
 
     target: Tensor | None
@@ -126,3 +127,4 @@ class PlanningProblem:
     regions: Regions | None = None
     guides: Guides | None = None
     pull: Tensor | None = None
+    contours: bool = False

@@ -28,6 +28,7 @@ _CROSSING = 0.65  # how far planned strokes cross like random ones, which hide 1
 _ENOUGH = 0.93  # share of that ink with which plans reach 97 % of a picture's, by bisecting (benchmarks/enough.py)
 _NOTHING = 1e-3  # amount below which a place is paper
 _LIGHTS = 0.4  # how much ink costs in lights left blank; by eye: at 0.1 long strokes lie across faces
+_LINES = 0.8  # how much ink earns on lines, which strokes leave for darks else: faces lost their mouths
 _LIGHT, _DARK = 0.01, 0.99  # quantiles of a picture that count as its lightest and darkest tone
 _GLANCE = 2e-3  # metres: standard deviation of a Gaussian, within which an eye sees lines at once, as a tone
 _LEVELS = 512  # amounts that are told apart while tones are chosen
@@ -86,6 +87,14 @@ class Tones:
             product, square = (slope * each).sum(dim=0), each.square().sum(dim=0).clamp(min=1e-9)
             slope = slope - product.clamp(max=0) / square * each
         return 2 * _LIGHTS * (wanted < _NOTHING) * (1 - own) * slope
+
+    def with_lines(self, target: Tensor, dark: Tensor, ink: Tensor) -> Tensor:
+        """Return the target (C, H, W), in these tones, under lines of an ink (C, 1, 1) that are so dark (H, W)."""
+        return target + self.lines * dark * (ink - target)
+
+    def towards_lines(self, dark: Tensor, ink: Tensor, paper: Tensor) -> Tensor:
+        """Return the slope (C, H, W) of a canvas whose ink (C, 1, 1) earns on lines that are so dark (H, W)."""
+        return _LINES * self.lines * dark * (paper - ink)
 
     def _mixed(self, amounts: Tensor, paper: Tensor) -> Tensor:
         return paper + (amounts[:, None] * self._full(paper)).sum(dim=0)
@@ -239,6 +248,12 @@ class Amounts:
 def strongest_of(inks: tuple[Colour, ...], paper: Colour) -> Colour:
     """Return that of the inks which differs most from the paper."""
     return inks[int(np.argmax(np.square(np.array(inks) - paper).sum(axis=1)))]
+
+
+def is_lighter(ink: Colour, paper: Colour) -> bool:
+    """Return whether an ink is lighter than the paper, so that it draws what is light."""
+    ink_lightness, paper_lightness = lightness(np.array([ink, paper])).tolist()
+    return bool(ink_lightness > paper_lightness)
 
 
 def _choices(amounts: Amounts, darkest: float, given: float) -> list[tuple[float, float]]:

@@ -1,0 +1,172 @@
+"""Lines of a picture as polylines, and strokes of a hand laid along them, end to end."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.ndimage import binary_dilation, gaussian_filter1d
+from skimage.filters import apply_hysteresis_threshold
+from skimage.morphology import skeletonize
+
+from maulstick.planning.lines import line_middles
+from maulstick.planning.placement import at_pixels
+from maulstick.storage.arrays import Bools, Complexes, Floats, Ints
+from maulstick.strokes.strokes import path_lengths
+
+_FAINT, _SURE = 0.15, 0.35  # darkness of a line, and of a part that tells it from noise
+_SHORTEST = 4  # pixels of a line: fewer have no direction
+_STAIRS = 1.5  # pixels along a line: standard deviation that smooths its steps
+_WAY = 4  # pixels that say which way a line goes on where it branches
+_CURLED = 0.5  # chord over length, below which a stroke is no piece of a line
+_ASTRAY = 25.0  # pixels that a stroke must be longer for each that it lies off the line on average
+_LEAST_GAIN = 0.2  # of a stroke's length: what fits worse is left to others
+_BEYOND = 0.3  # of its chord, that a stroke may go on beyond the end of a line, which costs twice that length
+_SKIPPED = 3  # pixels of a line that are passed over where no stroke fits
+
+
+def traced(picture: Floats, weights: Floats) -> list[Floats]:
+    """Return the lines of a picture (C, H, W) as points (n, 2) a pixel apart, in pixels, the most important first.
+
+    weights: (H, W), how much each place matters.
+    """
+    dark = line_middles(np.moveaxis(picture, 0, -1).astype(np.float32))
+    scale = np.array(weights.shape[::-1]) / dark.shape[::-1]
+    found = []
+    for path in _paths(skeletonize(binary_dilation(apply_hysteresis_threshold(dark, _FAINT, _SURE)))):
+        pixels = np.stack([path.real, path.imag], axis=1)
+        points = scale * (gaussian_filter1d(pixels, _STAIRS, axis=0, mode="nearest") + 0.5)
+        matters = weights[at_pixels(points, *weights.shape[::-1])]
+        found.append((float(dark[at_pixels(pixels, *dark.shape[::-1])] @ matters), _even(points)))
+    return [points for _, points in sorted(found, key=lambda line: -line[0])]
+
+
+def within(lines: Sequence[Floats], where: Bools) -> list[Floats]:
+    """Return the parts of lines that are in some places (H, W)."""
+    parts: list[Floats] = []
+    for line in lines:
+        inside = where[at_pixels(line, *where.shape[::-1])]
+        cuts = np.flatnonzero(np.diff(inside)) + 1
+        runs = zip(np.split(line, cuts), np.split(inside, cuts), strict=True)
+        parts.extend(run for run, here in runs if here[0] and len(run) >= _SHORTEST)
+    return parts
+
+
+@dataclass(frozen=True)
+class Along:
+    """Strokes along lines: rows (k,) of a hand's, their paths (k, n, 2), pixels, and the turns (k,) that laid them."""
+
+    rows: Ints
+    paths: Floats
+    turns: Floats
+
+
+NOTHING_ALONG: Final = Along(np.zeros(0, dtype=np.int64), np.zeros((0, 1, 2)), np.zeros(0))
+"""No strokes along lines."""
+
+
+def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints) -> Along:
+    """Lay strokes of a hand (M, n, 2) along lines, each end to end, and each stroke at most `counts` (M,) times.
+
+    paths are in pixels, as the lines are. Of the strokes that fit about the longest is taken, turned by a quarter at
+    most, so that it is drawn the hand's way.
+    """
+    hand, left = _Hand(paths), counts.copy()
+    rows, laid, turns = [], [], []
+    for line in lines:
+        begin = 0
+        while len(line) - begin >= _SHORTEST:
+            fit = hand.fit(line[begin:], left)
+            if fit is None:
+                begin += _SKIPPED
+                continue
+            row, path, turn, length = fit
+            left[row] -= 1
+            begin += length
+            rows.append(row)
+            laid.append(path)
+            turns.append(turn)
+    return Along(np.array(rows), np.array(laid), np.array(turns)) if rows else NOTHING_ALONG
+
+
+class _Hand:
+    """Strokes (M, n, 2) of a hand, pixels, to be fitted to lines."""
+
+    def __init__(self, paths: Floats) -> None:
+        self.lengths = path_lengths(paths)
+        self._paths = _as_complex(paths)
+        self._chords = self._paths[:, -1] - self._paths[:, 0]
+        self._plain = np.abs(self._chords) > _CURLED * self.lengths
+
+    def fit(self, line: Floats, left: Ints) -> tuple[int, Floats, float, int] | None:
+        """Return row, path (n, 2) and turn of the stroke that fits the beginning of a line best, and its points there.
+
+        left: (M,), how often each may be used. None where none fits.
+        """
+        points = _as_complex(line)
+        away = np.maximum.accumulate(np.abs(points - points[0]))
+        chord = np.abs(self._chords)
+        beyond = (chord - away[-1]).clip(min=0)
+        rows = np.flatnonzero(self._plain & (left > 0) & (beyond < _BEYOND * chord) & (chord > 0))
+        if not len(rows):
+            return None
+        ends = np.searchsorted(away, chord[rows]).clip(1, len(points) - 1)
+        turns = np.angle((points[ends] - points[0]) / self._chords[rows])
+        back = np.abs(turns) > np.pi / 2
+        turns = np.where(back, turns - np.copysign(np.pi, turns), turns)
+        turned = np.exp(1j * turns)[:, None] * self._paths[rows]
+        shares = np.linspace(0, 1, turned.shape[1])
+        at = ends[:, None] * np.where(back[:, None], shares[::-1], shares)
+        wanted = np.interp(at, np.arange(len(points)), points)
+        moved = turned + (wanted - turned).mean(axis=1, keepdims=True)
+        astray = np.sqrt(np.square(np.abs(moved - wanted)).mean(axis=1))
+        gains = ends - _ASTRAY * astray - 2 * beyond[rows]
+        gains[gains < _LEAST_GAIN * self.lengths[rows]] = -np.inf
+        best = int(np.argmax(gains))
+        if gains[best] == -np.inf:
+            return None
+        path = np.stack([moved[best].real, moved[best].imag], axis=1)
+        return int(rows[best]), path, float(turns[best]), int(ends[best])
+
+
+def _as_complex(points: Floats) -> Complexes:
+    found: Complexes = points[..., 0] + 1j * points[..., 1]
+    return found
+
+
+_AROUND: Final = [complex(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
+
+
+def _paths(thin: Bools) -> list[Complexes]:
+    """Return the paths (n,) of lines one pixel wide (H, W), x + iy; where lines meet, one goes straight on."""
+    left = {complex(x, y) for y, x in np.argwhere(thin).tolist()}
+    beside = {pixel: [pixel + step for step in _AROUND if pixel + step in left] for pixel in left}
+    paths = []
+    for start in sorted(left, key=lambda pixel: (len(beside[pixel]), pixel.real, pixel.imag)):  # from ends, then rings
+        if start in left:
+            path = _walk(start, beside, left)
+            if len(path) >= _SHORTEST:
+                paths.append(np.array(path))
+    return paths
+
+
+def _walk(start: complex, beside: dict[complex, list[complex]], left: set[complex]) -> list[complex]:
+    """Return the pixels from `start` on, as straight as they go, and take them away from those that are left."""
+    path = [start]
+    left.remove(start)
+    while ahead := [pixel - path[-1] for pixel in beside[path[-1]] if pixel in left]:
+        way = path[-1] - path[-_WAY:][0]
+        straight = [(step * way.conjugate()).real / abs(step) for step in ahead]
+        if max(straight) < 0:
+            break
+        _, _, step = max(zip(straight, [-abs(step) for step in ahead], ahead, strict=True), key=lambda each: each[:2])
+        path.append(path[-1] + step)
+        left.remove(path[-1])
+    return path
+
+
+def _even(points: Floats) -> Floats:
+    """Return points (n, 2) of the same line about a pixel apart."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    at = np.linspace(0, along[-1], max(2, int(along[-1]) + 1))
+    return np.stack([np.interp(at, along, column) for column in points.T], axis=1)
