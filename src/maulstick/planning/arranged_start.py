@@ -16,7 +16,8 @@ from maulstick.planning.tracing import NOTHING_ALONG, Along, lay_along, within
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.style import Style
 
-_DRAWN = 0.02  # of the most that is wanted anywhere: lines are traced where more is
+DRAWN = 0.02
+"""Density, of the most that there is anywhere, above which lines are traced."""
 
 
 class ArrangedStart:
@@ -68,7 +69,7 @@ class ArrangedStart:
 
     def _along(self, lines: Sequence[Floats], density: Floats, paths: Floats, groups: Sequence[Ints]) -> Along:
         """Lay those of the groups' strokes along lines that fit them, where there is any density (H, W)."""
-        here = within(lines, density > _DRAWN * density.max())
+        here = within(lines, density > DRAWN * density.max())
         if not here:
             return NOTHING_ALONG
         return lay_along(here, paths, np.bincount(np.concatenate(groups), minlength=len(paths)))

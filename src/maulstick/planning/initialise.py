@@ -9,8 +9,9 @@ from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.arranged_start import ArrangedStart
+from maulstick.planning.arranged_start import DRAWN, ArrangedStart
 from maulstick.planning.inks import Inks
+from maulstick.planning.lone_start import OnLines, strokes_on_lines
 from maulstick.planning.parameters import StrokeParameters, joined
 from maulstick.planning.placement import (
     HALF_WIDTH_IN_SPACINGS,
@@ -69,7 +70,7 @@ class Initialiser:
             return self._anywhere(self._options.strokes)
         image = as_array(target)
         if self._options.in_ink:
-            lines = self._inks.lines(target) if self._arranged and self._problem.contours else []
+            lines = self._inks.lines(target) if self._problem.contours else []
             return self._of_inks(target, self._inks.wanted(target), self._options.strokes, lines=lines)
         differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
         density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
@@ -157,13 +158,29 @@ class Initialiser:
         """
         if self._arranged:
             return self._in_groups(target, density, count, lines=lines), self._usual_spacing
-        layers, spacing = [], []
-        for number, (share, there) in enumerate(self._shares(count, density)):
+        layers, spacing, others = [], [], None
+        if lines and (on_lines := self._on_lines(target, density, count, lines)) is not None:
+            strokes, others, density = on_lines
+            layers.append(strokes)
+        for number, (share, there) in enumerate(self._shares(count - sum(map(len, layers)), density)):
             if share:
                 places = self._places(target, there, share, room)
-                layers.append(self._with_brush(number, places))
+                layers.append(self._with_brush(number, places, others))
                 spacing.append(places.spacing)
-        return joined(layers), float(np.median(np.concatenate(spacing))) / self._problem.canvas.pixels_per_metre
+        if not spacing:
+            return joined(layers), self._usual_spacing
+        apart = np.concatenate(spacing)
+        share = len(apart) / count  # of strokes that are not on lines: so much nearer they would all be
+        return joined(layers), float(np.median(apart)) * share**0.5 / self._problem.canvas.pixels_per_metre
+
+    def _on_lines(self, target: Tensor, density: Floats, count: int, lines: Sequence[Floats]) -> OnLines | None:
+        """Return those of `count` strokes that fit lines, laid along them, where one hand draws all."""
+        problem = self._problem
+        if problem.regions is not None:
+            return None
+        here = within(lines, density > DRAWN * density.max())
+        scale, image = problem.canvas.pixels_per_metre, as_array(target)
+        return strokes_on_lines(problem.style, here, image, density, count, problem.brushes[0], scale, self._torch_rng)
 
     def moved(
         self, strokes: StrokeParameters, target: Tensor, canvas: Tensor, density: Floats, room: float
