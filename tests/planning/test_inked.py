@@ -9,11 +9,15 @@ from torch import Tensor
 
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting import Sheet
-from maulstick.planning.inked import inked
+from maulstick.planning.from_picture import problem_of
+from maulstick.planning.inked import inked, lines_of
 from maulstick.planning.layout import Layout, lay_out_for
-from maulstick.planning.lines import lines_on
+from maulstick.planning.lines import lines_for, lines_on
+from maulstick.planning.losses import LossOptions
 from maulstick.planning.objectives import towards_contours
+from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.tones import Tones
+from maulstick.style import load_style
 
 PEN = load_brush("fineliner")
 BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
@@ -33,7 +37,8 @@ def asked(layout: Layout, tones: Tones | None, *, contours: bool = True) -> tupl
     assert layout.target is not None
     picture, paper = (torch.from_numpy(each).permute(2, 0, 1) for each in (layout.target, layout.under))
     target = picture if tones is None else tones.apply(picture, paper)
-    return *inked(target, picture, paper, layout, PEN, tones, contours=contours), target
+    lines = lines_of(layout, PEN, (BLACK,) if tones is None else tones.inks) if contours else None
+    return *inked(target, picture, paper, layout.sheet.paper, tones, lines), target
 
 
 def test_lines_are_drawn_over_tones_and_ink_earns_on_them() -> None:
@@ -66,3 +71,31 @@ def test_of_enough_ink_contours_alone_are_asked_beside_tones_or_nothing(tones: T
     assert layout.target is not None
     assert torch.equal(pull, towards_contours(torch.from_numpy(layout.target).permute(2, 0, 1)))
     assert asked(layout, tones, contours=False)[1] is None
+
+
+@pytest.mark.parametrize(
+    ("contours", "paints", "given"), [(True, None, True), (False, None, False), (True, 4, False)],
+    ids=["both", "tones", "paints"],
+)  # fmt: skip
+def test_the_planner_is_given_the_lines_that_ink_draws_and_no_others(
+    *, contours: bool, paints: int | None, given: bool
+) -> None:
+    layout, settings = layout_of(), PlannerSettings(strokes=30, paints=paints)
+    style = load_style("free", layout.canvas)
+    problem = problem_of(layout, (PEN,), style, settings, LossOptions(contours=contours), tones=None)
+    assert (problem.lines is not None) is given
+    if problem.lines is not None:
+        assert np.array_equal(problem.lines(), lines_on(layout, PEN))
+        assert problem.lines() is problem.lines(), "looked for once"
+
+
+def test_a_white_pen_draws_a_line_drawing_in_white() -> None:
+    dark, night = layout_of(), layout_of(light=True)
+    assert dark.target is not None
+    assert night.target is not None
+    sheet = Sheet(width=0.1, height=0.1)
+    usual, white = (
+        lines_for(layout.crop(layout.target), sheet, PEN, "contain", light=light)
+        for layout, light in ((dark, False), (night, True))
+    )
+    assert np.abs(white - (1 - usual)).max() < 0.05

@@ -12,7 +12,7 @@ from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import problem_of
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.problem import Colour, PlannerSettings
-from maulstick.planning.tones import Amounts, InkSupply, Tones, ink_per_stroke, is_lighter, strongest_of
+from maulstick.planning.tones import Amounts, InkSupply, Tones, draw_light, ink_per_stroke, strongest_of
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
 from tests.support.style.synthetic_hands import exemplar_of, line
@@ -218,7 +218,15 @@ def test_tones_of_several_inks_fade_alike_and_what_is_paler_than_the_veil_is_bla
 
 
 @pytest.mark.parametrize(
-    ("ink", "paper", "lighter"), [(BLACK, (1, 1, 1), False), ((1, 1, 1), BLACK, True), ((0.9, 0.2, 0.1), BLACK, True)]
+    ("inks", "paper", "light"),
+    [
+        ((BLACK,), (1, 1, 1), False),
+        (((1, 1, 1),), BLACK, True),
+        ((BLACK, (0.9, 0.2, 0.1)), (0.1, 0.1, 0.1), True),
+        ((BLACK, (1, 1, 1)), (0.7, 0.6, 0.5), False),
+    ],
 )
-def test_an_ink_may_be_lighter_than_its_paper(ink: Colour, paper: Colour, lighter: bool) -> None:
-    assert is_lighter(ink, paper) is lighter
+def test_inks_draw_what_is_light_where_the_strongest_is_lighter_than_the_paper(
+    inks: tuple[Colour, ...], paper: Colour, light: bool
+) -> None:
+    assert draw_light(inks, paper) is light

@@ -14,11 +14,11 @@ SIZE = (160, 200)  # pixels
 
 
 def drawn(*lines: list[tuple[float, float]], width: int = 2, size: tuple[int, int] = SIZE) -> Floats:
-    """A picture (3, H, W) of black lines on white."""
+    """How dark lines are, (H, W)."""
     image = Image.new("L", size[::-1], 255)
     for points in lines:
         ImageDraw.Draw(image).line(points, fill=0, width=width, joint="curve")
-    return np.repeat(np.asarray(image, dtype=np.float64)[None] / 255, 3, axis=0)
+    return 1 - np.asarray(image, dtype=np.float64) / 255
 
 
 def arc(radius: float, start: float, end: float, points: int = 60) -> Floats:
@@ -26,8 +26,8 @@ def arc(radius: float, start: float, end: float, points: int = 60) -> Floats:
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def lines_of(picture: Floats, weights: Floats | None = None) -> list[Floats]:
-    return traced(picture, np.ones(picture.shape[1:]) if weights is None else weights)
+def lines_of(dark: Floats, weights: Floats | None = None) -> list[Floats]:
+    return traced(dark, np.ones_like(dark) if weights is None else weights)
 
 
 def stroke(length: float, bend: float = 0.0) -> Floats:
@@ -77,15 +77,16 @@ def test_what_matters_more_is_traced_first() -> None:
     assert lines_of(picture, weights)[0][:, 1].mean() == pytest.approx(120, abs=2)
 
 
-def test_lines_of_a_large_picture_are_in_its_own_pixels() -> None:
-    (line,) = lines_of(drawn([(200, 1000), (1800, 1000)], width=8, size=(1600, 2000)))
-    assert line[:, 1] == pytest.approx(1000, abs=3)
-    assert np.ptp(line[:, 0]) == pytest.approx(1600, abs=40)
+def test_a_faint_line_is_traced_where_it_hangs_together_with_a_dark_one() -> None:
+    both = np.maximum(0.25 * drawn([(20, 40), (180, 40)]), drawn([(20, 40), (60, 40)]))
+    (line,) = lines_of(np.maximum(both, 0.25 * drawn([(20, 120), (180, 120)])))
+    assert np.ptp(line[:, 0]) > 150
+    assert line[:, 1] == pytest.approx(40, abs=2)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 3), (40, 1), (60, 90)])
 def test_a_blank_picture_of_any_size_has_no_lines(size: tuple[int, int]) -> None:
-    assert lines_of(np.ones((3, *size))) == []
+    assert lines_of(np.zeros(size)) == []
 
 
 def test_lines_are_cut_where_they_may_not_be() -> None:
@@ -140,6 +141,24 @@ def test_a_stroke_is_drawn_the_hands_way_whichever_way_the_line_goes(along: floa
         again = turned(paths[0], turn)
         assert path - path.mean(axis=0) == pytest.approx(again - again.mean(axis=0), abs=1e-6)
     assert path_lengths(found.paths) == pytest.approx(path_lengths(paths)[0])
+
+
+@pytest.mark.parametrize("rest", [34, 38])
+def test_a_stroke_may_go_on_a_little_beyond_the_end_of_a_line(rest: int) -> None:
+    found = laid(STRAIGHT[: 120 + rest], hand(stroke(40)))
+    ends = np.sort(found.paths[:, [0, -1], 0], axis=1)
+    assert len(found.rows) == 4
+    assert ends[-1] == pytest.approx([140, 180], abs=1.5)
+
+
+def test_a_stroke_that_would_mostly_lie_beyond_the_end_of_a_line_is_left_to_others() -> None:
+    assert len(laid(STRAIGHT[:135], hand(stroke(40))).rows) == 3
+
+
+def test_of_a_stroke_that_fits_badly_hardly_any_of_a_line_is_drawn() -> None:
+    wobbly = stroke(40) + [0, 1] * np.sin(np.linspace(0, 8 * np.pi, 32))[:, None]
+    assert len(laid(STRAIGHT, hand(wobbly)).rows) == 4
+    assert len(laid(STRAIGHT, hand(stroke(40) + 2 * (wobbly - stroke(40)))).rows) == 0
 
 
 def test_a_line_that_comes_back_to_where_it_began_is_drawn_to_its_end() -> None:

@@ -14,7 +14,9 @@ from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.tracing import NOTHING_ALONG, Along, lay_along, within
 from maulstick.storage.arrays import Complexes, Floats, Ints
+from maulstick.strokes.strokes import path_lengths
 from maulstick.style import Style
+from maulstick.style.traits import path_length
 
 DRAWN = 0.02
 """Density, of the most that there is anywhere, above which lines are traced."""
@@ -65,6 +67,9 @@ class ArrangedStart:
             along,
         )
         codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
+        if on_lines := len(along.rows):  # as long as what was laid there, or lines would have gaps
+            laid, own = path_lengths(along.paths) / self._scale, path_length(hand.decode(codes[:on_lines]).detach())
+            hand.resize(codes[:on_lines], torch.from_numpy(laid).to(own), own)
         return strokes_at(places, codes, knots, self._problem.brushes[0], self._scale)
 
     def _along(self, lines: Sequence[Floats], density: Floats, paths: Floats, groups: Sequence[Ints]) -> Along:

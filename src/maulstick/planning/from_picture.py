@@ -16,7 +16,7 @@ from maulstick.planning.attention import attention
 from maulstick.planning.drawn_pixels import finest
 from maulstick.planning.features.efficientnet import EfficientNetLite0
 from maulstick.planning.features.network import Network
-from maulstick.planning.inked import inked, spacing_of
+from maulstick.planning.inked import inked, lines_of, spacing_of
 from maulstick.planning.layout import Layout
 from maulstick.planning.losses import LossOptions, Reference, losses_of
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
@@ -70,9 +70,10 @@ def problem_of(
     target = picture = None if layout.target is None else _channels_first(layout.target).to(device)
     if picture is not None and tones is not None:
         target = tones.apply(picture, paper if bare is None else _channels_first(bare).to(device))
-    pull = None
+    lines = pull = None
     if picture is not None and target is not None and options.in_ink:
-        target, pull = inked(target, picture, paper, layout, brushes[0], tones, contours=loss_options.contours)
+        lines = lines_of(layout, brushes[0], options.palette) if loss_options.contours else None
+        target, pull = inked(target, picture, paper, layout.sheet.paper, tones, lines)
     spacing = spacing_of(target, paper, brushes[0], layout, options) if options.in_ink else None
     sheet, grey = torch.tensor(layout.sheet.paper, device=device), options.in_ink and len(options.palette) == 1
     reference = Reference(target, weights, sheet, spacing, pull, weights_of, grey)
@@ -87,7 +88,7 @@ def problem_of(
         room=layout.room,
         regions=regions,
         pull=pull,
-        contours=loss_options.contours,
+        lines=lines,
     )
 
 

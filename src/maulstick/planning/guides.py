@@ -12,6 +12,7 @@ from maulstick.painting.raster import Canvas
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import Places, at_pixels
 from maulstick.planning.regions import Regions
+from maulstick.planning.tracing import parts
 from maulstick.storage.arrays import Bools, Complexes, Floats
 
 _REACH = 0.12  # of the canvas' shorter side: so far from a guide strokes still follow it, though less strictly
@@ -66,6 +67,12 @@ class Guides:
         both = said + (1 - np.abs(said)) * np.exp(2j * places.angles)
         turns = (np.angle(both) / 2 - places.angles + np.pi / 2) % np.pi - np.pi / 2
         return replace(places, angles=places.angles + turns)
+
+    def followed(self, line: Floats) -> list[Floats]:
+        """Return the parts of a line (n, 2), pixels, that go along the directions there, as far as these are strict."""
+        said = self._at(self.field, line)
+        off = np.angle(np.gradient(line @ np.array([1, 1j])) ** 2 * said.conj()) / 2
+        return parts(line, np.abs(off) * np.abs(said) <= _WANDER)
 
     @torch.no_grad()
     def keep(self, strokes: StrokeParameters, *, in_groups: bool = False) -> None:

@@ -28,7 +28,7 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.planning.tracing import within
+from maulstick.planning.tracing import traced, within
 from maulstick.storage.arrays import Floats
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
@@ -70,8 +70,7 @@ class Initialiser:
             return self._anywhere(self._options.strokes)
         image = as_array(target)
         if self._options.in_ink:
-            lines = self._inks.lines(target) if self._problem.contours else []
-            return self._of_inks(target, self._inks.wanted(target), self._options.strokes, lines=lines)
+            return self._of_inks(target, self._inks.wanted(target), self._options.strokes, lines=self._lines())
         differs = np.abs(image - self._paper).max(axis=0) > _VISIBLE
         density = detail(image) * gaussian_filter(differs.astype(np.float64), 1) * self._weights
         return self.strokes(target, density, self._options.strokes)
@@ -119,6 +118,14 @@ class Initialiser:
         if self._options.in_ink:
             return self._inks.missing(view, canvas)
         return unlike(as_array(canvas) - as_array(view.target))[None] * self._weights
+
+    def _lines(self) -> list[Floats]:
+        """Return the lines of the picture that strokes may follow, as `traced` does."""
+        if self._problem.lines is None:
+            return []
+        lines = traced(self._problem.lines().astype(np.float64), self._weights)
+        guides = self._problem.guides
+        return lines if guides is None else [part for line in lines for part in guides.followed(line)]
 
     def _of_inks(
         self, target: Tensor, density: Floats, count: int, room: float = np.inf, lines: Sequence[Floats] = ()
@@ -170,8 +177,8 @@ class Initialiser:
         if not spacing:
             return joined(layers), self._usual_spacing
         apart = np.concatenate(spacing)
-        share = len(apart) / count  # of strokes that are not on lines: so much nearer they would all be
-        return joined(layers), float(np.median(apart)) * share**0.5 / self._problem.canvas.pixels_per_metre
+        nearer = (len(apart) / count) ** 0.5  # as near as these would lie if none were on lines
+        return joined(layers), nearer * float(np.median(apart)) / self._problem.canvas.pixels_per_metre
 
     def _on_lines(self, target: Tensor, density: Floats, count: int, lines: Sequence[Floats]) -> OnLines | None:
         """Return those of `count` strokes that fit lines, laid along them, where one hand draws all."""

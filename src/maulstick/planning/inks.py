@@ -12,8 +12,6 @@ from maulstick.planning.problem import Colour, PlanningProblem
 from maulstick.planning.separation import separated
 from maulstick.planning.stroke_canvas import as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.planning.tones import is_lighter, strongest_of
-from maulstick.planning.tracing import traced
 from maulstick.storage.arrays import Floats
 
 
@@ -35,12 +33,6 @@ class Inks:
         density = self._amounts_of(view.target) - self._amounts(as_array(canvas))
         sigma = density.shape[1] / 100 + view.pool
         return self._where_allowed(gaussian_filter(density, (0, sigma, sigma)).clip(min=0) * self._weights)
-
-    def lines(self, target: Tensor) -> list[Floats]:
-        """Return the lines of a target (C, H, W), as `traced` does: of light inks what is lighter than around."""
-        image, paper = as_array(target), self._paper.mean(axis=(1, 2))
-        light = is_lighter(strongest_of(self.palette, paper), paper)
-        return traced(1 - image if light else image, self._weights)
 
     def everywhere(self, density: Floats) -> Floats:
         """Return the same density (H, W) of each ink, (k, H, W)."""

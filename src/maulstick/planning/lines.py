@@ -27,9 +27,15 @@ _NEARLY = 1.05  # as much darker counts as the middle: a line of two pixels has 
 _STEEP = 80.0  # a difference of 1/80 makes a line three quarters dark
 
 
-def lines_for(picture: Image, sheet: Sheet, brush: Brush, fit: str, margin: float = 0.0) -> Image:
-    """Return the lines of a picture (H, W, 3), as wide as the brush's thinnest on that sheet."""
-    return line_drawing(picture, 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit, margin)))
+def lines_for(
+    picture: Image, sheet: Sheet, brush: Brush, fit: str, margin: float = 0.0, *, light: bool = False
+) -> Image:
+    """Return the lines of a picture (H, W, 3), as wide as the brush's thinnest on that sheet, black on white.
+
+    light: as in `lines_on`; they are white on black then.
+    """
+    pen = 2 * brush.finest / (picture.shape[0] * pixel_size(picture, sheet, fit, margin))
+    return 1 - line_drawing(1 - picture, pen) if light else line_drawing(picture, pen)
 
 
 def lines_on(layout: Layout, brush: Brush, *, light: bool = False) -> Image:
@@ -40,9 +46,8 @@ def lines_on(layout: Layout, brush: Brush, *, light: bool = False) -> Image:
     dark = np.zeros(layout.under.shape[:2], dtype=np.float32)
     if layout.target is not None:
         picture, part = layout.crop(layout.target), layout.crop(dark)
-        lines = line_drawing(
-            1 - picture if light else picture, 2 * brush.finest * layout.canvas.pixels_per_metre / picture.shape[0]
-        )
+        pen = 2 * brush.finest * layout.canvas.pixels_per_metre / picture.shape[0]
+        lines = line_drawing(1 - picture if light else picture, pen)
         part[:] = resize(1 - lines[..., 0], part.shape, anti_aliasing=True)
     return dark
 
@@ -52,22 +57,16 @@ def line_drawing(picture: Image, pen: float) -> Image:
 
     pen: width of the lines over the picture's height; they are at least a pixel wide.
     """
-    dark = line_middles(picture)
-    radius = max(pen * dark.shape[0] / 2, 0.5)
-    lines = grey_dilation(dark, footprint=_disc(radius))
-    return np.repeat((1 - lines)[..., None], 3, axis=2).astype(np.float32)
-
-
-def line_middles(picture: Image) -> Floats:
-    """Return how dark the middles of a picture's lines are, (h, w) in [0, 1], at most 1,024 pixels wide or high."""
     shrunk = min(1.0, _LONGEST_PX / max(picture.shape[:2]))
     size = [max(2, round(shrunk * side)) for side in picture.shape[:2]]
     grey: Floats = resize(rgb2gray(picture), size, anti_aliasing=True).astype(np.float64)
     sigma = max(_SCALE * size[0], 0.5)
     along = _flow(grey, sigma)
     found = _averaged_along(_difference(grey, along, sigma), along, _FLOW * sigma)
-    dark: Floats = np.tanh(_STEEP * np.maximum(-_middles(found, along), 0))
-    return dark
+    dark = np.tanh(_STEEP * np.maximum(-_middles(found, along), 0))
+    radius = max(pen * size[0] / 2, 0.5)
+    lines = grey_dilation(dark, footprint=_disc(radius))
+    return np.repeat((1 - lines)[..., None], 3, axis=2).astype(np.float32)
 
 
 def _flow(grey: Floats, sigma: float) -> Floats:

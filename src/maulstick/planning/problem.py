@@ -1,5 +1,6 @@
 """The problem and the settings that a planner is given."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Generic, TypeVar
 
@@ -13,6 +14,7 @@ from maulstick.planning.guides import Guides
 from maulstick.planning.objectives import NetworkLoss, Objective
 from maulstick.planning.regions import Regions
 from maulstick.planning.room import Room
+from maulstick.storage.arrays import Image
 from maulstick.strokes.strokes import POINTS
 from maulstick.style import Style
 
@@ -111,7 +113,7 @@ class PlanningProblem:
     regions: of the canvas, whose `style` is then the problem's; None where all of it is alike.
     guides: directions of strokes that are said; None where the picture alone says them.
     pull: (3, H, W), of inks, as `Halftone` takes it.
-    contours: whether arranged strokes of inks begin along the lines of the target.
+    lines: returns how dark the lines are, (H, W), that the first strokes of inks lie along; None for none.
     """
 
     target: Tensor | None
@@ -127,4 +129,4 @@ class PlanningProblem:
     regions: Regions | None = None
     guides: Guides | None = None
     pull: Tensor | None = None
-    contours: bool = False
+    lines: Callable[[], Image] | None = None

@@ -250,9 +250,9 @@ def strongest_of(inks: tuple[Colour, ...], paper: Colour) -> Colour:
     return inks[int(np.argmax(np.square(np.array(inks) - paper).sum(axis=1)))]
 
 
-def is_lighter(ink: Colour, paper: Colour) -> bool:
-    """Return whether an ink is lighter than the paper, so that it draws what is light."""
-    ink_lightness, paper_lightness = lightness(np.array([ink, paper])).tolist()
+def draw_light(inks: tuple[Colour, ...], paper: Colour) -> bool:
+    """Return whether the strongest of the inks is lighter than the paper, so that it draws what is light."""
+    ink_lightness, paper_lightness = lightness(np.array([strongest_of(inks, paper), paper])).tolist()
     return bool(ink_lightness > paper_lightness)
 
 

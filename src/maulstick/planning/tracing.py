@@ -9,7 +9,6 @@ from scipy.ndimage import binary_dilation, gaussian_filter1d
 from skimage.filters import apply_hysteresis_threshold
 from skimage.morphology import skeletonize
 
-from maulstick.planning.lines import line_middles
 from maulstick.planning.placement import at_pixels
 from maulstick.storage.arrays import Bools, Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
@@ -18,38 +17,37 @@ _FAINT, _SURE = 0.15, 0.35  # darkness of a line, and of a part that tells it fr
 _SHORTEST = 4  # pixels of a line: fewer have no direction
 _STAIRS = 1.5  # pixels along a line: standard deviation that smooths its steps
 _WAY = 4  # pixels that say which way a line goes on where it branches
-_CURLED = 0.5  # chord over length, below which a stroke is no piece of a line
 _ASTRAY = 25.0  # pixels that a stroke must be longer for each that it lies off the line on average
 _LEAST_GAIN = 0.2  # of a stroke's length: what fits worse is left to others
-_BEYOND = 0.3  # of its chord, that a stroke may go on beyond the end of a line, which costs twice that length
+_BEYOND = 0.3  # of its length on a line, that a stroke may go on beyond the end, which costs twice that length
+_END = 8  # pixels that say which way a line would go on beyond its end
 _SKIPPED = 3  # pixels of a line that are passed over where no stroke fits
 
 
-def traced(picture: Floats, weights: Floats) -> list[Floats]:
-    """Return the lines of a picture (C, H, W) as points (n, 2) a pixel apart, in pixels, the most important first.
+def traced(dark: Floats, weights: Floats) -> list[Floats]:
+    """Return lines that are so dark (H, W), in [0, 1], as points (n, 2) a pixel apart, pixels, the weightiest first.
 
     weights: (H, W), how much each place matters.
     """
-    dark = line_middles(np.moveaxis(picture, 0, -1).astype(np.float32))
-    scale = np.array(weights.shape[::-1]) / dark.shape[::-1]
+    height, width = dark.shape
     found = []
     for path in _paths(skeletonize(binary_dilation(apply_hysteresis_threshold(dark, _FAINT, _SURE)))):
         pixels = np.stack([path.real, path.imag], axis=1)
-        points = scale * (gaussian_filter1d(pixels, _STAIRS, axis=0, mode="nearest") + 0.5)
-        matters = weights[at_pixels(points, *weights.shape[::-1])]
-        found.append((float(dark[at_pixels(pixels, *dark.shape[::-1])] @ matters), _even(points)))
+        weight = float((dark * weights)[at_pixels(pixels, width, height)].sum())
+        found.append((weight, _even(gaussian_filter1d(pixels, _STAIRS, axis=0, mode="nearest") + 0.5)))
     return [points for _, points in sorted(found, key=lambda line: -line[0])]
 
 
 def within(lines: Sequence[Floats], where: Bools) -> list[Floats]:
     """Return the parts of lines that are in some places (H, W)."""
-    parts: list[Floats] = []
-    for line in lines:
-        inside = where[at_pixels(line, *where.shape[::-1])]
-        cuts = np.flatnonzero(np.diff(inside)) + 1
-        runs = zip(np.split(line, cuts), np.split(inside, cuts), strict=True)
-        parts.extend(run for run, here in runs if here[0] and len(run) >= _SHORTEST)
-    return parts
+    return [part for line in lines for part in parts(line, where[at_pixels(line, *where.shape[::-1])])]
+
+
+def parts(line: Floats, kept: Bools) -> list[Floats]:
+    """Return the parts of a line (n, 2) whose points are kept, (n,)."""
+    cuts = np.flatnonzero(np.diff(kept)) + 1
+    runs = zip(np.split(line, cuts), np.split(kept, cuts), strict=True)
+    return [run for run, keeps in runs if keeps[0] and len(run) >= _SHORTEST]
 
 
 @dataclass(frozen=True)
@@ -96,21 +94,22 @@ class _Hand:
         self.lengths = path_lengths(paths)
         self._paths = _as_complex(paths)
         self._chords = self._paths[:, -1] - self._paths[:, 0]
-        self._plain = np.abs(self._chords) > _CURLED * self.lengths
 
     def fit(self, line: Floats, left: Ints) -> tuple[int, Floats, float, int] | None:
         """Return row, path (n, 2) and turn of the stroke that fits the beginning of a line best, and its points there.
 
         left: (M,), how often each may be used. None where none fits.
         """
+        chords = np.abs(self._chords)
         points = _as_complex(line)
+        end = points[-1] - points[-_END:][0]
+        further = np.arange(1, 1 + int(_BEYOND * len(points)))
+        points = np.concatenate([points, points[-1] + further * end / max(abs(end), 1e-9)])
         away = np.maximum.accumulate(np.abs(points - points[0]))
-        chord = np.abs(self._chords)
-        beyond = (chord - away[-1]).clip(min=0)
-        rows = np.flatnonzero(self._plain & (left > 0) & (beyond < _BEYOND * chord) & (chord > 0))
+        rows = np.flatnonzero((left > 0) & (chords > 0) & (chords <= away[-1]))
         if not len(rows):
             return None
-        ends = np.searchsorted(away, chord[rows]).clip(1, len(points) - 1)
+        ends = np.searchsorted(away, chords[rows]).clip(min=1)
         turns = np.angle((points[ends] - points[0]) / self._chords[rows])
         back = np.abs(turns) > np.pi / 2
         turns = np.where(back, turns - np.copysign(np.pi, turns), turns)
@@ -120,13 +119,14 @@ class _Hand:
         wanted = np.interp(at, np.arange(len(points)), points)
         moved = turned + (wanted - turned).mean(axis=1, keepdims=True)
         astray = np.sqrt(np.square(np.abs(moved - wanted)).mean(axis=1))
-        gains = ends - _ASTRAY * astray - 2 * beyond[rows]
+        covered = ends.clip(max=len(line) - 1)
+        gains = covered - _ASTRAY * astray - 2 * (ends - covered)
         gains[gains < _LEAST_GAIN * self.lengths[rows]] = -np.inf
         best = int(np.argmax(gains))
         if gains[best] == -np.inf:
             return None
         path = np.stack([moved[best].real, moved[best].imag], axis=1)
-        return int(rows[best]), path, float(turns[best]), int(ends[best])
+        return int(rows[best]), path, float(turns[best]), int(covered[best])
 
 
 def _as_complex(points: Floats) -> Complexes:

@@ -28,7 +28,7 @@ from maulstick.planning.losses import LossOptions
 from maulstick.planning.planner import plan
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.schedule import REPLAN
-from maulstick.planning.tones import InkSupply
+from maulstick.planning.tones import InkSupply, draw_light
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.room import check_accepted
@@ -114,7 +114,8 @@ def replanned(
     picture = PictureEdit.of(options).applied(picture)
     finest = finest_of(brushes)
     if options.get("drawing") == "lines":
-        picture = lines_for(picture, sheet, finest, fit, margin)
+        light = draw_light(palette_of(painting), sheet.paper)
+        picture = lines_for(picture, sheet, finest, fit, margin, light=light)
     canvas = canvas_for(picture, sheet, finest, fit, pixels, margin)
     in_one_piece = pixels * LONGEST_PX // max(canvas.width_px, canvas.height_px)
     pixels = max(1, min(pixels, in_one_piece))

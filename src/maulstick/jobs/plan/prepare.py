@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 
+from maulstick.colour.palette import parse_colour
 from maulstick.colour.tubes import NamedPaint, read_paints
 from maulstick.errors import InputError, option
 from maulstick.jobs.plan.again import Again, locked_in, neighbours_of
@@ -25,7 +26,7 @@ from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.problem import PlannerSettings
 from maulstick.planning.room import check_room
-from maulstick.planning.tones import InkSupply
+from maulstick.planning.tones import InkSupply, draw_light
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 
@@ -57,7 +58,8 @@ def prepare(
     if options.drawing == "lines":
         if picture is None:
             raise InputError(f"{option('drawing')} lines draws those of a picture; name one, or leave it out")
-        picture = lines_for(picture, sheet, finest, options.fit, margin)
+        light = draw_light(tuple(parse_colour(ink) for ink in options.inks), sheet.paper)
+        picture = lines_for(picture, sheet, finest, options.fit, margin, light=light)
     mural = mural_of(options, picture, sheet, finest, margin)
     workers = workers_for(request.workers, device.device, has_windows=mural is not None)
     if mural is None:
