@@ -54,7 +54,7 @@ def test_a_canvas_that_does_not_lie_row_by_row_has_the_same_value_and_slope() ->
     rows = canvas.clone().requires_grad_()
     for each in (plain, rows):
         compared.loss(each, 0.0).backward()
-    assert torch.equal(plain.grad, rows.grad)
+    assert (plain.grad - rows.grad).abs().max() <= SLOPE * rows.grad.abs().max()  # some processors round otherwise
 
 
 def test_blank_paper_and_flat_pictures_have_finite_slopes() -> None:

@@ -1,3 +1,5 @@
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -198,3 +200,19 @@ def test_where_the_brushes_are_missing_one_sentence_says_what_to_install(
     with pytest.raises(InputError) as caught:
         MyPaintPaper(SHEET)
     assert str(caught.value) == MISSING
+
+
+def test_what_c_prints_while_a_sheet_is_drawn_on_is_not_among_what_python_prints() -> None:
+    script = """
+import ctypes
+
+from maulstick.painting.raster import Canvas
+from maulstick.robot.simulated.mypaint import MyPaintPaper
+
+print("before")
+MyPaintPaper(Canvas(0.02, 0.02, 2000.0))
+ctypes.CDLL(None).puts(b"Time is running backwards!")
+print("after")
+"""
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.splitlines() == ["before", "after"]

@@ -214,7 +214,22 @@ def _library(name: str) -> ctypes.CDLL:
         declared = getattr(library, function)
         declared.restype, declared.argtypes = result, arguments
     library.mypaint_init()
+    _hush_c()
     return library
+
+
+def _hush_c() -> None:
+    """Let what C prints go nowhere; what Python prints stays.
+
+    Where rounding leaves a step of no time libmypaint prints that time is running backwards, goes on as it should, and
+    that line would stand among those of a command, or in what a script reads.
+    """
+    c = ctypes.CDLL(None)
+    c.fopen.restype = ctypes.c_void_p
+    try:
+        ctypes.c_void_p.in_dll(c, "stdout").value = c.fopen(b"/dev/null", b"w")
+    except ValueError:  # another C library than Debian's has no variable of that name
+        return
 
 
 def _settings_of(medium: str) -> Path:
