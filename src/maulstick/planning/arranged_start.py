@@ -12,14 +12,11 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import strokes_at
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.planning.tracing import NOTHING_ALONG, Along, lay_along, within
+from maulstick.planning.tracing import NOTHING_ALONG, Along, drawn, lay_along
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style import Style
 from maulstick.style.traits import path_length
-
-DRAWN = 0.02
-"""Density, of the most that there is anywhere, above which lines are traced."""
 
 
 class ArrangedStart:
@@ -73,8 +70,8 @@ class ArrangedStart:
         return strokes_at(places, codes, knots, self._problem.brushes[0], self._scale)
 
     def _along(self, lines: Sequence[Floats], density: Floats, paths: Floats, groups: Sequence[Ints]) -> Along:
-        """Lay those of the groups' strokes along lines that fit them, where there is any density (H, W)."""
-        here = within(lines, density > DRAWN * density.max())
+        """Lay those of the groups' strokes along lines that fit them, where any are wanted."""
+        here = drawn(lines, density)
         if not here:
             return NOTHING_ALONG
         return lay_along(here, paths, np.bincount(np.concatenate(groups), minlength=len(paths)))

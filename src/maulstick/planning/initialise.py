@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter
 from torch import Generator, Tensor
 
 from maulstick.painting.brush import Brush
-from maulstick.planning.arranged_start import DRAWN, ArrangedStart
+from maulstick.planning.arranged_start import ArrangedStart
 from maulstick.planning.inks import Inks
 from maulstick.planning.lone_start import OnLines, strokes_on_lines
 from maulstick.planning.parameters import StrokeParameters, joined
@@ -28,7 +28,7 @@ from maulstick.planning.regions import Regions
 from maulstick.planning.room import surface_of
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import TargetView
-from maulstick.planning.tracing import traced, within
+from maulstick.planning.tracing import drawn, traced, within
 from maulstick.storage.arrays import Floats
 
 _LEAST_SHARE = 0.1  # of the strokes of a brush that fills its room, that one gets which cannot: its details need some
@@ -120,11 +120,14 @@ class Initialiser:
         return unlike(as_array(canvas) - as_array(view.target))[None] * self._weights
 
     def _lines(self) -> list[Floats]:
-        """Return the lines of the picture that strokes may follow, as `traced` does."""
-        if self._problem.lines is None:
+        """Return the lines of the picture that strokes may follow, as `traced` does.
+
+        Strokes that are placed alone follow them where one hand draws all.
+        """
+        problem, guides = self._problem, self._problem.guides
+        if problem.lines is None or not (self._arranged or problem.regions is None):
             return []
-        lines = traced(self._problem.lines().astype(np.float64), self._weights)
-        guides = self._problem.guides
+        lines = traced(problem.lines().astype(np.float64), self._weights)
         return lines if guides is None else [part for line in lines for part in guides.followed(line)]
 
     def _of_inks(
@@ -181,11 +184,8 @@ class Initialiser:
         return joined(layers), nearer * float(np.median(apart)) / self._problem.canvas.pixels_per_metre
 
     def _on_lines(self, target: Tensor, density: Floats, count: int, lines: Sequence[Floats]) -> OnLines | None:
-        """Return those of `count` strokes that fit lines, laid along them, where one hand draws all."""
-        problem = self._problem
-        if problem.regions is not None:
-            return None
-        here = within(lines, density > DRAWN * density.max())
+        """Return those of `count` strokes that fit lines, laid along them."""
+        problem, here = self._problem, drawn(lines, density)
         scale, image = problem.canvas.pixels_per_metre, as_array(target)
         return strokes_on_lines(problem.style, here, image, density, count, problem.brushes[0], scale, self._torch_rng)
 

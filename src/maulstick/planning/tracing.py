@@ -11,9 +11,10 @@ from skimage.morphology import skeletonize
 
 from maulstick.planning.placement import at_pixels
 from maulstick.storage.arrays import Bools, Complexes, Floats, Ints
-from maulstick.strokes.strokes import path_lengths
+from maulstick.strokes.strokes import path_lengths, resample
 
 _FAINT, _SURE = 0.15, 0.35  # darkness of a line, and of a part that tells it from noise
+_WANTED = 0.02  # of the most that is wanted anywhere: what is less is none
 _SHORTEST = 4  # pixels of a line: fewer have no direction
 _STAIRS = 1.5  # pixels along a line: standard deviation that smooths its steps
 _WAY = 4  # pixels that say which way a line goes on where it branches
@@ -34,8 +35,14 @@ def traced(dark: Floats, weights: Floats) -> list[Floats]:
     for path in _paths(skeletonize(binary_dilation(apply_hysteresis_threshold(dark, _FAINT, _SURE)))):
         pixels = np.stack([path.real, path.imag], axis=1)
         weight = float((dark * weights)[at_pixels(pixels, width, height)].sum())
-        found.append((weight, _even(gaussian_filter1d(pixels, _STAIRS, axis=0, mode="nearest") + 0.5)))
+        points = gaussian_filter1d(pixels, _STAIRS, axis=0, mode="nearest") + 0.5
+        found.append((weight, resample(points, max(2, int(path_lengths(points)) + 1))))
     return [points for _, points in sorted(found, key=lambda line: -line[0])]
+
+
+def drawn(lines: Sequence[Floats], density: Floats) -> list[Floats]:
+    """Return the parts of lines where any strokes are wanted, by their density (H, W)."""
+    return within(lines, density > _WANTED * density.max())
 
 
 def within(lines: Sequence[Floats], where: Bools) -> list[Floats]:
@@ -155,18 +162,10 @@ def _walk(start: complex, beside: dict[complex, list[complex]], left: set[comple
     path = [start]
     left.remove(start)
     while ahead := [pixel - path[-1] for pixel in beside[path[-1]] if pixel in left]:
-        way = path[-1] - path[-_WAY:][0]
-        straight = [(step * way.conjugate()).real / abs(step) for step in ahead]
-        if max(straight) < 0:
+        back = (path[-1] - path[-_WAY:][0]).conjugate()
+        step = max(ahead, key=lambda each: ((each * back).real / abs(each), -abs(each)))
+        if (step * back).real < 0:
             break
-        _, _, step = max(zip(straight, [-abs(step) for step in ahead], ahead, strict=True), key=lambda each: each[:2])
         path.append(path[-1] + step)
         left.remove(path[-1])
     return path
-
-
-def _even(points: Floats) -> Floats:
-    """Return points (n, 2) of the same line about a pixel apart."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    at = np.linspace(0, along[-1], max(2, int(along[-1]) + 1))
-    return np.stack([np.interp(at, along, column) for column in points.T], axis=1)
