@@ -13,9 +13,13 @@ from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.regions import Region, Regions
 from maulstick.storage.arrays import Floats
 from maulstick.storage.arrays import Image as Picture
+from maulstick.style.exemplar import Exemplar
+from maulstick.style.hand import Hand
 from tests.planning.conftest import options, problem_for
 from tests.planning.test_arranged_plan import HAND
+from tests.support.drawn import as_strokes
 from tests.support.nominal import nominal
+from tests.support.style.synthetic_hands import all_hands
 
 SIDE, RADIUS = 96, 30  # pixels
 INK = options(paints=None, strokes=60)
@@ -61,6 +65,28 @@ def test_strokes_follow_the_lines_of_a_picture_and_fewer_do_without_lines_to_fol
     assert len(found) == INK.strokes
     assert on_the_ring(found, problem) > 0.9
     assert on_the_ring(first(replace(problem, lines=None)), problem) < 0.6
+
+
+def liner(step: float) -> Exemplar:
+    """A hand of ten lines of six strokes, each of which begins so many strokes' lengths after the one before."""
+    length = 12 / of(ring()).canvas.pixels_per_metre
+    along = step * np.arange(6)[:, None] + np.linspace(0, 1, 32)
+    lines = [np.stack([along, np.full_like(along, 2 * row)], axis=-1) for row in range(10)]
+    return Exemplar("liner", Hand.of(as_strokes(length * np.concatenate(lines))), all_hands(), 0.0)
+
+
+def test_a_line_is_drawn_in_as_many_strokes_as_lie_on_so_much_of_the_hands_lines() -> None:
+    def on_lines(step: float) -> int:
+        style = liner(step)
+        problem = replace(of(ring()), style=style)
+        paths = first(problem).trajectories(style)[..., :2].detach().double().numpy()
+        away = np.linalg.norm(paths * problem.canvas.pixels_per_metre - SIDE / 2, axis=-1)
+        return int((np.abs(away - RADIUS) < 2.5).all(axis=1).sum())
+
+    end_to_end = on_lines(1.0)
+    assert end_to_end == pytest.approx(2 * np.pi * RADIUS / 12, rel=0.25)
+    assert on_lines(0.6) > 1.4 * end_to_end
+    assert on_lines(1.3) < 0.9 * end_to_end
 
 
 def test_strokes_that_are_placed_alone_follow_lines_too() -> None:

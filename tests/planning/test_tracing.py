@@ -1,5 +1,7 @@
 """Lines of a picture, and strokes that are laid along them."""
 
+from itertools import cycle, repeat
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -106,6 +108,21 @@ def test_strokes_lie_end_to_end_from_one_end_of_a_line_to_the_other() -> None:
     assert ends[1:, 0] == pytest.approx(ends[:-1, 1], abs=1)
     assert (ends.min(), ends.max()) == pytest.approx((20, 180), abs=3)
     assert farthest(found.paths.reshape(-1, 2), STRAIGHT) < 0.6
+
+
+@pytest.mark.parametrize("lap", [0.25, 0.6, -0.25])
+def test_strokes_lap_over_the_next_or_leave_a_gap_before_it(lap: float) -> None:
+    hands = hand(stroke(20))
+    found = lay_along([STRAIGHT], hands, np.array([100]), repeat(lap))
+    ends = found.paths[:, [0, -1], 0]
+    assert ends[:-1, 1] - ends[1:, 0] == pytest.approx(np.full(len(ends) - 1, 20 * lap), abs=1.5)
+    assert ends[-1, 1] > 160
+
+
+def test_a_line_is_drawn_again_as_often_as_strokes_lap_all_of_the_next() -> None:
+    found = lay_along([STRAIGHT], hand(stroke(40)), np.array([12]), cycle([1.0, 0.0]))
+    assert found.paths[:, 0, 0] == pytest.approx(np.repeat([20, 60, 100, 140], 2), abs=1.5)
+    assert len(lay_along([STRAIGHT], hand(stroke(40)), np.array([12]), repeat(1.0)).rows) == 12, "until none is left"
 
 
 def test_each_stroke_is_used_as_often_as_there_are_of_it() -> None:

@@ -1,6 +1,6 @@
 """Strokes of hands whose arrangement is known: along the lines of a picture, and in groups where it wants tones."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import torch
@@ -16,6 +16,7 @@ from maulstick.planning.tracing import NOTHING_ALONG, Along, drawn, lay_along
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style import Style
+from maulstick.style.arrangement import Arrangement
 from maulstick.style.traits import path_length
 
 
@@ -51,7 +52,7 @@ class ArrangedStart:
         assert arrangement is not None
         alone = None if like is None else hand.nearest(like)
         groups = choose_groups(arrangement, count, self._rng) if alone is None else list(alone[:, None].numpy())
-        along = self._along(lines, density, arrangement.paths * self._scale, groups)
+        along = self._along(lines, density, arrangement, groups)
         places, rows = place_groups(
             as_array(target),
             self._directions_of(target, arrangement.leaning),
@@ -69,12 +70,20 @@ class ArrangedStart:
             hand.resize(codes[:on_lines], torch.from_numpy(laid).to(own), own)
         return strokes_at(places, codes, knots, self._problem.brushes[0], self._scale)
 
-    def _along(self, lines: Sequence[Floats], density: Floats, paths: Floats, groups: Sequence[Ints]) -> Along:
-        """Lay those of the groups' strokes along lines that fit them, where any are wanted."""
+    def _along(
+        self, lines: Sequence[Floats], density: Floats, arrangement: Arrangement, groups: Sequence[Ints]
+    ) -> Along:
+        """Lay those of the groups' strokes along lines that fit them, where any are wanted, joined as the hand does."""
         here = drawn(lines, density)
         if not here:
             return NOTHING_ALONG
-        return lay_along(here, paths, np.bincount(np.concatenate(groups), minlength=len(paths)))
+        counts = np.bincount(np.concatenate(groups), minlength=len(arrangement.paths))
+        return lay_along(here, arrangement.paths * self._scale, counts, self._laps(arrangement.laps))
+
+    def _laps(self, seen: Floats) -> Iterator[float]:
+        """Draw from those that were seen, (J,); without any, strokes lie end to end."""
+        while True:
+            yield float(self._rng.choice(seen)) if len(seen) else 0.0
 
     def _directions_of(self, target: Tensor, leaning: complex) -> Complexes:
         """Return the directions (H, W) of a target that the groups of a hand are turned along which leans so."""

@@ -1,7 +1,8 @@
 """Lines of a picture as polylines, and strokes of a hand laid along them, end to end."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from typing import Final
 
 import numpy as np
@@ -69,12 +70,16 @@ class Along:
 NOTHING_ALONG: Final = Along(np.zeros(0, dtype=np.int64), np.zeros((0, 1, 2)), np.zeros(0))
 """No strokes along lines."""
 
+END_TO_END: Final = repeat(0.0)
+"""Laps of strokes that neither lie over each other nor leave gaps."""
 
-def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints) -> Along:
-    """Lay strokes of a hand (M, n, 2) along lines, each end to end, and each stroke at most `counts` (M,) times.
 
-    paths are in pixels, as the lines are. Of the strokes that fit about the longest is taken, turned by a quarter at
-    most, so that it is drawn the hand's way.
+def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints, laps: Iterator[float] = END_TO_END) -> Along:
+    """Lay strokes of a hand (M, n, 2) along lines, and each stroke at most `counts` (M,) times.
+
+    laps: how far each goes on beside the next, as a share of its length; below 0 it leaves a gap. By default they lie
+    end to end. paths are in pixels, as the lines are. Of the strokes that fit about the longest is taken, turned by a
+    quarter at most, so that it is drawn the hand's way.
     """
     hand, left = _Hand(paths), counts.copy()
     rows, laid, turns = [], [], []
@@ -87,7 +92,7 @@ def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints) -> Along:
                 continue
             row, path, turn, length = fit
             left[row] -= 1
-            begin += length
+            begin += max(0, length - round(next(laps) * hand.lengths[row]))
             rows.append(row)
             laid.append(path)
             turns.append(turn)

@@ -11,6 +11,7 @@ import torch
 from maulstick.painting.succession import Succession
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths, place
+from maulstick.style.arrangement.joints import laps_of
 from maulstick.style.arrangement.laid import Laid
 from maulstick.style.arrangement.neighbourhoods import LEAST_GAP, Neighbourhoods
 from maulstick.style.arrangement.order import succession_of
@@ -86,6 +87,11 @@ class Arrangement:
         apart = shapely.distance(lines[1:], lines[:-1]) > np.median(path_lengths(self.paths))
         runs = np.split(np.arange(len(self.paths)), np.flatnonzero(apart) + 1)
         return tuple(run[first : first + _MOST] for run in runs for first in range(0, len(run), _MOST))
+
+    @cached_property
+    def laps(self) -> Floats:
+        """How far strokes go on beside the one that takes up their line, (J,), as `laps_of` returns it."""
+        return laps_of(self.paths)
 
     @cached_property
     def succession(self) -> Succession:
