@@ -1,4 +1,4 @@
-"""Lines of a picture as polylines, and strokes of a hand laid along them, end to end."""
+"""Lines of a picture as polylines, and strokes of a hand laid along them, one after another."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

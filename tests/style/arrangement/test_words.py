@@ -40,6 +40,22 @@ def test_a_grid_goes_all_ways_and_crosses_often() -> None:
     assert "upright" not in said
 
 
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [(0.7, "; lap along a line"), (1.0, "; meet along a line"), (1.3, "; leave gaps along a line")],
+)
+def test_strokes_that_make_one_line_are_told_by_how_they_meet(step: float, said: str) -> None:
+    along = 0.02 * (step * np.arange(6)[:, None] + np.linspace(0, 1, 32))
+    assert words(
+        np.concatenate([np.stack([along, np.full_like(along, 0.04 * row)], axis=-1) for row in range(10)])
+    ).endswith(said)
+
+
+def test_nothing_is_told_of_lines_where_few_strokes_go_on_from_each_other() -> None:
+    few = np.array([line((0.2, 0.0), (0.22, 0.0)), line((0.215, 0.0), (0.24, 0.0))])
+    assert "line" not in words(np.concatenate([strokes(0.0), few]))
+
+
 @pytest.mark.parametrize(("order", "said"), [(-1, "; long strokes first"), (1, "; short strokes first")])
 def test_lengths_in_order_are_told(order: int, said: str) -> None:
     assert words(strokes(0.0, lengths=np.linspace(0.01, 0.03, 40)[::order])).endswith(said)

@@ -12,11 +12,13 @@ _PARALLEL, _LOOSE = 0.6, 0.2  # mean of cos 2Δθ of strokes side by side, times
 _LEANING = 0.3  # resultant of the directions: below, strokes go all ways
 _LEVEL = np.pi / 8  # radians off level or upright
 _RARELY, _OFTEN = 0.5, 2.0  # others that a stroke crosses
+_JOINED = 0.3  # share of strokes' ends where another goes on: below, few lines are made of several strokes
+_LAP = 0.15  # of a stroke's length: less is neither a lap nor a gap
 _IN_ORDER = 1.4  # median length of the first half of a drawing over that of the last, or the reverse
 
 
 def told(arrangement: Arrangement) -> str:
-    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, order."""
+    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, joints, order."""
     size = np.median([len(rows) for rows in arrangement.groups for _ in rows])
     near = arrangement.neighbourhoods
     parallel = float(near.numbers[:, NEAREST : 2 * NEAREST].mean())
@@ -24,7 +26,7 @@ def told(arrangement: Arrangement) -> str:
     company = f"groups of {size:.0f}" if size > 1 else "single strokes"
     apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
     parts = [f"{company}, {way}{_leaning(arrangement)}, {apart:.1f} mm apart", _crossing(arrangement)]
-    return "; ".join([*parts, *_order(arrangement)])
+    return "; ".join([*parts, *_joints(arrangement), *_order(arrangement)])
 
 
 def _leaning(arrangement: Arrangement) -> str:
@@ -43,6 +45,15 @@ def _crossing(arrangement: Arrangement) -> str:
     lines = shapely.linestrings(arrangement.paths)
     each = shapely.STRtree(lines).query(lines, predicate="crosses").shape[1] / len(lines)
     return "cross rarely" if each < _RARELY else "cross often" if each > _OFTEN else "cross now and then"
+
+
+def _joints(arrangement: Arrangement) -> list[str]:
+    """Return how strokes of one line lie to each other; nothing where few lines have several."""
+    laps = arrangement.laps
+    if len(laps) < _JOINED * 2 * len(arrangement.paths):
+        return []
+    lap = float(np.median(laps))
+    return ["lap along a line" if lap > _LAP else "leave gaps along a line" if lap < -_LAP else "meet along a line"]
 
 
 def _order(arrangement: Arrangement) -> list[str]:
