@@ -19,6 +19,7 @@ from maulstick.planning.descent import Descent
 from maulstick.planning.drawn_pixels import coarsest, finest, to_drawn
 from maulstick.planning.improvements import needed, repaint
 from maulstick.planning.initialise import Initialiser
+from maulstick.planning.lights import across_lights
 from maulstick.planning.memory import keep_freed_memory
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
@@ -30,6 +31,7 @@ from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
 from maulstick.planning.stroke_effects import coverage, recolouring_costs, removal_costs
 from maulstick.planning.style_price import StylePrice
 from maulstick.rendering.threads import one_torch_thread
+from maulstick.storage.arrays import Bools
 from maulstick.style.lengths import keep_lengths
 from maulstick.style.regional import RegionalStyle
 from maulstick.style.traits import path_length
@@ -291,6 +293,13 @@ class _Planning:
             self._descent.add_paints(paints.requires_grad_(), (paints[:, None] == pinned[None]).all(dim=2).any(dim=1))
         return paints
 
+    def _across_lights(self, target: Tensor) -> Bools:
+        """Return which strokes, (N,), lie far across lights of the target (C, H, W)."""
+        scale, strokes = self._problem.canvas.pixels_per_metre, self._stroke_canvas.strokes
+        paths = scale * as_array(strokes.trajectories(self._style)[..., :2])
+        spacing = scale * (surface_of(self._problem.room, self._canvas) / len(strokes)) ** 0.5
+        return across_lights(paths, target, self._problem.paper, self._options.palette, spacing)
+
     def _repaints_before(self, progress: float) -> int:
         return sum(share < progress for share in self._schedule.repaints)
 
@@ -303,6 +312,8 @@ class _Planning:
         if not self._options.exact:
             costs = self._removal_costs(self._finest).numpy()
             kept = needed(self._stroke_canvas, self._loss.at(1.0), costs, self._finest)
+            if self._options.in_ink and self._problem.target is not None:
+                kept &= ~self._across_lights(self._problem.target)
         own = order < count
         rows = torch.from_numpy(order[own][kept[order[own]]])
         painted = np.cumsum([is_own and kept[row] for row, is_own in zip(order, own, strict=True)])
