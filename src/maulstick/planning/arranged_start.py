@@ -65,7 +65,7 @@ class ArrangedStart:
             along,
         )
         codes, knots = hand.sample_around(torch.from_numpy(rows), self._torch_rng)
-        if on_lines := len(along.rows):  # as long as what was laid there, or lines would have gaps
+        if on_lines := len(along.rows):  # as long as what was laid there, or its laps would change
             laid, own = path_lengths(along.paths) / self._scale, path_length(hand.decode(codes[:on_lines]).detach())
             hand.resize(codes[:on_lines], torch.from_numpy(laid).to(own), own)
         return strokes_at(places, codes, knots, self._problem.brushes[0], self._scale)
@@ -81,7 +81,7 @@ class ArrangedStart:
         return lay_along(here, arrangement.paths * self._scale, counts, self._laps(arrangement.laps))
 
     def _laps(self, seen: Floats) -> Iterator[float]:
-        """Draw from those that were seen, (J,); without any, strokes lie end to end."""
+        """Draw laps from those of a hand, (J,), however few; without any, strokes lie end to end."""
         while True:
             yield float(self._rng.choice(seen)) if len(seen) else 0.0
 

@@ -55,8 +55,8 @@ class Initialiser:
         self._rng, self._torch_rng = rng, torch_rng
         self._paper, self._weights = as_array(problem.paper), as_array(problem.weights)
         self._inks = Inks(problem, options.palette)
-        self._usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
-        self._arranged_start = ArrangedStart(problem, self._usual_spacing, rng, torch_rng)
+        self.usual_spacing = (surface_of(problem.room, problem.canvas) / options.strokes) ** 0.5  # metres
+        self._arranged_start = ArrangedStart(problem, self.usual_spacing, rng, torch_rng)
 
     @property
     def palette(self) -> tuple[Colour, ...]:
@@ -82,13 +82,13 @@ class Initialiser:
         """
         problem, count = self._problem, self._options.strokes - len(start)
         if problem.target is None:
-            return joined([start, self._anywhere(count, self._usual_spacing)[0]])
+            return joined([start, self._anywhere(count, self.usual_spacing)[0]])
         with torch.no_grad():
             canvas = StrokeCanvas(start, problem).render()
             missing = self.missing(TargetView(problem.target, problem.weights, pool), canvas)
         if self._options.in_ink:
-            return joined([start, self._of_inks(problem.target, missing, count, self._usual_spacing)[0]])
-        return joined([start, self.strokes(problem.target, missing[0], count, self._usual_spacing)[0]])
+            return joined([start, self._of_inks(problem.target, missing, count, self.usual_spacing)[0]])
+        return joined([start, self.strokes(problem.target, missing[0], count, self.usual_spacing)[0]])
 
     def by_pool(
         self, rows: Tensor, strokes: StrokeParameters, paint_of: Tensor, density: Floats
@@ -167,7 +167,7 @@ class Initialiser:
         lines: as in `ArrangedStart.strokes`.
         """
         if self._arranged:
-            return self._in_groups(target, density, count, lines=lines), self._usual_spacing
+            return self._in_groups(target, density, count, lines=lines), self.usual_spacing
         layers, spacing, others = [], [], None
         if lines and (on_lines := self._on_lines(target, density, count, lines)) is not None:
             strokes, others, density = on_lines
@@ -178,7 +178,7 @@ class Initialiser:
                 layers.append(self._with_brush(number, places, others))
                 spacing.append(places.spacing)
         if not spacing:
-            return joined(layers), self._usual_spacing
+            return joined(layers), self.usual_spacing
         apart = np.concatenate(spacing)
         nearer = (len(apart) / count) ** 0.5  # as near as these would lie if none were on lines
         return joined(layers), nearer * float(np.median(apart)) / self._problem.canvas.pixels_per_metre
@@ -204,7 +204,7 @@ class Initialiser:
             return [replace(self._in_groups(target, density, len(strokes), like), colours=strokes.colours)]
         places = self._places(target, density, len(strokes), room)
         if not self._options.in_ink:
-            widest = HALF_WIDTH_IN_SPACINGS * self._usual_spacing * self._problem.canvas.pixels_per_metre
+            widest = HALF_WIDTH_IN_SPACINGS * self.usual_spacing * self._problem.canvas.pixels_per_metre
             sizes = sizes_at(as_array(canvas) - as_array(target), places.centres, widest)
             places = replace(places, spacing=np.minimum(places.spacing, sizes / HALF_WIDTH_IN_SPACINGS))
         others = [self._with_brush(number, places, like) for number in range(len(self._problem.brushes))]
@@ -216,7 +216,7 @@ class Initialiser:
         The less of a stroke's room a brush can fill, and of the density it may be on, the fewer.
         """
         problem, there = self._problem, []
-        fills = [brush.widest / (HALF_WIDTH_IN_SPACINGS * self._usual_spacing) for brush in problem.brushes]
+        fills = [brush.widest / (HALF_WIDTH_IN_SPACINGS * self.usual_spacing) for brush in problem.brushes]
         parts = np.clip(fills, _LEAST_SHARE, 1)
         for number in range(len(problem.brushes)):
             allowed = 1.0 if problem.regions is None else problem.regions.allows_brush(number)

@@ -24,7 +24,6 @@ from maulstick.planning.memory import keep_freed_memory
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.problem import PlannerSettings, PlanningProblem
 from maulstick.planning.result import PlanProgress, PlanResult
-from maulstick.planning.room import surface_of
 from maulstick.planning.schedule import GIVEN_PAINTS, IN_INK, Schedule
 from maulstick.planning.state import State, restore_rng, rng_state
 from maulstick.planning.stroke_canvas import StrokeCanvas, as_array
@@ -99,11 +98,11 @@ class _Planning:
         self._rng = np.random.default_rng(options.seed)
         self._torch_rng = torch.Generator().manual_seed(options.seed)
         self._loss = CanvasLoss(problem, options)
-        self._spacing = (surface_of(problem.room, self._canvas) / options.strokes) ** 0.5
         hands = self._style.hands if isinstance(self._style, RegionalStyle) else (self._style,)
         known = any(hand.arrangement is not None for hand in hands)
         arranged = options.in_ink and options.arrange > 0 and known
         self._initialiser = Initialiser(problem, options, arranged, self._rng, self._torch_rng)
+        self._spacing = self._initialiser.usual_spacing
         self._lengths = self._style.lengths(options.strokes)  # that strokes are to have, by their ranks
         if start is not None and len(start) < options.strokes:
             start = self._initialiser.completed(start, self._loss.pool)
@@ -295,9 +294,9 @@ class _Planning:
 
     def _across_lights(self, target: Tensor) -> Bools:
         """Return which strokes, (N,), lie far across lights of the target (C, H, W)."""
-        scale, strokes = self._problem.canvas.pixels_per_metre, self._stroke_canvas.strokes
-        paths = scale * as_array(strokes.trajectories(self._style)[..., :2])
-        spacing = scale * (surface_of(self._problem.room, self._canvas) / len(strokes)) ** 0.5
+        scale = self._canvas.pixels_per_metre
+        paths = scale * as_array(self._stroke_canvas.strokes.trajectories(self._style)[..., :2])
+        spacing = scale * self._initialiser.usual_spacing
         return across_lights(paths, target, self._problem.paper, self._options.palette, spacing)
 
     def _repaints_before(self, progress: float) -> int:

@@ -16,8 +16,8 @@ _STEP = 0.05  # median lengths to both sides, over which a stroke's direction is
 def laps_of(paths: Floats) -> Floats:
     """Return how far strokes go on beside the one that takes up their line, (J,), as shares of their own lengths.
 
-    Below 0 there is a gap; at 1 the other runs beside all of the stroke. At most one goes on at each end, the nearest,
-    and where none does there is no joint.
+    Below 0 there is a gap; at 1 the other came as far as the stroke is long. Its way up to the stroke's end counts,
+    wherever it came from. At most one goes on at each end, the nearest, and where none does there is no joint.
 
     paths: (N, n, 2).
     """
