@@ -1,6 +1,7 @@
 """Strokes of hands whose arrangement is known: along the lines of a picture, and in groups where it wants tones."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from itertools import repeat
 
 import numpy as np
 import torch
@@ -12,7 +13,7 @@ from maulstick.planning.parameters import StrokeParameters
 from maulstick.planning.placement import strokes_at
 from maulstick.planning.problem import PlanningProblem
 from maulstick.planning.stroke_canvas import as_array
-from maulstick.planning.tracing import NOTHING_ALONG, Along, drawn, lay_along
+from maulstick.planning.tracing import END_TO_END, NOTHING_ALONG, Along, drawn, lay_along
 from maulstick.storage.arrays import Complexes, Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 from maulstick.style import Style
@@ -78,12 +79,9 @@ class ArrangedStart:
         if not here:
             return NOTHING_ALONG
         counts = np.bincount(np.concatenate(groups), minlength=len(arrangement.paths))
-        return lay_along(here, arrangement.paths * self._scale, counts, self._laps(arrangement.laps))
-
-    def _laps(self, seen: Floats) -> Iterator[float]:
-        """Draw laps from those of a hand, (J,), however few; without any, strokes lie end to end."""
-        while True:
-            yield float(self._rng.choice(seen)) if len(seen) else 0.0
+        seen = arrangement.laps
+        laps = map(self._rng.choice, repeat(seen)) if len(seen) else END_TO_END
+        return lay_along(here, arrangement.paths * self._scale, counts, laps)
 
     def _directions_of(self, target: Tensor, leaning: complex) -> Complexes:
         """Return the directions (H, W) of a target that the groups of a hand are turned along which leans so."""

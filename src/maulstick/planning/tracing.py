@@ -77,9 +77,9 @@ END_TO_END: Final = repeat(0.0)
 def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints, laps: Iterator[float] = END_TO_END) -> Along:
     """Lay strokes of a hand (M, n, 2) along lines, and each stroke at most `counts` (M,) times.
 
-    laps: how far each goes on beside the next, as a share of its length; below 0 it leaves a gap. By default they lie
-    end to end. paths are in pixels, as the lines are. Of the strokes that fit about the longest is taken, turned by a
-    quarter at most, so that it is drawn the hand's way.
+    laps: how far each goes on beside the next, as `laps_of` returns them. By default they lie end to end. A line whose
+    end is reached is done. paths are in pixels, as the lines are. Of the strokes that fit about the longest is taken,
+    turned by a quarter at most, so that it is drawn the hand's way.
     """
     hand, left = _Hand(paths), counts.copy()
     rows, laid, turns = [], [], []
@@ -92,18 +92,22 @@ def lay_along(lines: Sequence[Floats], paths: Floats, counts: Ints, laps: Iterat
                 continue
             row, path, turn, length = fit
             left[row] -= 1
-            begin += max(0, length - round(next(laps) * hand.lengths[row]))
             rows.append(row)
             laid.append(path)
             turns.append(turn)
+            if begin + length >= len(line) - 1:
+                break
+            lap = next(laps)
+            begin += max(1, round(length - lap * (length if lap > 0 else hand.median)))
     return Along(np.array(rows), np.array(laid), np.array(turns)) if rows else NOTHING_ALONG
 
 
 class _Hand:
-    """Strokes (M, n, 2) of a hand, pixels, to be fitted to lines."""
+    """Strokes (M, n, 2) of a hand, pixels, to be fitted to lines.  median: of their lengths."""
 
     def __init__(self, paths: Floats) -> None:
-        self.lengths = path_lengths(paths)
+        self._lengths = path_lengths(paths)
+        self.median = float(np.median(self._lengths))
         self._paths = _as_complex(paths)
         self._chords = self._paths[:, -1] - self._paths[:, 0]
 
@@ -133,7 +137,7 @@ class _Hand:
         astray = np.sqrt(np.square(np.abs(moved - wanted)).mean(axis=1))
         covered = ends.clip(max=len(line) - 1)
         gains = covered - _ASTRAY * astray - 2 * (ends - covered)
-        gains[gains < _LEAST_GAIN * self.lengths[rows]] = -np.inf
+        gains[gains < _LEAST_GAIN * self._lengths[rows]] = -np.inf
         best = int(np.argmax(gains))
         if gains[best] == -np.inf:
             return None

@@ -31,8 +31,27 @@ def test_strokes_of_a_line_lap_or_leave_gaps_as_they_were_drawn(lap: float) -> N
     assert laps == pytest.approx(np.full(10, lap), abs=0.01), "ten ends of six strokes: the first and the last are free"
 
 
-def test_a_stroke_that_lies_beside_a_longer_one_laps_all_of_it() -> None:
-    assert laps_of(np.stack([level(1, 1), level(0, 3, aside=0.03)])) == pytest.approx([1, 1])
+def test_a_stroke_that_lies_beside_a_longer_one_laps_most_of_it_and_once() -> None:
+    two_in_one = np.stack([level(0.3), level(1.7), level(0, 3, aside=0.03)])
+    assert laps_of(two_in_one) == pytest.approx([0.8, 0.8])
+
+
+def test_what_comes_in_from_the_side_laps_as_far_as_it_lies_along_the_other() -> None:
+    down, along = level(0, 0.75)[:24, ::-1], level(0, 0.25)[::4]
+    bend = np.concatenate([down[::-1], along])
+    drawn = np.stack([bend, bend + LENGTH * np.array([1.0, 0]), level(-0.5, 3)])
+    assert laps_of(drawn) == pytest.approx([0.3, 0.3], abs=0.07)
+
+
+def test_gaps_are_as_wide_beside_a_short_stroke_as_beside_a_long_one() -> None:
+    drawn = np.stack([level(0), level(1.25, 0.3), level(1.8), level(3.05, 0.3), level(3.6)])
+    assert laps_of(drawn) == pytest.approx(np.full(8, -0.25), abs=1e-6)
+
+
+def test_few_joints_among_many_strokes_say_nothing() -> None:
+    apart = np.stack([level(0, aside=3.0 + i) for i in range(14)])
+    assert len(laps_of(np.concatenate([chain(0.7), apart[:10]]))) == 10
+    assert len(laps_of(np.concatenate([chain(0.7), apart]))) == 0
 
 
 def test_strokes_that_end_together_go_on_nowhere() -> None:

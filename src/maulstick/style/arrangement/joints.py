@@ -2,8 +2,9 @@
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Floats, Ints
 from maulstick.strokes.strokes import path_lengths
 
 _BESIDE = 0.08  # median lengths: strokes no farther apart lie on one line
@@ -11,13 +12,14 @@ _AHEAD = 0.5  # median lengths: what begins farther ahead is another line
 _ALIKE = np.cos(np.radians(30))  # of the angle between strokes on one line
 _GOES_ON = 0.2  # of a stroke's length, that another must go beyond its end
 _STEP = 0.05  # median lengths to both sides, over which a stroke's direction is taken
+_JOINED = 0.3  # share of strokes' ends where another goes on: below, few lines are made of several strokes
 
 
 def laps_of(paths: Floats) -> Floats:
-    """Return how far strokes go on beside the one that takes up their line, (J,), as shares of their own lengths.
+    """Return how far strokes go on beside the one that takes up their line, (J,); none where few do.
 
-    Below 0 there is a gap; at 1 the other came as far as the stroke is long. Its way up to the stroke's end counts,
-    wherever it came from. At most one goes on at each end, the nearest, and where none does there is no joint.
+    Above 0, shares of their own lengths, at most 0.8, as the other goes on by a fifth at least; below 0, gaps, in
+    median lengths. At most one goes on at each end, the nearest, and at one end only if it lies beside both.
 
     paths: (N, n, 2).
     """
@@ -25,7 +27,8 @@ def laps_of(paths: Floats) -> Floats:
     unit = float(np.median(lengths))
     ends = np.concatenate([paths[:, -1], paths[:, 0]])
     ways = np.concatenate([_last_ways(paths), _last_ways(paths[:, ::-1])])
-    end, other = shapely.STRtree(lines).query(shapely.points(ends), predicate="dwithin", distance=_AHEAD * unit)
+    feelers = shapely.linestrings(np.stack([ends - _BESIDE * unit * ways, ends + _AHEAD * unit * ways], axis=1))
+    end, other = shapely.STRtree(lines).query(feelers, predicate="dwithin", distance=_BESIDE * unit)
     end, other = end[end % len(paths) != other], other[end % len(paths) != other]
     own, way = lengths[end % len(paths)], ways[end]  # a dot has no way, and no joint
 
@@ -44,8 +47,24 @@ def laps_of(paths: Floats) -> Floats:
     joined = np.flatnonzero(on_one_line & (lengths[other] - behind > _GOES_ON * own))
     nearest_first = joined[np.lexsort((distance[joined], end[joined]))]
     nearest = nearest_first[np.unique(end[nearest_first], return_index=True)[1]]
-    laps: Floats = ((behind - ahead)[nearest] / own[nearest]).clip(-1, 1)
-    return laps
+    once = nearest[np.unique(end[nearest] % len(paths) + len(paths) * other[nearest], return_index=True)[1]]
+    if len(once) < _JOINED * len(ends):
+        return np.zeros(0)
+    laps: Floats = (behind - ahead)[once]
+    beside = _beside(paths, end[once], lines[other[once]], _BESIDE * unit)
+    return np.where(laps > 0, np.minimum(laps / own[once], beside).clip(max=1 - _GOES_ON), laps / unit)
+
+
+def _beside(paths: Floats, ends: Ints, others: NDArray[np.object_], distance: float) -> Floats:
+    """Return what share of each stroke, from its end on, is no farther from another one than some distance, (J,).
+
+    ends: (J,), which ends of the strokes: the last of all N, then the first of all N.  others: (J,).
+    """
+    own = paths[ends % len(paths)]
+    from_end = np.where((ends < len(paths))[:, None, None], own[:, ::-1], own)
+    near = shapely.distance(shapely.points(from_end), others[:, None]) <= distance
+    shares: Floats = np.minimum.accumulate(near, axis=1).mean(axis=1)
+    return shares
 
 
 def _dot(a: Floats, b: Floats) -> Floats:

@@ -12,7 +12,6 @@ _PARALLEL, _LOOSE = 0.6, 0.2  # mean of cos 2Δθ of strokes side by side, times
 _LEANING = 0.3  # resultant of the directions: below, strokes go all ways
 _LEVEL = np.pi / 8  # radians off level or upright
 _RARELY, _OFTEN = 0.5, 2.0  # others that a stroke crosses
-_JOINED = 0.3  # share of strokes' ends where another goes on: below, few lines are made of several strokes
 _LAP = 0.15  # of a stroke's length: less is neither a lap nor a gap
 _IN_ORDER = 1.4  # median length of the first half of a drawing over that of the last, or the reverse
 
@@ -50,10 +49,13 @@ def _crossing(arrangement: Arrangement) -> str:
 def _joints(arrangement: Arrangement) -> list[str]:
     """Return how strokes of one line lie to each other; nothing where few lines have several."""
     laps = arrangement.laps
-    if len(laps) < _JOINED * 2 * len(arrangement.paths):
+    if not len(laps):
         return []
+    if np.mean(np.abs(laps) < _LAP) > 0.5:
+        return ["meet along a line"]
     lap = float(np.median(laps))
-    return ["lap along a line" if lap > _LAP else "leave gaps along a line" if lap < -_LAP else "meet along a line"]
+    way = "lap" if lap > _LAP else "leave gaps" if lap < -_LAP else "lap here and leave gaps there"
+    return [f"{way} along a line"]
 
 
 def _order(arrangement: Arrangement) -> list[str]:
