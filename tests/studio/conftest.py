@@ -194,12 +194,14 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
     """Open the studio in a new browser context: ``page("/styles", color_scheme="dark")``.
 
     What goes wrong in any of these pages fails the test; that a killed server cannot be reached does not. Of a test
-    that fails the report tells what these pages showed.
+    that fails the report tells what these pages showed, what their consoles said, and when they were loaded.
     """
     contexts: list[BrowserContext] = []
     wrong: list[str] = []
+    said: list[str] = []
 
     def note(message: ConsoleMessage) -> None:
+        said.append(message.text)
         if message.type in ("error", "warning"):
             wrong.append(message.text)
 
@@ -207,6 +209,7 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
         contexts.append(studio.let_in(patient(browser.new_context(**options))))
         opened = contexts[-1].new_page()
         opened.on("console", note)
+        opened.on("framenavigated", lambda frame: said.append(f"loaded {frame.url}"))
         opened.on("pageerror", lambda error: wrong.append(str(error)))
         opened.goto(studio.url + path)
         opened.wait_for_selector(".panel h1")
@@ -217,6 +220,7 @@ def page(studio: RunningStudio, browser: Browser, request: pytest.FixtureRequest
         for shown in (each for context in contexts for each in context.pages):
             with suppress(Error):  # it may have crashed
                 print(f"{shown.url} showed:", shown.locator("body").aria_snapshot(timeout=1e3 * _PATIENCE), sep="\n")
+        print("The pages said:", *said, sep="\n")
     for context in contexts:
         context.close()
     assert [text for text in wrong if not (studio.was_killed and _OF_A_DEAD_SERVER.search(text))] == []
