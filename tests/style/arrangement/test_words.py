@@ -41,11 +41,17 @@ def test_a_grid_goes_all_ways_and_crosses_often() -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "said"),
-    [(0.7, "; lap along a line"), (1.0, "; meet along a line"), (1.3, "; leave gaps along a line")],
+    ("steps", "said"),
+    [
+        ((0.7, 0.7), "; lap along a line"),
+        ((1.0, 1.0), "; meet along a line"),
+        ((1.3, 1.3), "; leave gaps along a line"),
+        ((0.7, 1.3), "; lap here and leave gaps there along a line"),
+    ],
 )
-def test_strokes_that_make_one_line_are_told_by_how_they_meet(step: float, said: str) -> None:
-    along = 0.02 * (step * np.arange(6)[:, None] + np.linspace(0, 1, 32))
+def test_strokes_that_make_one_line_are_told_by_how_they_meet(steps: tuple[float, float], said: str) -> None:
+    starts = np.insert(np.cumsum(np.tile(steps, 3)), 0, 0)
+    along = 0.02 * (starts[:, None] + np.linspace(0, 1, 32))
     assert words(
         np.concatenate([np.stack([along, np.full_like(along, 0.04 * row)], axis=-1) for row in range(10)])
     ).endswith(said)
