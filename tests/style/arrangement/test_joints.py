@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maulstick.storage.arrays import Floats
+from maulstick.strokes.strokes import resample
 from maulstick.style.arrangement.joints import laps_of
 from maulstick.style.hand import Hand
 from tests.support.drawn import as_strokes, hatching
@@ -37,8 +38,7 @@ def test_a_stroke_that_lies_beside_a_longer_one_laps_most_of_it_and_once() -> No
 
 
 def test_what_comes_in_from_the_side_laps_as_far_as_it_lies_along_the_other() -> None:
-    down, along = level(0, 0.75)[:24, ::-1], level(0, 0.25)[::4]
-    bend = np.concatenate([down[::-1], along])
+    bend = resample(LENGTH * np.array([[0, 0.75], [0, 0], [0.25, 0]]), 32)
     drawn = np.stack([bend, bend + LENGTH * np.array([1.0, 0]), level(-0.5, 3)])
     assert laps_of(drawn) == pytest.approx([0.3, 0.3], abs=0.07)
 

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from maulstick.storage.arrays import Floats, Ints
+from maulstick.storage.arrays import Floats
 from maulstick.strokes.strokes import path_lengths
 
 _BESIDE = 0.08  # median lengths: strokes no farther apart lie on one line
@@ -25,12 +25,13 @@ def laps_of(paths: Floats) -> Floats:
     """
     lengths, lines = path_lengths(paths), shapely.linestrings(paths)
     unit = float(np.median(lengths))
-    ends = np.concatenate([paths[:, -1], paths[:, 0]])
-    ways = np.concatenate([_last_ways(paths), _last_ways(paths[:, ::-1])])
+    inwards = np.concatenate([paths[:, ::-1], paths])  # from each end on
+    ends, ways = inwards[:, 0], _outward_ways(inwards)
     feelers = shapely.linestrings(np.stack([ends - _BESIDE * unit * ways, ends + _AHEAD * unit * ways], axis=1))
     end, other = shapely.STRtree(lines).query(feelers, predicate="dwithin", distance=_BESIDE * unit)
-    end, other = end[end % len(paths) != other], other[end % len(paths) != other]
-    own, way = lengths[end % len(paths)], ways[end]  # a dot has no way, and no joint
+    stroke = end % len(paths)
+    end, stroke, other = (rows[stroke != other] for rows in (end, stroke, other))
+    own, way = lengths[stroke], ways[end]  # a dot has no way, and no joint
 
     at = shapely.line_locate_point(lines[other], shapely.points(ends[end]))
     before, here, after = (
@@ -47,22 +48,17 @@ def laps_of(paths: Floats) -> Floats:
     joined = np.flatnonzero(on_one_line & (lengths[other] - behind > _GOES_ON * own))
     nearest_first = joined[np.lexsort((distance[joined], end[joined]))]
     nearest = nearest_first[np.unique(end[nearest_first], return_index=True)[1]]
-    once = nearest[np.unique(end[nearest] % len(paths) + len(paths) * other[nearest], return_index=True)[1]]
+    once = nearest[np.unique(stroke[nearest] + len(paths) * other[nearest], return_index=True)[1]]
     if len(once) < _JOINED * len(ends):
         return np.zeros(0)
     laps: Floats = (behind - ahead)[once]
-    beside = _beside(paths, end[once], lines[other[once]], _BESIDE * unit)
+    beside = _beside(inwards[end[once]], lines[other[once]], _BESIDE * unit)
     return np.where(laps > 0, np.minimum(laps / own[once], beside).clip(max=1 - _GOES_ON), laps / unit)
 
 
-def _beside(paths: Floats, ends: Ints, others: NDArray[np.object_], distance: float) -> Floats:
-    """Return what share of each stroke, from its end on, is no farther from another one than some distance, (J,).
-
-    ends: (J,), which ends of the strokes: the last of all N, then the first of all N.  others: (J,).
-    """
-    own = paths[ends % len(paths)]
-    from_end = np.where((ends < len(paths))[:, None, None], own[:, ::-1], own)
-    near = shapely.distance(shapely.points(from_end), others[:, None]) <= distance
+def _beside(inwards: Floats, others: NDArray[np.object_], distance: float) -> Floats:
+    """Return what share of each stroke (J, n, 2), from its first point on, is no farther from another one, (J,)."""
+    near = shapely.distance(shapely.points(inwards), others[:, None]) <= distance
     shares: Floats = np.minimum.accumulate(near, axis=1).mean(axis=1)
     return shares
 
@@ -71,8 +67,8 @@ def _dot(a: Floats, b: Floats) -> Floats:
     return np.asarray((a * b).sum(axis=1))
 
 
-def _last_ways(paths: Floats) -> Floats:
-    """Return which way paths (N, n, 2) go over their last sixth, unit vectors (N, 2)."""
-    last = paths[:, -1] - paths[:, -1 - max(1, paths.shape[1] // 6)]
-    ways: Floats = last / np.linalg.norm(last, axis=1, keepdims=True).clip(min=1e-12)
+def _outward_ways(inwards: Floats) -> Floats:
+    """Return which way strokes (N, n, 2) go over their first sixth, backwards: unit vectors (N, 2)."""
+    way = inwards[:, 0] - inwards[:, max(1, inwards.shape[1] // 6)]
+    ways: Floats = way / np.linalg.norm(way, axis=1, keepdims=True).clip(min=1e-12)
     return ways

@@ -12,7 +12,7 @@ _PARALLEL, _LOOSE = 0.6, 0.2  # mean of cos 2Δθ of strokes side by side, times
 _LEANING = 0.3  # resultant of the directions: below, strokes go all ways
 _LEVEL = np.pi / 8  # radians off level or upright
 _RARELY, _OFTEN = 0.5, 2.0  # others that a stroke crosses
-_LAP = 0.15  # of a stroke's length: less is neither a lap nor a gap
+_LAP = 0.15  # of a stroke's length, of the median one for gaps: less is neither a lap nor a gap
 _IN_ORDER = 1.4  # median length of the first half of a drawing over that of the last, or the reverse
 
 
