@@ -30,7 +30,8 @@ def laps_of(paths: Floats) -> Floats:
     feelers = shapely.linestrings(np.stack([ends - _BESIDE * unit * ways, ends + _AHEAD * unit * ways], axis=1))
     end, other = shapely.STRtree(lines).query(feelers, predicate="dwithin", distance=_BESIDE * unit)
     stroke = end % len(paths)
-    end, stroke, other = (rows[stroke != other] for rows in (end, stroke, other))
+    apart = stroke != other
+    end, stroke, other = end[apart], stroke[apart], other[apart]
     own, way = lengths[stroke], ways[end]  # a dot has no way, and no joint
 
     at = shapely.line_locate_point(lines[other], shapely.points(ends[end]))
