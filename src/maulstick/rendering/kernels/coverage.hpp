@@ -12,7 +12,7 @@ constexpr int tile_blocks = tile_pixels / LANES;
 // would fill rows of LANES pixels. Pixels are numbered block by block.
 constexpr int block_width = 4, block_height = LANES / block_width, blocks_across = tile_width / block_width;
 constexpr int block_rows = tile_height / block_height;
-constexpr int lane_bits = LANES == 8 ? 3 : 2, width_bits = 2, across_bits = 4;
+constexpr int lane_bits = LANES == 16 ? 4 : LANES == 8 ? 3 : 2, width_bits = 2, across_bits = 4;
 static_assert(LANES == 1 << lane_bits && block_width == 1 << width_bits && blocks_across == 1 << across_bits);
 
 inline int pixel_at(int row, int column) {

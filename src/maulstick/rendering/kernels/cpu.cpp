@@ -25,6 +25,9 @@ const Kernel* supported(const std::string& name) {
   __builtin_cpu_init();
   if (name == kernel_avx2.name)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &kernel_avx2 : nullptr;
+  if (name == kernel_avx512.name)
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") ? &kernel_avx512 : nullptr;
 #endif
   return name == kernel_baseline.name ? &kernel_baseline : nullptr;
 }
@@ -37,7 +40,7 @@ const Kernel& kernel_for(const std::string& instructions) {
 
 nb::list instruction_sets() {                // fastest first
   nb::list names;
-  for (const char* name : {"avx2", "baseline"})
+  for (const char* name : {"avx512", "avx2", "baseline"})
     if (supported(name)) names.append(name);
   return names;
 }

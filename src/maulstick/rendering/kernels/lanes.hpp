@@ -4,6 +4,10 @@
 #include <cstdint>
 #include <cstring>
 
+#if LANES == 16
+#include <immintrin.h>
+#endif
+
 namespace maulstick {
 namespace {
 
@@ -30,16 +34,20 @@ inline Floats root(Floats x) {
   return y;
 }
 
-inline float sum(Floats x) {
-  float half[LANES];
-  std::memcpy(half, &x, sizeof x);
-  for (int n = LANES / 2; n > 0; n /= 2)
-    for (int i = 0; i < n; ++i) half[i] += half[i + n];
-  return half[0];
+typedef float Four __attribute__((vector_size(16)));
+
+inline float sum(Floats x) {                               // halves are added to one another
+  Four part[LANES / 4];
+  std::memcpy(part, &x, sizeof x);
+  for (int n = LANES / 8; n > 0; n /= 2)
+    for (int i = 0; i < n; ++i) part[i] += part[i + n];
+  return (part[0][0] + part[0][2]) + (part[0][1] + part[0][3]);
 }
 
 inline bool any(Ints mask) {
-#if defined(__AVX__) && LANES == 8
+#if LANES == 16
+  return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask) != 0;
+#elif defined(__AVX__) && LANES == 8
   return !__builtin_ia32_ptestz256((long long __attribute__((vector_size(32))))mask, (long long __attribute__((vector_size(32))))mask);
 #else
   typedef int64_t Words __attribute__((vector_size(4 * LANES)));
@@ -52,7 +60,9 @@ inline bool any(Ints mask) {
 
 // One bit per lane that is true.
 inline uint32_t bits_of(Ints mask) {
-#if defined(__AVX__) && LANES == 8
+#if LANES == 16
+  return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask);
+#elif defined(__AVX__) && LANES == 8
   return uint32_t(__builtin_ia32_movmskps256((Floats)mask));
 #else
   uint32_t bits = 0;
@@ -76,7 +86,9 @@ constexpr Orders orders;
 // Stores the lanes whose bits are set one after another; what follows them up to LANES is overwritten.
 template <class Number, class Lanes>
 inline void store_some(Number* p, Lanes x, uint32_t bits) {
-#if defined(__AVX2__) && LANES == 8
+#if LANES == 16
+  store(p, (Lanes)_mm512_maskz_compress_epi32(__mmask16(bits), (__m512i)x));
+#elif defined(__AVX2__) && LANES == 8
   store(p, (Lanes)__builtin_ia32_permvarsi256((Ints)x, load(orders.lanes[bits])));
 #else
   for (int i = 0; i < LANES; ++i)

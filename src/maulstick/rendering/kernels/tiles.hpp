@@ -1,6 +1,6 @@
 // Interface between cpu.cpp and tiles.cpp. tiles.cpp is compiled once per instruction set; cpu.cpp picks the widest one
 // that this processor has. Only plain pointers cross this interface: the linker keeps one copy of a standard-library
-// template, and that must not be one compiled for AVX2.
+// template, and that must not be one compiled for AVX.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -79,7 +79,7 @@ struct Kernel {
 
 extern const Kernel kernel_baseline;
 #ifdef MAULSTICK_X86
-extern const Kernel kernel_avx2;
+extern const Kernel kernel_avx2, kernel_avx512;
 #endif
 
 }  // namespace maulstick
