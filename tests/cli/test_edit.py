@@ -64,6 +64,16 @@ def test_strokes_are_edited_and_the_rest_is_planned_again_around_them(
     assert sorted(path.name for path in (folder / "again").iterdir()) == RESULTS
 
 
+def test_what_is_planned_again_is_not_written_over(folder: Path) -> None:
+    before = (folder / "plan" / "painting.json").read_bytes()
+    ran = run("plan", "--again", folder / "plan" / "painting.json", "--out", folder / "plan", "--overwrite")
+    assert ran.mistake == (
+        f"{folder / 'plan' / 'painting.json'} is planned again, and the results in {folder / 'plan'} would replace it; "
+        "name another --out"
+    )
+    assert (folder / "plan" / "painting.json").read_bytes() == before
+
+
 def test_all_strokes_are_locked_at_once(folder: Path) -> None:
     assert all(stroke.locked for stroke in edited(folder, "--lock", "all").strokes)
 
@@ -117,4 +127,4 @@ def test_it_must_be_said_where_to_write(folder: Path) -> None:
 @pytest.mark.parametrize("words", [("--paints", "4"), ("--pin", "red")])
 def test_what_a_painting_has_settled_is_not_said_again(folder: Path, words: tuple[str, str]) -> None:
     ran = run("plan", "--again", folder / "plan" / "painting.json", *words, "--out", folder / "no")
-    assert ran.mistake == f"--again keeps the sheet and the paints of the painting; leave out {words[0]}"
+    assert ran.mistake == f"--again keeps the sheet, the paints and the pressure of the painting; leave out {words[0]}"

@@ -95,6 +95,18 @@ def test_strokes_that_were_taken_out_are_planned_elsewhere_with_ids_that_were_ne
     assert {stroke.origin for stroke in new} == {"planned"}
 
 
+def test_however_often_it_is_planned_again_as_many_strokes_are_placed_anew(folder: Path, after: Painting) -> None:
+    free = [stroke.id for stroke in after.strokes if not stroke.locked]
+    write_painting(edited(after, [RemoveStrokes(strokes=tuple(free[:5]))]), folder / "plan" / "once.json")
+    twice = again(folder / "plan" / "once.json")
+    assert [len(each.strokes) for each in (after, twice)] == [24, 24]
+    assert [each.provenance.options["strokes"] for each in (after, twice)] == [24, 24]
+
+
+def test_fewer_strokes_than_its_paints_may_be_asked_for(folder: Path) -> None:
+    assert len(again(folder / "plan" / "changed.json", strokes=2).strokes) == 19, "all that there are"
+
+
 def test_each_paint_is_still_taken_up_once(after: Painting) -> None:
     assert after.paint_changes() == len({stroke.paint for stroke in after.strokes}) - 1
 
@@ -236,8 +248,18 @@ def test_what_cannot_be_planned_again_is_refused(folder: Path, changed: Painting
     assert "the painting is on a sheet of 60 x 60 mm, and size asks for 70 x 60 mm" in refusal(
         folder, changed, size="70x60mm"
     )
-    assert "again keeps the sheet and the paints of the painting; leave out ink" in refusal(
+    assert "again keeps the sheet, the paints and the pressure of the painting; leave out ink" in refusal(
         folder, changed, ink="black"
+    )
+    assert "leave out pressure" in refusal(folder, changed, pressure=0.3)
+    pressed = {name: brush.model_copy(update={"alpha": 1e-3}) for name, brush in changed.brushes.items()}
+    assert "this machine only lifts its pen, and the painting presses its brush marker more and less; leave" in refusal(
+        folder, changed.model_copy(update={"brushes": pressed}), robot="grbl"
+    )
+    line = '<g id="paint"><path d="M1 1h5" stroke="red"/></g>'
+    (folder / "guides.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{line}</svg>')
+    assert "lines on a layer called paint are painted with a new plan; add them to the painting as strokes" in refusal(
+        folder, changed, guides=folder / "guides.svg"
     )
     assert "planned with the file sea.jpg; name that once more, with look" in refusal(
         folder, planned_with(changed, look="sea.jpg")

@@ -20,6 +20,7 @@ from maulstick.painting.painting import Painting
 from maulstick.painting.raster import Canvas
 from maulstick.planning.regions import Regions
 from maulstick.rendering.preview import preview
+from maulstick.style import load_style
 from tests.support.planned import picture
 
 SIDE, PX = 0.06, 48
@@ -239,6 +240,16 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
         assert regions.is_off_bare(np.array(stroke.trajectory), brush)
 
 
+@pytest.mark.parametrize("style", ["", "style = 'contour'\n"])
+def test_a_region_draws_as_large_as_it_says_or_else_as_the_plan_does(folder: Path, style: str) -> None:
+    for said, size in (("hand_size = 0.25\n", 0.25), ("", 0.5)):
+        prepared = prepared_with(folder, f"[face]\ncolour = 'red'\n{style}{said}", style="contour", hand_size=0.5)
+        regions = prepared.problem.regions
+        assert regions is not None
+        (face,) = (region for region in regions.said if region.name == "face")
+        assert face.hand.hash == load_style("contour", prepared.layout.canvas).scaled(size).hash
+
+
 @pytest.mark.parametrize(
     ("say", "text"),
     [
@@ -258,6 +269,8 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
             "".join(f"[r{i}]\ncolour='{colour}'\nbare=true\n" for i, colour in enumerate(QUARTERS)),
             "leaves all of the sheet bare; leave some of it to be painted",
         ),
+        ("[7]\ncolour = 'red'\n", "a region is called 7, as strokes are named; call it otherwise"),
+        ("[all]\ncolour = 'red'\n", "a region is called all, as strokes are named; call it otherwise"),
         ("# nothing\n", "the number of regions is 0; it must be from 1 to 64"),
         (
             "[face]\ncolour='red'\ncolours=['#010203','#040506','#070809','#0a0b0c','#0d0e0f']\n",

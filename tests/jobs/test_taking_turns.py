@@ -95,7 +95,9 @@ def test_once_all_is_painted_more_must_be_asked_for(turn: Path, before: Painting
 
 
 def test_a_photograph_settles_the_paper(turn: Path) -> None:
-    with pytest.raises(InputError, match="again keeps the sheet and the paints of the painting; leave out paper"):
+    with pytest.raises(
+        InputError, match="again keeps the sheet, the paints and the pressure of the painting; leave out paper"
+    ):
         ms.plan(again=turn / "painting.json", background=turn / "sheet.png", paper="grey")
 
 

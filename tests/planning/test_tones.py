@@ -56,6 +56,14 @@ def test_enough_strokes_leave_a_picture_as_it_is_and_fewer_make_it_lighter() -> 
     assert means[-1] > 0.98
 
 
+def test_bare_paper_needs_no_ink() -> None:
+    layout, right = of_grey(0.5, 0.5), np.zeros((60, 60), dtype=bool)
+    right[:, 30:] = True
+    half = InkSupply.of(layout, PEN, HAND, (BLACK,), with_lines=True, bare=right)
+    assert half is not None
+    assert half.needed == pytest.approx(supply(layout).needed / 2, rel=0.01)
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(0.05, 0.95), min_size=2, max_size=4), st.floats(0.02, 1.5))
 @example([0.5, 0.5, 0.75], 0.5)  # a veil just below a flat tone

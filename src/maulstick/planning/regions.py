@@ -166,9 +166,13 @@ class Regions:
         return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
 
     @cached_property
+    def bare_paper(self) -> Bools:
+        """Where no ink may lie, (H, W)."""
+        return np.asarray(np.array([region.bare for region in self.said])[self.labels])
+
+    @cached_property
     def _has_bare(self) -> bool:
-        bare = [number for number, region in enumerate(self.said) if region.bare]
-        return bool(np.isin(self.labels, bare).any())
+        return bool(self.bare_paper.any())
 
     def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
         """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
@@ -189,7 +193,7 @@ class Regions:
     def _away(self) -> tuple[Floats, Floats]:
         """Signed distance from bare paper, metres, (h, w), at most as large as it is, and its slopes, (2, h, w)."""
         finer = max(1, min(_FINER, _FINE_PX // max(self.labels.shape)))
-        bare = np.array([region.bare for region in self.said])[self.labels].repeat(finer, 0).repeat(finer, 1)
+        bare = self.bare_paper.repeat(finer, 0).repeat(finer, 1)
         scale = bare.shape[0] / self.canvas.height
         if bare.all():
             distance = np.full(bare.shape, -1.0)

@@ -18,7 +18,7 @@ from maulstick.planning.separation import separated
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.rendering.traj2stroke import Traj2Stroke
-from maulstick.storage.arrays import Floats
+from maulstick.storage.arrays import Bools, Floats
 from maulstick.style import Style
 from maulstick.style.lengths import keep_lengths
 
@@ -124,13 +124,25 @@ class InkSupply:
 
     @classmethod
     def of(
-        cls, layout: Layout, brush: Brush, style: Style, inks: tuple[Colour, ...], *, with_lines: bool
+        cls,
+        layout: Layout,
+        brush: Brush,
+        style: Style,
+        inks: tuple[Colour, ...],
+        *,
+        with_lines: bool,
+        bare: Bools | None = None,
     ) -> Self | None:
-        """Return the supply; None without a picture, and for a style that may grow its strokes."""
+        """Return the supply; None without a picture, and for a style that may grow its strokes.
+
+        bare: (H, W), where no ink may lie, so that none is needed.
+        """
         if layout.target is None or style.lengths(1) is None:
             return None
         image, under = (torch.from_numpy(each).permute(2, 0, 1).double() for each in (layout.target, layout.under))
         amounts = separated(image, under, inks).sum(dim=0).numpy()
+        if bare is not None:
+            amounts[bare] = 0
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
         per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest

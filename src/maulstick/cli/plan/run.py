@@ -29,6 +29,9 @@ from maulstick.storage.folders import made_folder
 
 def begin(request: PlanRequest, out: Path) -> None:
     """Plan a request, and write the results into the folder `out`."""
+    again = request.options.again
+    if again is not None and again.resolve() == (out / "painting.json").resolve():
+        raise InputError(f"{again} is planned again, and the results in {out} would replace it; name another --out")
     console, prepared = _console(), prepare(request)
     if request.video is not None and prepared.mural is not None:
         raise InputError("--video records one canvas, and this one is planned in windows; leave it out or lower --px")

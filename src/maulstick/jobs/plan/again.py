@@ -32,7 +32,7 @@ from maulstick.storage.files import file_sum
 from maulstick.strokes.strokes import resampled, standardise
 from maulstick.style.pressure import fit_knots
 
-_SETTLED = ("paper", "paints", "paints_from", "pin", "ink")  # options that a painting has settled
+_SETTLED = ("paper", "paints", "paints_from", "pin", "ink", "pressure")  # options that a painting has settled
 _NOT_KEPT = ("background", "paints_from", "again")  # those whose file is no longer needed
 
 
@@ -82,6 +82,23 @@ class Again:
         """Return the painting's brushes, and those that are named and not among them, the broadest first."""
         own = self.painting.brushes
         return in_painting_order([*own.values(), *(brush for brush in named if brush.name not in own)])
+
+    def check_pressure(self, options: PlanOptions) -> None:
+        """Raise InputError where a machine would hold a brush of the painting that it paints with any pressure."""
+        varying = [brush.name for brush in self.painting.brushes.values() if brush.pressure_matters]
+        if varying and options.held_pressure is not None:
+            raise InputError(
+                f"this machine only lifts its pen, and the painting presses its brush {varying[0]} more and less; "
+                f"leave out {option('robot')}, or plan anew"
+            )
+
+    def check_guides(self, painted: Sequence[Colour]) -> None:
+        """Raise InputError for guides to be painted, of these colours, beside a painting that never had any."""
+        if painted and self.painting.provenance.options.get("guides") is None:
+            raise InputError(
+                "lines on a layer called paint are painted with a new plan; add them to the painting as strokes, and "
+                "leave that layer out"
+            )
 
     def sheet(self, asked: Sheet) -> Sheet:
         """Return the painting's sheet, or its photograph. Raises InputError where one of another size is asked for."""
@@ -153,11 +170,13 @@ def planned_before(painting: Painting, given: Mapping[str, Any]) -> PlanOptions:
     settled, and for other options that this Maulstick cannot read.
     """
     for name in sorted(set(_SETTLED) & set(given)):
-        raise InputError(f"{option('again')} keeps the sheet and the paints of the painting; leave out {option(name)}")
+        raise InputError(
+            f"{option('again')} keeps the sheet, the paints and the pressure of the painting; leave out {option(name)}"
+        )
     if given.get("background") is not None:
         sides = (f"{1e3 * side:.6g}" for side in (painting.sheet.width, painting.sheet.height))
         given = {"size": "x".join(sides) + "mm", "paper": PlanOptions.paper, **given}
-    known = {field.name for field in fields(PlanOptions)} - set(_NOT_KEPT)
+    known = {field.name for field in fields(PlanOptions)} - {*_NOT_KEPT, "paints"}  # none is mixed
     kept = {name: value for name, value in painting.provenance.options.items() if name in known and name not in given}
     for name in FILES:  # of which a painting knows no more than the name
         if kept.get(name) is not None:

@@ -46,11 +46,13 @@ class Directing:
             if given is not None:
                 raise InputError(f"{option(name)} plans in one piece; choose a smaller {option('px')}")
 
-    def regions(self, layout: Layout, style: Style, brushes: Sequence[Brush], usual: Sequence[Brush]) -> Regions | None:
+    def regions(
+        self, layout: Layout, hand: Style, hand_size: float, brushes: Sequence[Brush], usual: Sequence[Brush]
+    ) -> Regions | None:
         """Return the regions on a layout; arguments as those of `RegionFiles.on`."""
         if self._regions is None:
             return None
-        return self._regions.on(layout.canvas, self._shape, self._fit, self._margin, style, brushes, usual)
+        return self._regions.on(layout.canvas, self._shape, self._fit, self._margin, hand, hand_size, brushes, usual)
 
     def guides(self, layout: Layout, regions: Regions | None) -> Guides | None:
         """Return the directions that guides and regions say. Raises InputError where regions follow no guides."""

@@ -25,6 +25,7 @@ from maulstick.planning.layout import LONGEST_PX, Layout, lay_out_for
 from maulstick.planning.lines import lines_for
 from maulstick.planning.losses import LossOptions
 from maulstick.planning.problem import PlannerSettings
+from maulstick.planning.regions import Regions
 from maulstick.planning.room import check_room
 from maulstick.planning.tones import InkSupply, draw_light
 from maulstick.storage.arrays import Image
@@ -53,6 +54,8 @@ def prepare(
     usual = brushes or load_brushes(options.brush)
     brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
+        again.check_pressure(options)
+        again.check_guides(directing.painted_colours)
         brushes, sheet = again.brushes(brushes), again.sheet(sheet)
     finest = finest_of(brushes)
     if options.drawing == "lines":
@@ -68,12 +71,14 @@ def prepare(
         _check_windows(again, directing)
         layout = mural.overview(LONGEST_PX)
     check_room(layout.room, brushes)
-    style = (style or load_style(options.style, layout.canvas)).scaled(options.hand_size)
+    hand = style or load_style(options.style, layout.canvas)
+    style = hand.scaled(options.hand_size)
+    regions = directing.regions(layout, hand, options.hand_size, brushes, usual)
     tubes = _tubes(options)
     settings = settings_of(options, tubes, directing.colours, directing.painted_colours)
     if again is not None:
         settings = again.in_paints(settings)
-    supply = _supply(options, settings, layout, brushes, style) if settings.in_ink else None
+    supply = _supply(options, settings, layout, brushes, style, regions) if settings.in_ink else None
     if options.strokes == AUTO:
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
@@ -83,7 +88,6 @@ def prepare(
         settings, names, kept = again.settings(settings), again.names, again.painting
     locked = [] if kept is None else locked_in(kept)
     tones = None if supply is None else supply.tones(settings.strokes + len(locked))
-    regions = directing.regions(layout, style, brushes, usual)
     if again is not None and regions is not None:
         again.check_regions(regions)
     loss_options, network = _losses(options, picture), LoadedOnce(partial(network_of, options))
@@ -115,7 +119,8 @@ def prepare(
     used = {"brush": names_of(brushes), "style": style.name, "weights": weights, "device": device.device.type}
     name = request.picture.name if request.picture is not None else None
     sha256 = request.sums[str(request.picture)] if request.picture is not None else None
-    provenance = provenance_of(settings, name, sha256, {**request.provenance_options, **used})
+    of_all = replace(settings, strokes=settings.strokes + len(locked))
+    provenance = provenance_of(of_all, name, sha256, {**request.provenance_options, **used})
     return Prepared(
         request,
         layout,
@@ -166,7 +171,12 @@ def _check_windows(again: Again | None, directing: Directing) -> None:
 
 
 def _supply(
-    options: PlanOptions, settings: PlannerSettings, layout: Layout, brushes: tuple[Brush, ...], style: Style
+    options: PlanOptions,
+    settings: PlannerSettings,
+    layout: Layout,
+    brushes: tuple[Brush, ...],
+    style: Style,
+    regions: Regions | None,
 ) -> InkSupply | None:
     """Return the supply of inks. Raises InputError for several brushes."""
     if len(brushes) > 1:
@@ -174,4 +184,5 @@ def _supply(
             f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "
             "paint in colours"
         )
-    return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=options.drawing == "both")
+    bare, with_lines = None if regions is None else regions.bare_paper, options.drawing == "both"
+    return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=with_lines, bare=bare)

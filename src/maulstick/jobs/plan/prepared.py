@@ -84,7 +84,7 @@ class Prepared:
         if self.supply is not None:
             if self.request.options.strokes == AUTO:
                 notes.append(f"{self.settings.strokes:,} strokes, chosen for the picture's ink")
-            notes.append(self.supply.note(self.settings.strokes))
+            notes.append(self.supply.note(self.strokes))
         if self.settings.in_ink:
             notes.append(self._crowded())
         return [note for note in notes if note is not None]

@@ -1,5 +1,6 @@
 """Files of regions: a map of the picture in colours, and a TOML file that says what holds in each."""
 
+import re
 import tomllib
 from collections.abc import Sequence
 from math import radians
@@ -27,6 +28,7 @@ REST = "rest"
 
 _LARGEST = 2**20  # bytes of the TOML file: thousands of regions
 _MOST = 64  # regions: more than a person tells apart by their colours
+_OF_STROKES = re.compile(r"all|\d+(-\d+)?")  # what names strokes where a region's name may stand
 _SAME = 60 / 255  # of sRGB: what is further from the colours of all regions, and from white, is none of them
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -62,6 +64,8 @@ class RegionFiles:
         for name, said in self._said.items():
             if name == REST:
                 continue
+            if _OF_STROKES.fullmatch(name):
+                raise InputError(f"{say}: a region is called {name}, as strokes are named; call it otherwise")
             if said.soft is not None:
                 try:
                     parse_length(said.soft)
@@ -93,13 +97,15 @@ class RegionFiles:
         shape: tuple[int, ...],
         fit: str,
         margin: float,
-        style: Style,
+        hand: Style,
+        hand_size: float,
         brushes: Sequence[Brush],
         usual: Sequence[Brush],
     ) -> Regions:
         """Return the regions on a canvas, for a picture of this shape (h, w) that is laid out so.
 
-        style: where none is said.  brushes: of the plan.  usual: those used where none is said.
+        hand: as large as it was learned, where no style is said.  hand_size: where none is said.
+        brushes: of the plan.  usual: those used where none is said.
         Raises InputError for a region that the map does not show, and where all of the sheet is to be bare.
         """
         said = {REST: _Said(), **self._said}
@@ -110,7 +116,7 @@ class RegionFiles:
                 raise InputError(
                     f"{self._map} shows nothing in {colour}, the colour of {name}; paint it, or leave it out"
                 )
-        regions = tuple(self._region(name, one, canvas, style, brushes, usual) for name, one in said.items())
+        regions = tuple(self._region(name, one, canvas, hand, hand_size, brushes, usual) for name, one in said.items())
         there = [regions[number] for number in np.unique(labels).tolist()]
         if all(region.bare for region in there):
             raise InputError(f"{self._say} leaves all of the sheet bare; leave some of it to be painted")
@@ -128,13 +134,20 @@ class RegionFiles:
         return labels
 
     def _region(
-        self, name: str, said: _Said, canvas: Canvas, style: Style, brushes: Sequence[Brush], usual: Sequence[Brush]
+        self,
+        name: str,
+        said: _Said,
+        canvas: Canvas,
+        hand: Style,
+        hand_size: float,
+        brushes: Sequence[Brush],
+        usual: Sequence[Brush],
     ) -> Region:
-        hand = style if said.style is None else load_style(said.style, canvas)
+        own = hand if said.style is None else load_style(said.style, canvas)
         names = {brush.name for brush in (usual if said.brush is None else self._brushes[said.brush])}
         return Region(
             name,
-            hand.scaled(said.hand_size or 1.0),
+            own.scaled(said.hand_size or hand_size),
             tuple(brush.name in names for brush in brushes),
             None if said.colours is None else tuple(parse_colour(colour) for colour in said.colours),
             said.share,
