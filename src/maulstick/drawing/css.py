@@ -1,7 +1,7 @@
 """Style of SVG elements: presentation attributes, style sheets of simple selectors, and style attributes."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Final
 from xml.etree.ElementTree import Element
@@ -28,7 +28,7 @@ INHERITED: Final = (
 _OWN = ("clip-path", "display", "marker-end", "marker-mid", "marker-start", "mask", "overflow", "transform")
 _NAMES = (*INHERITED, *_OWN)
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
-_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
+_BRACE = re.compile(r"([^{}]*)([{}])")
 _SIMPLE = re.compile(r"(\*|[\w-]*)([.#]?)([\w-]*)")  # tag, .class, #id, tag.class, tag#id
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)(.*)")
 _BLACK = (0.0, 0.0, 0.0)
@@ -43,8 +43,8 @@ class StyleSheet:
     def __init__(self, root: Element) -> None:
         self._rules: dict[tuple[str, str, str], dict[str, str]] = {}
         for element in root.iter():
-            if isinstance(element.tag, str) and local_name(element) == "style":
-                for selectors, body in _RULE.findall(_COMMENT.sub("", element.text or "")):
+            if isinstance(element.tag, str) and local_name(element) == "style" and _on_screen(element.get("media", "")):
+                for selectors, body in _rules(_COMMENT.sub("", element.text or "")):
                     self._add(selectors, _declared(body))
 
     def of(self, element: Element) -> dict[str, str]:
@@ -66,6 +66,23 @@ class StyleSheet:
             if match is not None and selector.strip():
                 key = (match[1].replace("*", ""), match[2], match[3])
                 self._rules[key] = self._rules.get(key, {}) | declared
+
+
+def _rules(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the selectors and the declarations of rules, of those in at-rules only what is for every screen."""
+    heads: list[str] = []
+    for before, brace in _BRACE.findall(text):
+        if brace == "{":
+            heads.append(before.rpartition(";")[2].strip())  # an @import, which has no block, ends in a semicolon
+        elif heads:
+            head = heads.pop()
+            if not head.startswith("@") and all(_on_screen(each.removeprefix("@media")) for each in heads):
+                yield head, before
+
+
+def _on_screen(media: str) -> bool:
+    """Return whether a list of media has every screen in it."""
+    return any(each.strip() in ("", "all", "screen", "only screen") for each in media.lower().split(","))
 
 
 def _declared(text: str) -> dict[str, str]:
