@@ -76,6 +76,27 @@ def test_nested_transforms_apply_from_the_inside_out(read: Read) -> None:
     assert points(read(body)) == [[[50, 12], [48, 20]]]
 
 
+@pytest.mark.parametrize(
+    ("origin", "expected"),
+    [
+        ("", [[20, 5], [25, 5]]),
+        ('transform-origin="50 20"', [[45, 15], [50, 15]]),
+        ('style="transform:scale(.5);transform-origin:50px 20px"', [[45, 15], [50, 15]]),
+        ('transform-origin="50% 20 0"', [[45, 15], [50, 15]]),
+        ('transform-origin="center"', [[45, 17.5], [50, 17.5]]),
+        ('transform-origin="bottom right"', [[70, 30], [75, 30]]),
+        ('transform-origin="top"', [[45, 5], [50, 5]]),
+    ],
+)
+def test_a_transform_has_an_origin(read: Read, origin: str, expected: list[list[float]]) -> None:
+    assert points(read(f'<path d="M40 10H50" transform="scale(.5)" {origin}/>')) == [expected]
+
+
+def test_an_origin_in_the_box_of_a_shape_is_said_to_be_passed_over(read: Read) -> None:
+    turned = read('<path d="M40 10H50" transform="scale(.5)" style="transform-origin:center;transform-box:fill-box"/>')
+    assert turned.notes == ("passed over: transform-box",)
+
+
 def test_what_is_used_lies_where_it_is_used_and_what_is_only_defined_nowhere(read: Read) -> None:
     body = (
         '<defs><g id="a"><path d="M0 0L1 0"/><path d="M0 1L1 1"/></g></defs>'

@@ -25,7 +25,18 @@ INHERITED: Final = (
 )
 """Properties that children have from their parents."""
 
-_OWN = ("clip-path", "display", "marker-end", "marker-mid", "marker-start", "mask", "overflow", "transform")
+_OWN = (
+    "clip-path",
+    "display",
+    "marker-end",
+    "marker-mid",
+    "marker-start",
+    "mask",
+    "overflow",
+    "transform",
+    "transform-box",
+    "transform-origin",
+)
 _NAMES = (*INHERITED, *_OWN)
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _BRACE = re.compile(r"([^{}]*)([{}])")

@@ -19,6 +19,7 @@ INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
 NO_PLACE: Final = "a point in it has no place: it is no number, or too large; mend or delete that path"
 """Fault of a drawing whose numbers are damaged."""
 
+_SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 _PPI = 96  # pixels per inch, as CSS has it
 _FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
 _LARGEST = 1e7  # pixels: 2.6 km
@@ -134,13 +135,23 @@ def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[
     return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])
 
 
-def transform_of(text: str | None, viewport: Viewport) -> Matrix:
-    """Return the matrix of a transform attribute; one that is faulty is none, as in browsers."""
+def transform_of(text: str | None, origin: str, viewport: Viewport) -> Matrix:
+    """Return the matrix of a transform about its origin; one that is faulty is none, as in browsers."""
     if not text:
         return Matrix()
     try:
         matrix = Matrix(text)
         matrix.render(ppi=_PPI, width=viewport.width, height=viewport.height)
-        return Matrix(*(float(matrix[i]) for i in range(6)))
+        x, y = _origin(origin, viewport)
+        return Matrix.translate(-x, -y) * Matrix(*(float(matrix[i]) for i in range(6))) * Matrix.translate(x, y)
     except (ValueError, TypeError, IndexError):
         return Matrix()
+
+
+def _origin(text: str, viewport: Viewport) -> tuple[float, float]:
+    """Return the point that a transform-origin names, such as ``50 50``, ``50% 1cm`` or ``bottom right``."""
+    words = [*text.lower().split(), "center"][:2]
+    if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
+        words.reverse()
+    x, y = (_SIDES.get(word, word) for word in words)
+    return pixels(x, viewport.width) or 0.0, pixels(y, viewport.height) or 0.0

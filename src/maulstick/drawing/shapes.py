@@ -224,7 +224,10 @@ class Walk:
         if not own:
             return place
         if "transform" in own:
-            place = replace(place, matrix=transform_of(own["transform"], place.viewport) * place.matrix)
+            matrix = transform_of(own["transform"], own.get("transform-origin") or "0 0", place.viewport)
+            place = replace(place, matrix=matrix * place.matrix)
+            if own.get("transform-box", "view-box") != "view-box":
+                self.passed_over.add("transform-box")
         if referred(own.get("mask")):
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
