@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, ParseError
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
+from maulstick.drawing.css import Style
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import METRES, parsed
 
@@ -98,12 +99,13 @@ class Page:
     said: bool
 
     @classmethod
-    def of(cls, root: Element) -> Self:
-        """Return the page of a document. A side that is a percentage, or left out, is that of the viewBox in pixels."""
+    def of(cls, root: Element, style: Style) -> Self:
+        """Return the page of a document, whose outermost element has a style.
+
+        A side that is a percentage, or left out, is that of the viewBox in pixels.
+        """
         view = view_box(root)
-        width, height = (
-            None if (text := root.get(name, "")).strip().endswith("%") else pixels(text) for name in ("width", "height")
-        )
+        width, height = (_side(style.get(name)) or _side(root.get(name)) for name in ("width", "height"))
         said = view is not None or (width is not None and height is not None)
         if view is not None:
             if width is None and height is None:
@@ -115,6 +117,11 @@ class Page:
             raise InputError(f"its page is {width:g} x {height:g} pixels; give it a width and a height above 0")
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         return cls(width, height, matrix, viewport, said)
+
+
+def _side(text: str | None) -> float | None:
+    """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
+    return None if (text or "").strip().endswith("%") else pixels(text)
 
 
 def view_box(element: Element) -> list[float] | None:

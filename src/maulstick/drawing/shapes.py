@@ -12,10 +12,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import INHERITED, Rgb, Style, StyleSheet, colour_of, referred
+from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, referred
 from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
+from maulstick.drawing.style_sheet import StyleSheet
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
@@ -84,12 +85,14 @@ class Walk:
     """
 
     root: Element
-    page: Page
+    sheet: StyleSheet = field(init=False)
+    page: Page = field(init=False)
     passed_over: set[str] = field(default_factory=set)
     faulty: int = 0
 
     def __post_init__(self) -> None:
-        self._sheet = StyleSheet(self.root)
+        self.sheet = StyleSheet(self.root)
+        self.page = Page.of(self.root, self.sheet.of(self.root))
         self._named = {name: element for element in self.root.iter() if (name := element.get("id")) is not None}
         self._clips: dict[tuple[str, str], Clip] = {}
         self._count = 0
@@ -100,7 +103,7 @@ class Walk:
 
         Raises InputError for text, pictures, references to other files, and what is too large or refers to itself.
         """
-        own = self._sheet.of(self.root)
+        own = self.sheet.of(self.root)
         if own.get("display") != "none":
             yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
 
@@ -116,7 +119,7 @@ class Walk:
         space, _, tag = element.tag.rpartition("}")
         if space.lstrip("{") not in ("", SVG_SPACE):
             return
-        own = self._sheet.of(element)
+        own = self.sheet.of(element)
         if own.get("display") == "none":
             return
         if place.depth > _DEEPEST:
@@ -200,7 +203,7 @@ class Walk:
         if tag not in ("symbol", "svg"):
             yield from self._element(target, place)
             return
-        own = self._sheet.of(target)
+        own = self.sheet.of(target)
         if own.get("display") == "none":
             return
         sized = [element if element.get(name) is not None else target for name in ("width", "height")]
@@ -228,6 +231,8 @@ class Walk:
             place = replace(place, matrix=matrix * place.matrix)
             if own.get("transform-box", "view-box") != "view-box":
                 self.passed_over.add("transform-box")
+        if own.keys() & GEOMETRY:
+            self.passed_over.add("sizes and places in styles")
         if referred(own.get("mask")):
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
@@ -247,7 +252,7 @@ class Walk:
         at = name, repr(place.matrix)
         if at not in self._clips:
             before, self._clipping = self._clipping, True
-            own = self._sheet.of(clip)
+            own = self.sheet.of(clip)
             inner = self._transformed(element, own, replace(place, style={}, clips=(), used=(*place.used, key)))
             shapes = tuple(self._children(clip, inner))
             self._clipping = before
@@ -256,7 +261,7 @@ class Walk:
 
     def _box_of(self, element: Element, place: _Place) -> Matrix:
         """Return what takes the unit square to the box around an element's shapes, in its own coordinates."""
-        own = {name: each for name, each in self._sheet.of(element).items() if name not in _OF_PLACE}
+        own = {name: each for name, each in self.sheet.of(element).items() if name not in _OF_PLACE}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
         faulty, before, self._clipping = self.faulty, self._clipping, False
         shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
