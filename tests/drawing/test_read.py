@@ -81,6 +81,15 @@ def test_a_clip_in_units_of_a_box_is_of_what_it_clips(read: Read) -> None:
     assert fourth == [pytest.approx([20, 40.25]), pytest.approx([60, 40.75])]
 
 
+@pytest.mark.parametrize("units", ["", 'clipPathUnits="objectBoundingBox" transform="scale(.025 1)"'])
+def test_a_clip_of_what_is_used_is_moved_with_it(read: Read, units: str) -> None:
+    body = (
+        f'<defs><clipPath id="c" {units}><rect width="20" height="20"/></clipPath><path id="l" d="M0 9L40 10"/></defs>'
+        '<use href="#l" x="50" clip-path="url(#c)"/>'
+    )
+    assert points(read(body)) == [[[50, 9], [70, 9.5]]]
+
+
 @given(hnp.arrays(float, (3, 4, 2), elements=st.floats(-1e3, 1e3)))
 def test_the_bounds_of_curves_are_those_of_their_points(cubics: Floats) -> None:
     least, most = bounds_of([cubics])

@@ -108,6 +108,11 @@ def test_what_is_used_lies_where_it_is_used_and_what_is_only_defined_nowhere(rea
     assert points(read(body)) == expected
 
 
+def test_of_elements_with_one_id_the_first_is_used(read: Read) -> None:
+    body = '<defs><path id="a" d="M0 0h9"/><path id="a" d="M0 0v9"/></defs><use href="#a"/>'
+    assert points(read(body)) == [[[0, 0], [9, 0]]]
+
+
 def test_hidden_elements_are_left_out_by_attribute_style_and_style_sheet(read: Read) -> None:
     body = (
         "<style>/* x */ .off, text { display: none } #gone{visibility:hidden}</style>"

@@ -93,7 +93,9 @@ class Walk:
     def __post_init__(self) -> None:
         self.sheet = StyleSheet(self.root)
         self.page = Page.of(self.root, self.sheet.of(self.root))
-        self._named = {name: element for element in self.root.iter() if (name := element.get("id")) is not None}
+        self._named = {
+            name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
+        }
         self._clips: dict[tuple[str, str], Clip] = {}
         self._count = 0
         self._clipping = False
@@ -139,7 +141,7 @@ class Walk:
                 yield from self._shape(element, own, replace(place, style=style))
 
     def _shape(self, element: Element, own: Style, place: _Place) -> Iterator[Shape]:
-        place = self._transformed(element, own, place)
+        place = self._clipped(element, own, self._transformed(own, place))
         chains, whole = outline(element, place.viewport)
         self.faulty += not whole
         m = place.matrix
@@ -163,12 +165,13 @@ class Walk:
         group = self._group_of(element, tag, place)
         if group is not None and (group.label or "").lstrip().startswith(NEVER):
             return
-        place = self._transformed(element, own, replace(place, group=group))
+        place, view = self._transformed(own, replace(place, group=group)), place.viewport
         if tag == "use":
-            yield from self._used(element, place)
+            matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
+            yield from self._used(element, self._clipped(element, own, replace(place, matrix=matrix)))
             return
+        place = self._clipped(element, own, place)
         if tag == "svg":
-            view = place.viewport
             box = (
                 view.x(element, "x"),
                 view.y(element, "y"),
@@ -197,8 +200,7 @@ class Walk:
         if link in place.used:
             raise InputError(f"a <use> in it uses itself, by {link[:60]!r}; take that out")
         view = place.viewport
-        matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
-        place = replace(place, matrix=matrix, used=(*place.used, link), depth=place.depth + 1)
+        place = replace(place, used=(*place.used, link), depth=place.depth + 1)
         tag = local_name(target)
         if tag not in ("symbol", "svg"):
             yield from self._element(target, place)
@@ -222,15 +224,17 @@ class Walk:
         matrix, viewport = viewed(element, box)
         return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
 
-    def _transformed(self, element: Element, own: Style, place: _Place) -> _Place:
-        """Return the place after the transform and the clip that an element, or a clip of it, has of its own."""
-        if not own:
+    def _transformed(self, own: Style, place: _Place) -> _Place:
+        """Return the place after the transform that an element, or a clip of it, has of its own."""
+        if "transform" not in own:
             return place
-        if "transform" in own:
-            matrix = transform_of(own["transform"], own.get("transform-origin") or "0 0", place.viewport)
-            place = replace(place, matrix=matrix * place.matrix)
-            if own.get("transform-box", "view-box") != "view-box":
-                self.passed_over.add("transform-box")
+        if own.get("transform-box", "view-box") != "view-box":
+            self.passed_over.add("transform-box")
+        matrix = transform_of(own["transform"], own.get("transform-origin") or "0 0", place.viewport)
+        return replace(place, matrix=matrix * place.matrix)
+
+    def _clipped(self, element: Element, own: Style, place: _Place) -> _Place:
+        """Return the place within the clip that an element, or a clip of it, has of its own."""
         if own.keys() & GEOMETRY:
             self.passed_over.add("sizes and places in styles")
         if referred(own.get("mask")):
@@ -253,8 +257,8 @@ class Walk:
         if at not in self._clips:
             before, self._clipping = self._clipping, True
             own = self.sheet.of(clip)
-            inner = self._transformed(element, own, replace(place, style={}, clips=(), used=(*place.used, key)))
-            shapes = tuple(self._children(clip, inner))
+            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
+            shapes = tuple(self._children(clip, self._clipped(element, own, inner)))
             self._clipping = before
             self._clips[at] = Clip(shapes)
         return (self._clips[at],)
@@ -264,7 +268,10 @@ class Walk:
         own = {name: each for name, each in self.sheet.of(element).items() if name not in _OF_PLACE}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
         faulty, before, self._clipping = self.faulty, self._clipping, False
-        shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
+        if tag == "use":
+            shapes = self._used(element, place)
+        else:
+            shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
         chains = [chain for shape in shapes for chain in shape.chains]
         self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
         (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))
