@@ -253,7 +253,7 @@ def _off_bare(
     sheet, clear = layout.sheet, np.ones(len(trajectories), dtype=bool)
     for number, brush in enumerate(brushes):
         rows = np.flatnonzero(brush_of.numpy() == number)
-        moved = regions.kept_off_bare(trajectories[rows], brush)[0].clip(0, (sheet.width, sheet.height, 1))
+        moved = regions.kept_off_bare(trajectories[rows], brush).clip(0, (sheet.width, sheet.height, 1))
         if layout.room is not None:
             moved = kept_in(layout.room, moved, brush)
         trajectories[rows] = moved.round(6)

@@ -146,24 +146,20 @@ class Regions:
             moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())
             strokes.centres.add_(torch.from_numpy(moves).float())
 
-    def kept_off_bare(self, trajectories: Floats, brush: Brush) -> tuple[Floats, Bools]:
-        """Return commanded trajectories (N, n, 3) moved off bare paper, and of which no mark lies on it, (N,)."""
-        kept, clear = trajectories.copy(), np.ones(len(trajectories), dtype=bool)
-        if not self._has_bare:
-            return kept, clear
-        for row in range(len(kept)):
+    def kept_off_bare(self, trajectories: Floats, brush: Brush) -> Floats:
+        """Return commanded trajectories (N, n, 3), those whose marks lie on bare paper moved off it where they can."""
+        kept = trajectories.copy()
+        for row in range(len(kept) if self._has_bare else 0):
             for _ in range(_MOVES):
-                points, half_widths, _ = brush.bare_mark(refine([kept[row]])[0])
-                move = self._off_bare(points[None], half_widths[None])[0]
-                clear[row] = not move.any()
-                if clear[row]:
+                move = self._off_bare(*_mark(kept[row], brush))[0]
+                if not move.any():
                     break
                 kept[row, :, :2] += move
-        return kept, clear
+        return kept
 
     def is_off_bare(self, trajectory: Floats, brush: Brush) -> bool:
         """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
-        return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
+        return not self._has_bare or bool(self._deepest(*_mark(trajectory, brush))[0] <= 0)
 
     @cached_property
     def _has_bare(self) -> bool:
@@ -172,18 +168,20 @@ class Regions:
 
     def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
         """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
+        depth, slope = self._deepest(points, half_widths)
+        most, length = depth.clip(min=0), np.maximum(np.hypot(*slope.T), 1e-9)[:, None]
+        moves: Floats = slope / length * (most + _SLACK * (most > 0))[:, None]
+        return moves
+
+    def _deepest(self, points: Floats, half_widths: Floats) -> tuple[Floats, Floats]:
+        """Return how deep the deepest dot of each mark lies on bare paper, metres, (N,), and the way off it, (N, 2)."""
         distance, slopes = self._away
         scale = distance.shape[0] / self.canvas.height
         row = (points[..., 1] * scale).astype(int).clip(0, distance.shape[0] - 1)
         column = (points[..., 0] * scale).astype(int).clip(0, distance.shape[1] - 1)
         depth = half_widths.clip(min=0) + _SLACK - distance[row, column]
-        deepest = depth.argmax(axis=1)
-        every = np.arange(len(points))
-        most = depth[every, deepest].clip(min=0)
-        slope = slopes[:, row[every, deepest], column[every, deepest]].T
-        length = np.maximum(np.hypot(*slope.T), 1e-9)[:, None]
-        moves: Floats = slope / length * (most + _SLACK * (most > 0))[:, None]
-        return moves
+        every, deepest = np.arange(len(points)), depth.argmax(axis=1)
+        return depth[every, deepest], slopes[:, row[every, deepest], column[every, deepest]].T
 
     @cached_property
     def _away(self) -> tuple[Floats, Floats]:
@@ -207,3 +205,9 @@ class Regions:
         place = (points * self.canvas.pixels_per_metre).astype(int)
         height, width = self.labels.shape
         return place[..., 1].clip(0, height - 1), place[..., 0].clip(0, width - 1)
+
+
+def _mark(trajectory: Floats, brush: Brush) -> tuple[Floats, Floats]:
+    """Return the points (1, n, 2) and the half-widths (1, n), metres, of the mark that is drawn of a trajectory."""
+    points, half_widths, _ = brush.bare_mark(refine([trajectory])[0])
+    return points[None], half_widths[None]

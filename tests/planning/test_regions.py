@@ -1,0 +1,59 @@
+"""Regions of a sheet: no ink on bare paper."""
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from maulstick.painting.brush import load_brush
+from maulstick.painting.raster import Canvas
+from maulstick.planning.regions import Region, Regions
+from maulstick.storage.arrays import Bools, Floats
+from maulstick.style import load_style
+
+SIDE, PX = 0.06, 30
+
+
+def with_bare(bare: Bools) -> Regions:
+    """Return regions of which those pixels (n, n) are bare."""
+    canvas = Canvas(SIDE, SIDE, len(bare) / SIDE)
+    hand = load_style("free", canvas)
+    said = Region("rest", hand, (True,)), Region("sky", hand, (True,), bare=True)
+    return Regions(bare.astype(np.int64), said, canvas)
+
+
+def band(left: int, right: int, px: int = PX) -> Bools:
+    """Return where a band of those columns is, from the upper edge to the lower."""
+    bare = np.zeros((px, px), dtype=bool)
+    bare[:, left:right] = True
+    return bare
+
+
+def across(begin: float, end: float, points: int = 32) -> Floats:
+    """Return a stroke from left to right in the middle of the sheet, between these shares of its width."""
+    x = np.linspace(begin, end, points) * SIDE
+    return np.stack([x, np.full(points, SIDE / 2), np.full(points, 0.5)], axis=1)
+
+
+@settings(deadline=None)
+@given(st.sampled_from(["fineliner", "marker"]), st.floats(0, 0.3), st.floats(0.7, 1))
+@example("fineliner", 0.26, 0.74)
+@example("fineliner", 0.2, 0.77)
+@example("fineliner", 0.29, 0.83)
+def test_a_stroke_across_bare_paper_is_on_it(name: str, begin: float, end: float) -> None:
+    assert not with_bare(band(12, 18)).is_off_bare(across(begin, end), load_brush(name))
+
+
+def test_the_middle_of_bare_paper_is_on_it_though_no_side_is_nearer() -> None:
+    regions = with_bare(band(1001, 1002, px=2000))
+    assert not regions.is_off_bare(across(1001 / 2000, 1002 / 2000), load_brush("fineliner"))
+
+
+@pytest.mark.parametrize("name", ["fineliner", "marker"])
+def test_a_stroke_that_reaches_onto_bare_paper_is_moved_off_it(name: str) -> None:
+    regions, brush = with_bare(band(15, 30)), load_brush(name)
+    stroke = across(0.1, 0.55)
+    assert not regions.is_off_bare(stroke, brush)
+    (kept,) = regions.kept_off_bare(stroke[None], brush)
+    assert regions.is_off_bare(kept, brush)
+    assert np.ptp(kept[:, :2] - stroke[:, :2], axis=0) == pytest.approx([0, 0], abs=1e-9)
