@@ -112,6 +112,13 @@ def test_masks_and_markers_are_said_to_be_passed_over(read: Read) -> None:
     assert read(body).notes == ("passed over: markers, masks",)
 
 
+def test_dashes_are_said_to_be_passed_over_where_there_are_any(read: Read) -> None:
+    solid = '<path stroke-dasharray="none" stroke="red" d="M0 9h9"/><path stroke-dasharray="2" d="M0 9h9"/>'
+    assert read(solid).notes == ()
+    dashed = '<g style="stroke-dasharray:2,1"><path stroke="red" d="M0 9h9"/></g>'
+    assert read(dashed).notes == ("passed over: dashes",)
+
+
 def test_a_page_is_scaled_to_the_sheet_and_a_margin_scales_what_is_drawn(read: Read) -> None:
     body = '<path d="M10 10L30 20"/>'
     scaled = read(body, size=(0.2, 0.2))

@@ -122,6 +122,20 @@ def test_hidden_elements_are_left_out_by_attribute_style_and_style_sheet(read: R
     assert points(read(body)) == [[[9, 9], [8, 8]]]
 
 
+def test_what_is_wholly_transparent_is_left_out_but_clips(read: Read) -> None:
+    clip = '<clipPath id="c"><rect opacity="0" width="2" height="9"/></clipPath>'
+    gone = f'<path opacity="0" d="M9 9h9"/><g style="opacity:0%"><text>left out</text>{LINE}</g>'
+    symbol = f'<symbol id="s" opacity="0">{LINE}</symbol><use href="#s"/>'
+    assert points(read(f'{clip}{gone}{symbol}<path opacity=".1" clip-path="url(#c)" d="M0 1h9"/>')) == [
+        [[0, 1], [2, 1]]
+    ]
+
+
+@pytest.mark.parametrize("scale", ["0", "0 1", "2 0"])
+def test_what_is_scaled_to_nothing_is_left_out(read: Read, scale: str) -> None:
+    assert points(read(f'<g transform="scale({scale})"><path d="M8 8h9"/></g>{LINE}')) == [[[1, 2], [3, 4]]]
+
+
 @pytest.mark.parametrize(
     ("shape", "expected"),
     [
@@ -182,6 +196,7 @@ def test_only_the_first_way_of_a_switch_that_a_pen_can_draw_is_drawn(read: Read)
     ("body", "fault"),
     [
         ('<text id="title">words</text>', "it has text ('title'); a pen draws paths: make them in Inkscape by"),
+        ('<flowRoot id="title"><flowPara>words</flowPara></flowRoot>', "it has text ('title'); a pen draws paths"),
         ('<image href="a.png"/>', "it has a picture; a pen draws paths: trace it in Inkscape by"),
         ('<use href="other.svg#a"/>', "it uses 'other.svg#a' of another file; copy that into the drawing"),
         ('<g id="a"><use href="#a"/></g>', "a <use> in it uses itself"),

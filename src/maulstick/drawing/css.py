@@ -16,6 +16,7 @@ INHERITED: Final = (
     "fill-opacity",
     "fill-rule",
     "stroke",
+    "stroke-dasharray",
     "stroke-opacity",
     "stroke-width",
     "visibility",
@@ -30,6 +31,7 @@ READ: Final = (
     "marker-mid",
     "marker-start",
     "mask",
+    "opacity",
     "overflow",
     "transform",
     "transform-box",
@@ -58,12 +60,13 @@ def colour_of(style: Style, name: str, otherwise: str) -> Rgb | None:
     value = style.get(name, otherwise).strip()
     if value.lower() == "currentcolor":
         value = style.get("color", "black")
-    if _is_zero(style.get(f"{name}-opacity")):
+    if is_zero(style.get(f"{name}-opacity")):
         return None
     return _parsed(value)
 
 
-def _is_zero(opacity: str | None) -> bool:
+def is_zero(opacity: str | None) -> bool:
+    """Return whether an opacity is that of what cannot be seen."""
     try:
         return opacity is not None and float(opacity.rstrip("%")) == 0
     except ValueError:

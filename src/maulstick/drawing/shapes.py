@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, referred
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, transform_of, viewed
+from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
 from maulstick.drawing.style_sheet import StyleSheet
@@ -28,6 +28,7 @@ _OF_PLACE = ("clip-path", "mask", "transform")  # properties that do not count w
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
+_TEXTS = ("text", "flowRoot", "foreignObject")
 _TEXT = "it has text{where}; a pen draws paths: make them in Inkscape by Path > Object to Path, and save it again"
 _IMAGE = "it has a picture{where}; a pen draws paths: trace it in Inkscape by Path > Trace Bitmap, or delete it"
 
@@ -106,8 +107,12 @@ class Walk:
         Raises InputError for text, pictures, references to other files, and what is too large or refers to itself.
         """
         own = self.sheet.of(self.root)
-        if own.get("display") != "none":
+        if self._is_shown(own):
             yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
+
+    def _is_shown(self, own: Style) -> bool:
+        """Return whether what lies in an element with these properties can be seen."""
+        return own.get("display") != "none" and (self._clipping or not is_zero(own.get("opacity")))
 
     def _children(self, parent: Element, place: _Place) -> Iterator[Shape]:
         inside = replace(place, depth=place.depth + 1)
@@ -122,7 +127,7 @@ class Walk:
         if space.lstrip("{") not in ("", SVG_SPACE):
             return
         own = self.sheet.of(element)
-        if own.get("display") == "none":
+        if not self._is_shown(own):
             return
         if place.depth > _DEEPEST:
             raise InputError(f"its groups and uses lie more than {_DEEPEST} deep within each other; ungroup some")
@@ -133,7 +138,7 @@ class Walk:
         if tag in _GROUPS or tag == "use":
             yield from self._group(element, tag, own, replace(place, style=style))
         elif style.get("visibility", "visible") == "visible":
-            if tag in ("text", "foreignObject") and "".join(element.itertext()).strip():
+            if tag in _TEXTS and "".join(element.itertext()).strip():
                 raise InputError(_TEXT.format(where=_named(element)))
             if tag == "image":
                 raise InputError(_IMAGE.format(where=_named(element)))
@@ -150,10 +155,13 @@ class Walk:
         self.passed_over.update(
             "markers" for name in ("marker-start", "marker-mid", "marker-end") if referred(own.get(name))
         )
-        if chains:
+        stroke = colour_of(style, "stroke", "none")
+        if stroke is not None and any(numbers(style.get("stroke-dasharray"))):
+            self.passed_over.add("dashes")
+        if chains and m.determinant != 0:
             yield Shape(
                 [chain @ turn + shift for chain in chains],
-                colour_of(style, "stroke", "none"),
+                stroke,
                 colour_of(style, "fill", "black"),
                 style.get("clip-rule" if self._clipping else "fill-rule", "nonzero"),
                 place.viewport.other(style.get("stroke-width", "1")) * abs(m.determinant) ** 0.5,
@@ -165,7 +173,9 @@ class Walk:
         group = self._group_of(element, tag, place)
         if group is not None and (group.label or "").lstrip().startswith(NEVER):
             return
-        place, view = self._transformed(own, replace(place, group=group)), place.viewport
+        if place.group is None or not place.group.is_layer:
+            place = replace(place, group=group or place.group)
+        place, view = self._transformed(own, place), place.viewport
         if tag == "use":
             matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
             yield from self._used(element, self._clipped(element, own, replace(place, matrix=matrix)))
@@ -182,13 +192,11 @@ class Walk:
         yield from self._children(element, place)
 
     def _group_of(self, element: Element, tag: str, place: _Place) -> Group | None:
-        """Return the group that the children belong to: the outermost layer, else the group at the top."""
-        if self._clipping or tag != "g" or (place.group is not None and place.group.is_layer):
-            return place.group
-        label = element.get(f"{INKSCAPE}label")
-        if element.get(f"{INKSCAPE}groupmode") == "layer":
-            return Group(label or element.get("id"), is_layer=True)
-        return Group(label or element.get("id"), is_layer=False) if place.depth == 1 else place.group
+        """Return the group that an element is, if it is a layer or a group at the top."""
+        is_layer = element.get(f"{INKSCAPE}groupmode") == "layer"
+        if self._clipping or tag != "g" or not (is_layer or place.depth == 1):
+            return None
+        return Group(element.get(f"{INKSCAPE}label") or element.get("id"), is_layer)
 
     def _used(self, element: Element, place: _Place) -> Iterator[Shape]:
         link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
@@ -206,7 +214,7 @@ class Walk:
             yield from self._element(target, place)
             return
         own = self.sheet.of(target)
-        if own.get("display") == "none":
+        if not self._is_shown(own):
             return
         sized = [element if element.get(name) is not None else target for name in ("width", "height")]
         box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
