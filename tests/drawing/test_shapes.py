@@ -187,6 +187,28 @@ def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read) -> None:
     assert drawing.notes == ("paths with faulty data are drawn up to the fault: 1",)
 
 
+@pytest.mark.parametrize(
+    ("given", "drawn"),
+    [
+        ("nan,5 10,10 20,20 30,10", []),
+        ("1,2 3,4 5,oops 7,8", [[1, 2], [3, 4]]),
+        ("1,2,,3,4", []),
+        ("1,2 3,4 5", [[1, 2], [3, 4]]),
+    ],
+)
+def test_faulty_points_are_drawn_up_to_the_fault_and_said(read: Read, given: str, drawn: list[list[float]]) -> None:
+    drawing = read(f'{LINE}<polyline points="{given}"/><polygon points="{given}"/>')
+    polygon = [*drawn, *drawn[:1]]
+    assert points(drawing) == [[[1, 2], [3, 4]], *([drawn, polygon] if drawn else [])]
+    assert drawing.notes == ("paths with faulty data are drawn up to the fault: 2",)
+
+
+def test_points_may_be_parted_in_any_way_that_svg_knows(read: Read) -> None:
+    drawing = read('<polyline points="&#10; 1 , 12+.5.25,&#9;3e0+4 "/>')
+    assert drawing.notes == ()
+    assert points(drawing) == [[[1, 12], [0.5, 0.25], [3, 4]]]
+
+
 def test_only_the_first_way_of_a_switch_that_a_pen_can_draw_is_drawn(read: Read) -> None:
     html = '<foreignObject><p xmlns="http://www.w3.org/1999/xhtml">words</p></foreignObject>'
     assert points(read(f'<switch>{html}{LINE}<path d="M0 0L9 9"/></switch>')) == [[[1, 2], [3, 4]]]
