@@ -164,9 +164,10 @@ def transform_of(text: str | None, origin: str, viewport: Viewport) -> Matrix:
 
 
 def _origin(text: str, viewport: Viewport) -> tuple[float, float]:
-    """Return the point that a transform-origin names, such as ``50 50``, ``50% 1cm`` or ``bottom right``."""
+    """Return the point of a transform-origin such as ``50 50``, ``50% 1cm`` or ``bottom right``, else (0, 0)."""
     words = [*text.lower().split(), "center"][:2]
     if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
         words.reverse()
-    x, y = (_SIDES.get(word, word) for word in words)
-    return pixels(x, viewport.width) or 0.0, pixels(y, viewport.height) or 0.0
+    across, down = (_SIDES.get(word, word) for word in words)
+    x, y = pixels(across, viewport.width), pixels(down, viewport.height)
+    return (0.0, 0.0) if x is None or y is None else (x, y)

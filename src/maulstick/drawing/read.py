@@ -216,7 +216,7 @@ def _notes(walk: Walk, pens: Sequence[Pen], placed: Placed, sheet: Sheet) -> lis
     if walk.passed_over:
         notes.append(f"passed over: {', '.join(sorted(walk.passed_over))}")
     if walk.sheet.unread is not None:
-        rule, read = f"rule for {walk.sheet.unread[:60]!r}", "names, classes and ids, with > or a space between"
+        rule, read = f"rule for {walk.sheet.unread[:60]!r}", "names, classes and ids, with > or a space between,"
         notes.append(f"a style sheet's {rule} is left out: only {read} are read; give its elements a class")
     if any(pen.layer.height for pen in pens):
         notes.append("+H in the names of layers is passed over: the pen is lifted and lowered as the machine is set up")
