@@ -5,10 +5,11 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from maulstick.painting.brush import load_brush
+from maulstick.painting.brush import Brush, load_brush
 from maulstick.painting.raster import Canvas
 from maulstick.planning.regions import Region, Regions
 from maulstick.storage.arrays import Bools, Floats
+from maulstick.strokes.refine import refine
 from maulstick.style import load_style
 
 SIDE, PX = 0.06, 30
@@ -57,3 +58,36 @@ def test_a_stroke_that_reaches_onto_bare_paper_is_moved_off_it(name: str) -> Non
     (kept,) = regions.kept_off_bare(stroke[None], brush)
     assert regions.is_off_bare(kept, brush)
     assert np.ptp(kept[:, :2] - stroke[:, :2], axis=0) == pytest.approx([0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("points", [2, 4, 32])
+def test_a_thin_stroke_does_not_jump_bare_paper_between_its_points(points: int) -> None:
+    regions, brush = with_bare(band(100, 101, px=200)), load_brush("fineliner")
+    stroke = across(0.02, 0.985, points)
+    assert (np.abs(stroke[:, 0] - SIDE * 100.5 / 200) > 2 * brush.widest).all()
+    assert not regions.is_off_bare(stroke, brush)
+    assert regions.is_off_bare(across(0.02, 0.48, points), brush)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["fineliner", "marker"]), st.integers(2, 6))
+def test_what_is_off_bare_paper_has_no_dot_on_it(seed: int, name: str, points: int) -> None:
+    rng, brush = np.random.default_rng(seed), load_brush(name)
+    bare = rng.random((PX, PX)) < rng.uniform(0, 0.1)
+    bare[0, 0] = False
+    regions = with_bare(bare)
+    strokes = rng.uniform(0, 1, (8, 1, 3)) * (SIDE, SIDE, 1) + rng.normal(0, 0.003, (8, points, 3)) * (1, 1, 0)
+    for stroke in regions.kept_off_bare(strokes, brush):
+        if regions.is_off_bare(stroke, brush):
+            assert _gap(stroke, brush, bare) >= 0
+
+
+def _gap(stroke: Floats, brush: Brush, bare: Bools) -> float:
+    """Return how far the nearest edge of a stroke's dots, which lie closely, is from bare pixels, metres."""
+    path, half_widths, _ = brush.bare_mark(refine([stroke])[0])
+    places = np.linspace(0, len(path) - 1, 40 * len(path))
+    x, y, half = (np.interp(places, np.arange(len(path)), line)[:, None] for line in (*path.T, half_widths))
+    rows, columns = np.nonzero(bare)
+    side = SIDE / PX
+    across, down = (np.abs(dot / side - at - 0.5).clip(min=0.5) - 0.5 for dot, at in ((x, columns), (y, rows)))
+    return float((np.hypot(across, down) * side - half).min(initial=SIDE))

@@ -174,25 +174,49 @@ class Regions:
         return moves
 
     def _deepest(self, points: Floats, half_widths: Floats) -> tuple[Floats, Floats]:
-        """Return how deep the deepest dot of each mark lies on bare paper, metres, (N,), and the way off it, (N, 2)."""
-        distance, slopes = self._away
-        scale = distance.shape[0] / self.canvas.height
-        row = (points[..., 1] * scale).astype(int).clip(0, distance.shape[0] - 1)
-        column = (points[..., 0] * scale).astype(int).clip(0, distance.shape[1] - 1)
-        depth = half_widths.clip(min=0) + _SLACK - distance[row, column]
-        every, deepest = np.arange(len(points)), depth.argmax(axis=1)
-        return depth[every, deepest], slopes[:, row[every, deepest], column[every, deepest]].T
+        """Return how deep the deepest dot of each mark lies on bare paper, metres, (N,), and the way off it, (N, 2).
+
+        Between points a mark is sampled where it may be deeper there than at any of them.
+        """
+        dots = np.concatenate([points, half_widths.clip(min=0)[..., None]], axis=2)
+        depth, every = self._depth(dots), np.arange(len(dots))
+        deepest = depth.argmax(axis=1)
+        steps = np.diff(dots, axis=1)
+        lengths = np.hypot(steps[..., 0], steps[..., 1])
+        most = np.maximum(depth[:, :-1], depth[:, 1:]) + lengths / 2
+        mark, step = np.nonzero(most > depth[every, deepest].clip(min=0)[:, None])
+        pieces = int(np.ceil(lengths[mark, step].max(initial=0) * self._samples_per_metre))
+        shares = np.linspace(0, 1, pieces, endpoint=False)[:, None]
+        between = (dots[mark, step][:, None] + shares * steps[mark, step][:, None]).reshape(-1, 3)
+        dots, owners = np.concatenate([dots[every, deepest], between]), np.concatenate([every, mark.repeat(pieces)])
+        depth = self._depth(dots)
+        deepest = np.lexsort((depth, owners))[np.cumsum(np.bincount(owners)) - 1]
+        return depth[deepest], self._away[1][:, *self._samples(dots[deepest])].T
+
+    def _depth(self, dots: Floats) -> Floats:
+        """Return how deep dots of x, y and half-width, (..., 3), metres, lie on bare paper."""
+        return np.asarray(dots[..., 2] + _SLACK - self._away[0][self._samples(dots)])
+
+    def _samples(self, dots: Floats) -> tuple[Ints, Ints]:
+        """Return the rows and the columns of dots, (..., 2 or more), metres, in the field of distances."""
+        height, width = self._away[0].shape
+        place = (dots[..., :2] * self._samples_per_metre).astype(int)
+        return place[..., 1].clip(0, height - 1), place[..., 0].clip(0, width - 1)
+
+    @property
+    def _samples_per_metre(self) -> float:
+        return len(self._away[0]) / self.canvas.height
 
     @cached_property
     def _away(self) -> tuple[Floats, Floats]:
-        """Signed distance from bare paper, metres, (h, w), at most as large as it is, and its slopes, (2, h, w)."""
+        """Signed distance from bare paper, metres, (h, w), half a sample too small or more, and slopes, (2, h, w)."""
         finer = max(1, min(_FINER, _FINE_PX // max(self.labels.shape)))
         bare = np.array([region.bare for region in self.said])[self.labels].repeat(finer, 0).repeat(finer, 1)
         scale = bare.shape[0] / self.canvas.height
         if bare.all():
             distance = np.full(bare.shape, -1.0)
         else:
-            distance = (distance_transform_edt(~bare) - distance_transform_edt(bare) - 1.5) / scale
+            distance = (distance_transform_edt(~bare) - distance_transform_edt(bare) - 2) / scale
         down, across = np.gradient(distance)
         return distance, np.stack([across, down])
 
