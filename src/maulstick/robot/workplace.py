@@ -101,6 +101,13 @@ class Workplace:
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
 
 
+def home_of(robot: Robot) -> Floats:
+    """Return the place (3,) of a machine's tip while a sheet is put in: home where it counts steps, else as it is."""
+    if not robot.counts_steps:
+        return robot.place
+    return np.clip(robot.place * (0, 0, 1), robot.limits.lower, robot.limits.upper)
+
+
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:
     """Return a well that stays where it stands, in the canvas frame of another easel than `before`."""
     place = before.canvas_to_machine(np.array([well.x, well.y, well.height]))

@@ -20,7 +20,7 @@ from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, prompt_for, routine, ways_of
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.arrays import Floats
 
 
@@ -29,7 +29,7 @@ class PaintSheet:
     """One of the sheets that a painting is painted on, counted from 1.
 
     journal: that of an earlier run which began this sheet; None where none did.
-    load: the paint that the machine holds.  home: place (3,) where the machine was at first, None before that.
+    load: the paint that the machine holds.  home: place (3,) of the machine while sheets are changed, None at first.
     pace: per cent of the planned speed.
     """
 
@@ -77,7 +77,7 @@ def paint_sheet(
         if operator.stopped:  # entering the machine would forget it, and lift the pen
             raise StoppedError
         robot = stack.enter_context(setup.robot)
-        home = robot.place if sheet.home is None else sheet.home
+        home = home_of(robot) if sheet.home is None else sheet.home
         estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
         operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
@@ -163,7 +163,7 @@ def _log(tally: Tally, setup: PaintSetup, painting: Path, operator: Operator) ->
 
 
 def _new_sheet(number: int, sheets: int, paint: int, home: Floats) -> Prompt:
-    """Return the prompt for the sheet of that number, with the machine where it was at first, (3,) metres."""
+    """Return the prompt for the sheet of that number, with the machine at home, (3,) metres."""
     x, y, z = home.tolist()
     return Prompt(f"put in a new sheet for copy {number} of {sheets}", paint, renews=False, aside=(x, y, z))
 
