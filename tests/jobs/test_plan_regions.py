@@ -138,7 +138,7 @@ def test_bare_paper_of_which_the_map_shows_none_moves_no_stroke(folder: Path) ->
     regions = prepared_with(folder, "".join(colours) + "[rest]\nbare=true\n").problem.regions
     assert regions is not None
     corner = np.array([(0.0, 0.0, 0.5), (0.005, 0.0, 0.5)])
-    assert regions.is_off_bare(corner, ms.load_brush("marker"))
+    assert regions.bare_paper.is_off(corner, ms.load_brush("marker"))
 
 
 def test_strokes_of_a_direction_lie_in_it(painting: Painting) -> None:
@@ -236,7 +236,7 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
     assert regions is not None
     for stroke in painting.strokes:
         brush = painting.brushes[painting.paints[stroke.paint].brush]
-        assert regions.is_off_bare(np.array(stroke.trajectory), brush)
+        assert regions.bare_paper.is_off(np.array(stroke.trajectory), brush)
 
 
 @pytest.mark.parametrize(

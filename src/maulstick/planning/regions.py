@@ -8,19 +8,14 @@ import torch
 from scipy.ndimage import distance_transform_edt
 from torch import Tensor
 
-from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
+from maulstick.planning.bare_paper import BarePaper
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Bools, Floats, Image, Ints
-from maulstick.strokes.refine import refine
 from maulstick.style import Style
 from maulstick.style.regional import RegionalStyle
 
-_FINE_PX = 3000  # longest side of the field of distances to bare paper, as far as whole multiples of pixels go
-_FINER = 4  # at most so many of its samples per pixel
-_SLACK = 2e-5  # metres that a mark is kept from bare paper
-_MOVES = 40  # moves at most that bring a finished stroke off bare paper, before it is left out
 _SAME = 1.5 / 255  # of sRGB: a paint that is as near is the colour that a region names
 
 
@@ -60,6 +55,11 @@ class Regions:
     def style(self) -> RegionalStyle:
         """The hands of all regions as one style."""
         return RegionalStyle([region.hand for region in self.said])
+
+    @cached_property
+    def bare_paper(self) -> BarePaper:
+        """Where no ink may lie."""
+        return BarePaper(np.array([region.bare for region in self.said])[self.labels], self.canvas)
 
     @cached_property
     def pools(self) -> list[tuple[Bools, float | None]]:
@@ -141,84 +141,10 @@ class Regions:
     @torch.no_grad()
     def move_off_bare(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
         """Move strokes by the least that keeps them off bare paper. brushes: of each stroke."""
-        if self._has_bare:
+        if self.bare_paper.exists:
             marks = brushes.marks(strokes.trajectories(self.style), 1.0)
-            moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())
+            moves = self.bare_paper.moves_off(marks.points.numpy(), marks.thickness.numpy())
             strokes.centres.add_(torch.from_numpy(moves).float())
-
-    def kept_off_bare(self, trajectories: Floats, brush: Brush) -> Floats:
-        """Return commanded trajectories (N, n, 3), those whose marks lie on bare paper moved off it where they can."""
-        kept = trajectories.copy()
-        for row in range(len(kept) if self._has_bare else 0):
-            for _ in range(_MOVES):
-                move = self._off_bare(*_mark(kept[row], brush))[0]
-                if not move.any():
-                    break
-                kept[row, :, :2] += move
-        return kept
-
-    def is_off_bare(self, trajectory: Floats, brush: Brush) -> bool:
-        """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
-        return not self._has_bare or bool(self._deepest(*_mark(trajectory, brush))[0] <= 0)
-
-    @cached_property
-    def _has_bare(self) -> bool:
-        bare = [number for number, region in enumerate(self.said) if region.bare]
-        return bool(np.isin(self.labels, bare).any())
-
-    def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
-        """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
-        depth, slope = self._deepest(points, half_widths)
-        most, length = depth.clip(min=0), np.maximum(np.hypot(*slope.T), 1e-9)[:, None]
-        moves: Floats = slope / length * (most + _SLACK * (most > 0))[:, None]
-        return moves
-
-    def _deepest(self, points: Floats, half_widths: Floats) -> tuple[Floats, Floats]:
-        """Return how deep the deepest dot of each mark lies on bare paper, metres, (N,), and the way off it, (N, 2).
-
-        Between points a mark is sampled where it may be deeper there than at any of them.
-        """
-        dots = np.concatenate([points, half_widths.clip(min=0)[..., None]], axis=2)
-        depth, every = self._depth(dots), np.arange(len(dots))
-        deepest = depth.argmax(axis=1)
-        steps = np.diff(dots, axis=1)
-        lengths = np.hypot(steps[..., 0], steps[..., 1])
-        most = np.maximum(depth[:, :-1], depth[:, 1:]) + lengths / 2
-        mark, step = np.nonzero(most > depth[every, deepest].clip(min=0)[:, None])
-        pieces = int(np.ceil(lengths[mark, step].max(initial=0) * self._samples_per_metre))
-        shares = np.linspace(0, 1, pieces, endpoint=False)[:, None]
-        between = (dots[mark, step][:, None] + shares * steps[mark, step][:, None]).reshape(-1, 3)
-        dots, owners = np.concatenate([dots[every, deepest], between]), np.concatenate([every, mark.repeat(pieces)])
-        depth = self._depth(dots)
-        deepest = np.lexsort((depth, owners))[np.cumsum(np.bincount(owners)) - 1]
-        return depth[deepest], self._away[1][:, *self._samples(dots[deepest])].T
-
-    def _depth(self, dots: Floats) -> Floats:
-        """Return how deep dots of x, y and half-width, (..., 3), metres, lie on bare paper."""
-        return np.asarray(dots[..., 2] + _SLACK - self._away[0][self._samples(dots)])
-
-    def _samples(self, dots: Floats) -> tuple[Ints, Ints]:
-        """Return the rows and the columns of dots, (..., 2 or more), metres, in the field of distances."""
-        height, width = self._away[0].shape
-        place = (dots[..., :2] * self._samples_per_metre).astype(int)
-        return place[..., 1].clip(0, height - 1), place[..., 0].clip(0, width - 1)
-
-    @property
-    def _samples_per_metre(self) -> float:
-        return len(self._away[0]) / self.canvas.height
-
-    @cached_property
-    def _away(self) -> tuple[Floats, Floats]:
-        """Signed distance from bare paper, metres, (h, w), half a sample too small or more, and slopes, (2, h, w)."""
-        finer = max(1, min(_FINER, _FINE_PX // max(self.labels.shape)))
-        bare = np.array([region.bare for region in self.said])[self.labels].repeat(finer, 0).repeat(finer, 1)
-        scale = bare.shape[0] / self.canvas.height
-        if bare.all():
-            distance = np.full(bare.shape, -1.0)
-        else:
-            distance = (distance_transform_edt(~bare) - distance_transform_edt(bare) - 2) / scale
-        down, across = np.gradient(distance)
-        return distance, np.stack([across, down])
 
     @cached_property
     def _nearest(self) -> dict[tuple[int, ...], Ints | None]:
@@ -229,9 +155,3 @@ class Regions:
         place = (points * self.canvas.pixels_per_metre).astype(int)
         height, width = self.labels.shape
         return place[..., 1].clip(0, height - 1), place[..., 0].clip(0, width - 1)
-
-
-def _mark(trajectory: Floats, brush: Brush) -> tuple[Floats, Floats]:
-    """Return the points (1, n, 2) and the half-widths (1, n), metres, of the mark that is drawn of a trajectory."""
-    points, half_widths, _ = brush.bare_mark(refine([trajectory])[0])
-    return points[None], half_widths[None]

@@ -68,7 +68,10 @@ class Directing:
         return Guides.of(layout.canvas, lines, regions)
 
     def painted(self, layout: Layout, brush: Brush, paints: Sequence[Colour]) -> Painting | None:
-        """Return the guides that are painted, as `GuideFile.painted` does."""
+        """Return the guides that are painted, as `GuideFile.painted` does, off paper that regions leave bare."""
         if self._guides is None:
             return None
-        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints)
+        place, bare = (self._shape, self._fit, self._margin), None
+        if self._regions is not None:
+            bare = self._regions.bare_paper(layout.canvas, *place)
+        return self._guides.painted(layout, *place, brush, paints, bare)
