@@ -249,6 +249,8 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
         ("[face]\ncolour = '#123456'\n", "shows nothing in #123456, the colour of face; paint it, or leave it out"),
         ("[face]\ncolour = 'red'\nhand = 'loops'\n", "face.hand: Extra inputs are not permitted"),
         ("[face]\ncolour = 'red'\nshare = 1.5\n", "face.share: Input should be less than 1"),
+        ("[face]\ncolour = 'red'\ndirection = inf\n", "other.toml: face.direction.float: Input should be a finite"),
+        ("[face]\ncolour = 'red'\ndirection = nan\n", "other.toml: face.direction.float: Input should be a finite"),
         ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
         ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
         ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),

@@ -45,7 +45,7 @@ class _Said(BaseModel):
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
     colours: Annotated[list[str], Field(min_length=1)] | None = None
-    direction: float | Literal["guides"] | None = None
+    direction: Annotated[float, Field(allow_inf_nan=False)] | Literal["guides"] | None = None
     soft: str | None = None
     bare: bool = False
 
