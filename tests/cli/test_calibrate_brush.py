@@ -13,6 +13,7 @@ from maulstick.brush_fit.fit import Fit
 from maulstick.brush_fit.trials import Trials
 from maulstick.calibration import collect as collecting
 from maulstick.errors import OutputError
+from maulstick.jobs.paint.simulation import Simulation
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
 from maulstick.robot.journal import Journal
@@ -100,6 +101,20 @@ def test_with_the_camera_plugged_in_again_the_same_words_go_on(
         )
     assert calibrate().code == 0
     assert drawn == dict.fromkeys(range(5), 1)
+
+
+def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr("maulstick.robot.simulated.easel.SimulatedEasel.counts_steps", True)
+    monkeypatch.setattr(Simulation, "ask", lambda simulation, action: asked.append(action.message))
+    with monkeypatch.context() as patch:
+        put_webcam(patch, after(1, unplug))
+        assert calibrate().code == 3
+    assert not any("see that the pen stands" in message for message in asked), "it began at home"
+    assert calibrate().code == 0
+    assert sum(message.startswith("see that the pen stands") for message in asked) == 1
 
 
 def test_a_sheet_that_was_moved_on_the_way_is_to_be_put_back(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -53,6 +53,12 @@ def test_a_layer_that_begins_with_a_per_cent_sign_is_not_plotted_whatever_is_in_
     assert labels(drawing) == ["a #000000"]
 
 
+def test_a_layer_in_another_is_not_plotted_either_if_its_name_begins_so(read: Read) -> None:
+    drawing = read(layer("a", path(1) + layer("%b", path(2)) + layer("c", path(3))))
+    assert [line[0][0] for line in points(drawing)] == [1, 3]
+    assert labels(drawing) == ["a #000000"]
+
+
 def test_a_layers_speed_is_that_of_its_strokes(read: Read) -> None:
     strokes = read(layer("1+S50", path(1)) + layer("2", path(2))).painting.strokes
     assert strokes[0].speed == (AXIDRAW_SPEED / 2,) * 2

@@ -81,6 +81,15 @@ def test_a_clip_in_units_of_a_box_is_of_what_it_clips(read: Read) -> None:
     assert fourth == [pytest.approx([20, 40.25]), pytest.approx([60, 40.75])]
 
 
+@pytest.mark.parametrize("units", ["", 'clipPathUnits="objectBoundingBox" transform="scale(.025 1)"'])
+def test_a_clip_of_what_is_used_is_moved_with_it(read: Read, units: str) -> None:
+    body = (
+        f'<defs><clipPath id="c" {units}><rect width="20" height="20"/></clipPath><path id="l" d="M0 9L40 10"/></defs>'
+        '<use href="#l" x="50" clip-path="url(#c)"/>'
+    )
+    assert points(read(body)) == [[[50, 9], [70, 9.5]]]
+
+
 @given(hnp.arrays(float, (3, 4, 2), elements=st.floats(-1e3, 1e3)))
 def test_the_bounds_of_curves_are_those_of_their_points(cubics: Floats) -> None:
     least, most = bounds_of([cubics])
@@ -101,6 +110,13 @@ def test_an_empty_clip_hides_all(read: Read) -> None:
 def test_masks_and_markers_are_said_to_be_passed_over(read: Read) -> None:
     body = '<mask id="m"/><marker id="k"/><g mask="url(#m)"><path style="marker-end:url(#k)" d="M0 9h9"/></g>'
     assert read(body).notes == ("passed over: markers, masks",)
+
+
+def test_dashes_are_said_to_be_passed_over_where_there_are_any(read: Read) -> None:
+    solid = '<path stroke-dasharray="none" stroke="red" d="M0 9h9"/><path stroke-dasharray="2" d="M0 9h9"/>'
+    assert read(solid).notes == ()
+    dashed = '<g style="stroke-dasharray:2,1"><path stroke="red" d="M0 9h9"/></g>'
+    assert read(dashed).notes == ("passed over: dashes",)
 
 
 def test_a_page_is_scaled_to_the_sheet_and_a_margin_scales_what_is_drawn(read: Read) -> None:

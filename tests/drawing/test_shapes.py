@@ -76,6 +76,28 @@ def test_nested_transforms_apply_from_the_inside_out(read: Read) -> None:
     assert points(read(body)) == [[[50, 12], [48, 20]]]
 
 
+@pytest.mark.parametrize(
+    ("origin", "expected"),
+    [
+        ("", [[20, 5], [25, 5]]),
+        ('transform-origin="oops"', [[20, 5], [25, 5]]),
+        ('transform-origin="50 20"', [[45, 15], [50, 15]]),
+        ('style="transform:scale(.5);transform-origin:50px 20px"', [[45, 15], [50, 15]]),
+        ('transform-origin="50% 20 0"', [[45, 15], [50, 15]]),
+        ('transform-origin="center"', [[45, 17.5], [50, 17.5]]),
+        ('transform-origin="bottom right"', [[70, 30], [75, 30]]),
+        ('transform-origin="top"', [[45, 5], [50, 5]]),
+    ],
+)
+def test_a_transform_has_an_origin(read: Read, origin: str, expected: list[list[float]]) -> None:
+    assert points(read(f'<path d="M40 10H50" transform="scale(.5)" {origin}/>')) == [expected]
+
+
+def test_an_origin_in_the_box_of_a_shape_is_said_to_be_passed_over(read: Read) -> None:
+    turned = read('<path d="M40 10H50" transform="scale(.5)" style="transform-origin:center;transform-box:fill-box"/>')
+    assert turned.notes == ("passed over: transform-box",)
+
+
 def test_what_is_used_lies_where_it_is_used_and_what_is_only_defined_nowhere(read: Read) -> None:
     body = (
         '<defs><g id="a"><path d="M0 0L1 0"/><path d="M0 1L1 1"/></g></defs>'
@@ -87,6 +109,11 @@ def test_what_is_used_lies_where_it_is_used_and_what_is_only_defined_nowhere(rea
     assert points(read(body)) == expected
 
 
+def test_of_elements_with_one_id_the_first_is_used(read: Read) -> None:
+    body = '<defs><path id="a" d="M0 0h9"/><path id="a" d="M0 0v9"/></defs><use href="#a"/>'
+    assert points(read(body)) == [[[0, 0], [9, 0]]]
+
+
 def test_hidden_elements_are_left_out_by_attribute_style_and_style_sheet(read: Read) -> None:
     body = (
         "<style>/* x */ .off, text { display: none } #gone{visibility:hidden}</style>"
@@ -94,6 +121,20 @@ def test_hidden_elements_are_left_out_by_attribute_style_and_style_sheet(read: R
         f'<g id="gone">{LINE}<path style="visibility:visible" d="M9 9L8 8"/></g><text>left out</text>'
     )
     assert points(read(body)) == [[[9, 9], [8, 8]]]
+
+
+def test_what_is_wholly_transparent_is_left_out_but_clips(read: Read) -> None:
+    clip = '<clipPath id="c"><rect opacity="0" width="2" height="9"/></clipPath>'
+    gone = f'<path opacity="0" d="M9 9h9"/><g style="opacity:0%"><text>left out</text>{LINE}</g>'
+    symbol = f'<symbol id="s" opacity="0">{LINE}</symbol><use href="#s"/>'
+    assert points(read(f'{clip}{gone}{symbol}<path opacity=".1" clip-path="url(#c)" d="M0 1h9"/>')) == [
+        [[0, 1], [2, 1]]
+    ]
+
+
+@pytest.mark.parametrize("scale", ["0", "0 1", "2 0"])
+def test_what_is_scaled_to_nothing_is_left_out(read: Read, scale: str) -> None:
+    assert points(read(f'<g transform="scale({scale})"><path d="M8 8h9"/></g>{LINE}')) == [[[1, 2], [3, 4]]]
 
 
 @pytest.mark.parametrize(
@@ -147,6 +188,28 @@ def test_faulty_path_data_is_drawn_up_to_the_fault_and_said(read: Read) -> None:
     assert drawing.notes == ("paths with faulty data are drawn up to the fault: 1",)
 
 
+@pytest.mark.parametrize(
+    ("given", "drawn"),
+    [
+        ("nan,5 10,10 20,20 30,10", []),
+        ("1,2 3,4 5,oops 7,8", [[1, 2], [3, 4]]),
+        ("1,2,,3,4", []),
+        ("1,2 3,4 5", [[1, 2], [3, 4]]),
+    ],
+)
+def test_faulty_points_are_drawn_up_to_the_fault_and_said(read: Read, given: str, drawn: list[list[float]]) -> None:
+    drawing = read(f'{LINE}<polyline points="{given}"/><polygon points="{given}"/>')
+    polygon = [*drawn, *drawn[:1]]
+    assert points(drawing) == [[[1, 2], [3, 4]], *([drawn, polygon] if drawn else [])]
+    assert drawing.notes == ("paths with faulty data are drawn up to the fault: 2",)
+
+
+def test_points_may_be_parted_in_any_way_that_svg_knows(read: Read) -> None:
+    drawing = read('<polyline points="&#10; 1 , 12+.5.25,&#9;3e0+4 "/>')
+    assert drawing.notes == ()
+    assert points(drawing) == [[[1, 12], [0.5, 0.25], [3, 4]]]
+
+
 def test_only_the_first_way_of_a_switch_that_a_pen_can_draw_is_drawn(read: Read) -> None:
     html = '<foreignObject><p xmlns="http://www.w3.org/1999/xhtml">words</p></foreignObject>'
     assert points(read(f'<switch>{html}{LINE}<path d="M0 0L9 9"/></switch>')) == [[[1, 2], [3, 4]]]
@@ -156,6 +219,7 @@ def test_only_the_first_way_of_a_switch_that_a_pen_can_draw_is_drawn(read: Read)
     ("body", "fault"),
     [
         ('<text id="title">words</text>', "it has text ('title'); a pen draws paths: make them in Inkscape by"),
+        ('<flowRoot id="title"><flowPara>words</flowPara></flowRoot>', "it has text ('title'); a pen draws paths"),
         ('<image href="a.png"/>', "it has a picture; a pen draws paths: trace it in Inkscape by"),
         ('<use href="other.svg#a"/>', "it uses 'other.svg#a' of another file; copy that into the drawing"),
         ('<g id="a"><use href="#a"/></g>', "a <use> in it uses itself"),

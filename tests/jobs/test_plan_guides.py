@@ -115,6 +115,14 @@ def test_a_region_follows_guides_all_over_and_another_has_a_soft_edge(folder: Pa
     assert (names[:, 28:] == "coat").all()
 
 
+def test_a_line_that_is_painted_is_cut_at_bare_paper(folder: Path) -> None:
+    (folder / "bare.toml").write_text("[sky]\ncolour = '#0000ff'\nbare = true\n")
+    prepared = prepared_with(folder, regions=folder / "map.png", say=folder / "bare.toml")
+    assert prepared.kept is not None
+    ends = [np.array(stroke.trajectory)[[0, -1], 0] for stroke in prepared.kept.strokes]
+    assert ends == [pytest.approx([0.031, 0.06], abs=2e-3)]
+
+
 @pytest.mark.parametrize(
     ("say", "fault"),
     [

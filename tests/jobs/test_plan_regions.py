@@ -139,7 +139,7 @@ def test_bare_paper_of_which_the_map_shows_none_moves_no_stroke(folder: Path) ->
     regions = prepared_with(folder, "".join(colours) + "[rest]\nbare=true\n").problem.regions
     assert regions is not None
     corner = np.array([(0.0, 0.0, 0.5), (0.005, 0.0, 0.5)])
-    assert regions.is_off_bare(corner, ms.load_brush("marker"))
+    assert regions.bare_paper.is_off(corner, ms.load_brush("marker"))
 
 
 def test_strokes_of_a_direction_lie_in_it(painting: Painting) -> None:
@@ -237,7 +237,7 @@ def test_a_map_of_any_size_and_shape_keeps_ink_off_what_is_bare(folder: Path, wi
     assert regions is not None
     for stroke in painting.strokes:
         brush = painting.brushes[painting.paints[stroke.paint].brush]
-        assert regions.is_off_bare(np.array(stroke.trajectory), brush)
+        assert regions.bare_paper.is_off(np.array(stroke.trajectory), brush)
 
 
 @pytest.mark.parametrize("style", ["", "style = 'contour'\n"])
@@ -260,6 +260,8 @@ def test_a_region_draws_as_large_as_it_says_or_else_as_the_plan_does(folder: Pat
         ("[face]\ncolour = '#123456'\n", "shows nothing in #123456, the colour of face; paint it, or leave it out"),
         ("[face]\ncolour = 'red'\nhand = 'loops'\n", "face.hand: Extra inputs are not permitted"),
         ("[face]\ncolour = 'red'\nshare = 1.5\n", "face.share: Input should be less than 1"),
+        ("[face]\ncolour = 'red'\ndirection = inf\n", "other.toml: face.direction.float: Input should be a finite"),
+        ("[face]\ncolour = 'red'\ndirection = nan\n", "other.toml: face.direction.float: Input should be a finite"),
         ("[face]\ncolour = 'red'\nstyle = 'nobody'\n", "there is no style 'nobody'"),
         ("[face]\ncolour = 'red'\nbrush = 'broom'\n", "there is no brush 'broom'"),
         ("[face]\ncolour = 'red'\nweights = {text = 2}\n", "face.weights.text"),

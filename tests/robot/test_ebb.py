@@ -104,7 +104,7 @@ def test_it_knows_its_place_when_it_is_entered_again() -> None:
 def test_a_pen_that_is_not_where_it_may_be_is_not_moved() -> None:
     with FakeEbb(steps=(-4000, -4000)) as device:
         robot = AxiDraw(device.port, PEN)
-        with pytest.raises(MachineError, match=r"switch it off and on at its home: the machine's x is -50 mm"):
+        with pytest.raises(MachineError, match=r"plug them in at its home: the machine's x is -50 mm"):
             robot.__enter__()
         assert device.steps == (-4000, -4000)
 

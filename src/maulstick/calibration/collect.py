@@ -13,7 +13,7 @@ from maulstick.painting.raster import Canvas
 from maulstick.painting.refined import refined
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import ways_of
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.arrays import Floats, Image
 from maulstick.storage.files import atomic_write
 
@@ -66,7 +66,7 @@ def collect(
     """
     kept = folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
     photographs = {int(path.stem.removeprefix(_SHEET)): read_picture(path) for path in kept}
-    home = workplace.robot.place
+    home = home_of(workplace.robot)
     check_accepted(ways_of(workplace.left_of(painting)), workplace.easel, workplace.robot)
     while True:
         actions = workplace.left_of(painting)

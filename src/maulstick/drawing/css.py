@@ -1,14 +1,11 @@
-"""Style of SVG elements: presentation attributes, style sheets of simple selectors, and style attributes."""
+"""Properties by which SVG elements are drawn, as CSS names them, and what their values mean."""
 
 import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Final
-from xml.etree.ElementTree import Element
 
 from svgelements import Color  # type: ignore[import-untyped]
-
-from maulstick.recording.files.markup import local_name
 
 Style = Mapping[str, str]
 
@@ -19,58 +16,37 @@ INHERITED: Final = (
     "fill-opacity",
     "fill-rule",
     "stroke",
+    "stroke-dasharray",
     "stroke-opacity",
     "stroke-width",
     "visibility",
 )
 """Properties that children have from their parents."""
 
-_OWN = ("clip-path", "display", "marker-end", "marker-mid", "marker-start", "mask", "overflow", "transform")
-_NAMES = (*INHERITED, *_OWN)
-_COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
-_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
-_SIMPLE = re.compile(r"(\*|[\w-]*)([.#]?)([\w-]*)")  # tag, .class, #id, tag.class, tag#id
+READ: Final = (
+    *INHERITED,
+    "clip-path",
+    "display",
+    "marker-end",
+    "marker-mid",
+    "marker-start",
+    "mask",
+    "opacity",
+    "overflow",
+    "transform",
+    "transform-box",
+    "transform-origin",
+)
+"""Properties that are read, these among them."""
+
+GEOMETRY: Final = frozenset({"cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y"})
+"""Properties that are read from attributes alone, but for the size of the page."""
+
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)(.*)")
 _BLACK = (0.0, 0.0, 0.0)
 
 Rgb = tuple[float, float, float]
 """Colour in sRGB, [0, 1]."""
-
-
-class StyleSheet:
-    """Rules of all style sheets in a document, of which the simple selectors count: tag, .class, #id, tag.class."""
-
-    def __init__(self, root: Element) -> None:
-        self._rules: dict[tuple[str, str, str], dict[str, str]] = {}
-        for element in root.iter():
-            if isinstance(element.tag, str) and local_name(element) == "style":
-                for selectors, body in _RULE.findall(_COMMENT.sub("", element.text or "")):
-                    self._add(selectors, _declared(body))
-
-    def of(self, element: Element) -> dict[str, str]:
-        """Return the properties that an element itself has, by name."""
-        given = {name: value for name in _NAMES if (value := element.get(name)) is not None}
-        if self._rules:
-            tag = local_name(element)
-            named = [(".", name) for name in element.get("class", "").split()] + [("#", element.get("id", ""))]
-            keys = [("", "", ""), (tag, "", ""), *((t, sign, name) for sign, name in named for t in ("", tag))]
-            for key in keys:
-                given |= self._rules.get(key, {})
-        if (style := element.get("style")) is not None:
-            given |= _declared(style)
-        return {name: value for name, value in given.items() if value != "inherit"}
-
-    def _add(self, selectors: str, declared: dict[str, str]) -> None:
-        for selector in selectors.split(","):
-            match = _SIMPLE.fullmatch(selector.strip())
-            if match is not None and selector.strip():
-                key = (match[1].replace("*", ""), match[2], match[3])
-                self._rules[key] = self._rules.get(key, {}) | declared
-
-
-def _declared(text: str) -> dict[str, str]:
-    pairs = (each.partition(":") for each in text.split(";"))
-    return {name.strip().lower(): value.replace("!important", "").strip() for name, _, value in pairs if value}
 
 
 def referred(value: str | None) -> str | None:
@@ -84,12 +60,13 @@ def colour_of(style: Style, name: str, otherwise: str) -> Rgb | None:
     value = style.get(name, otherwise).strip()
     if value.lower() == "currentcolor":
         value = style.get("color", "black")
-    if _is_zero(style.get(f"{name}-opacity")):
+    if is_zero(style.get(f"{name}-opacity")):
         return None
     return _parsed(value)
 
 
-def _is_zero(opacity: str | None) -> bool:
+def is_zero(opacity: str | None) -> bool:
+    """Return whether an opacity is that of what cannot be seen."""
     try:
         return opacity is not None and float(opacity.rstrip("%")) == 0
     except ValueError:

@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, ParseError
 from defusedxml import DefusedXmlException  # type: ignore[import-untyped]
 from svgelements import Matrix, Viewbox  # type: ignore[import-untyped]
 
+from maulstick.drawing.css import Style
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import METRES, parsed
 
@@ -19,12 +20,14 @@ INKSCAPE: Final = "{http://www.inkscape.org/namespaces/inkscape}"
 NO_PLACE: Final = "a point in it has no place: it is no number, or too large; mend or delete that path"
 """Fault of a drawing whose numbers are damaged."""
 
+_SIDES = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 _PPI = 96  # pixels per inch, as CSS has it
 _FONT_UNITS = {"em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}  # pixels of a usual font: a drawing has no text
 _LARGEST = 1e7  # pixels: 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_POINTS = re.compile(rf"\A\s*(?:{_NUMBER.pattern}\s*,?\s*)*")
 
 
 def parsed_svg(content: bytes, path: Path) -> Element:
@@ -45,8 +48,15 @@ def parsed_svg(content: bytes, path: Path) -> Element:
 
 
 def numbers(text: str | None) -> list[float]:
-    """Return all numbers in a text such as a viewBox or the points of a polygon."""
+    """Return all numbers in a text such as a viewBox."""
     return [float(number) for number in _NUMBER.findall(text or "")]
+
+
+def coordinates(text: str) -> tuple[list[float], bool]:
+    """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
+    rest = _POINTS.sub("", text, count=1)
+    read = numbers(text.removesuffix(rest))
+    return read[: len(read) // 2 * 2], not rest and len(read) % 2 == 0
 
 
 def pixels(text: str | None, whole: float = 0.0) -> float | None:
@@ -97,12 +107,13 @@ class Page:
     said: bool
 
     @classmethod
-    def of(cls, root: Element) -> Self:
-        """Return the page of a document. A side that is a percentage, or left out, is that of the viewBox in pixels."""
+    def of(cls, root: Element, style: Style) -> Self:
+        """Return the page of a document, whose outermost element has a style.
+
+        A side that is a percentage, or left out, is that of the viewBox in pixels.
+        """
         view = view_box(root)
-        width, height = (
-            None if (text := root.get(name, "")).strip().endswith("%") else pixels(text) for name in ("width", "height")
-        )
+        width, height = (_side(style.get(name)) or _side(root.get(name)) for name in ("width", "height"))
         said = view is not None or (width is not None and height is not None)
         if view is not None:
             if width is None and height is None:
@@ -114,6 +125,11 @@ class Page:
             raise InputError(f"its page is {width:g} x {height:g} pixels; give it a width and a height above 0")
         matrix, viewport = viewed(root, (0.0, 0.0, width, height))
         return cls(width, height, matrix, viewport, said)
+
+
+def _side(text: str | None) -> float | None:
+    """Return a side of the page in pixels, or None where it is no length, or of a whole that a page has not."""
+    return None if (text or "").strip().endswith("%") else pixels(text)
 
 
 def view_box(element: Element) -> list[float] | None:
@@ -134,13 +150,24 @@ def viewed(element: Element, place: tuple[float, float, float, float]) -> tuple[
     return Matrix(Viewbox.viewbox_transform(*place, *view, aspect or "xMidYMid")), Viewport(*view[2:])
 
 
-def transform_of(text: str | None, viewport: Viewport) -> Matrix:
-    """Return the matrix of a transform attribute; one that is faulty is none, as in browsers."""
+def transform_of(text: str | None, origin: str, viewport: Viewport) -> Matrix:
+    """Return the matrix of a transform about its origin; one that is faulty is none, as in browsers."""
     if not text:
         return Matrix()
     try:
         matrix = Matrix(text)
         matrix.render(ppi=_PPI, width=viewport.width, height=viewport.height)
-        return Matrix(*(float(matrix[i]) for i in range(6)))
+        x, y = _origin(origin, viewport)
+        return Matrix.translate(-x, -y) * Matrix(*(float(matrix[i]) for i in range(6))) * Matrix.translate(x, y)
     except (ValueError, TypeError, IndexError):
         return Matrix()
+
+
+def _origin(text: str, viewport: Viewport) -> tuple[float, float]:
+    """Return the point of a transform-origin such as ``50 50``, ``50% 1cm`` or ``bottom right``, else (0, 0)."""
+    words = [*text.lower().split(), "center"][:2]
+    if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
+        words.reverse()
+    across, down = (_SIDES.get(word, word) for word in words)
+    x, y = pixels(across, viewport.width), pixels(down, viewport.height)
+    return (0.0, 0.0) if x is None or y is None else (x, y)

@@ -6,11 +6,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Ellipse, Path, Rect  # type: ignore[import-untyped]
 
-from maulstick.drawing.document import NO_PLACE, Viewport, numbers, pixels
+from maulstick.drawing.document import NO_PLACE, Viewport, coordinates, pixels
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.recording.files.svg_paths import chains_of
 from maulstick.storage.arrays import Floats
+
+_CORNERED = ("polyline", "polygon")
 
 
 def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
@@ -21,12 +23,14 @@ def outline(element: Element, viewport: Viewport) -> tuple[list[Floats], bool]:
     tag = local_name(element)
     if tag == "path":
         return _path(element.get("d", ""))
+    if tag in _CORNERED:
+        return _cornered(element.get("points", ""), closed=tag == "polygon")
     return _OUTLINES[tag](element, viewport), True
 
 
 def is_shape(tag: str) -> bool:
     """Return whether elements of this name draw something by themselves."""
-    return tag == "path" or tag in _OUTLINES
+    return tag == "path" or tag in _CORNERED or tag in _OUTLINES
 
 
 def _path(data: str) -> tuple[list[Floats], bool]:
@@ -81,16 +85,11 @@ def _line(element: Element, viewport: Viewport) -> list[Floats]:
     return [_straight(np.array(ends))]
 
 
-def _polyline(element: Element, viewport: Viewport) -> list[Floats]:
-    points = numbers(element.get("points"))
-    points = points[: len(points) // 2 * 2]
-    return [_straight(np.array(points).reshape(-1, 2))] if len(points) >= 4 else []
-
-
-def _polygon(element: Element, viewport: Viewport) -> list[Floats]:
-    points = numbers(element.get("points"))
-    points = points[: len(points) // 2 * 2]
-    return [_straight(np.array([*points, *points[:2]]).reshape(-1, 2))] if len(points) >= 4 else []
+def _cornered(text: str, closed: bool) -> tuple[list[Floats], bool]:
+    read, whole = coordinates(text)
+    if len(read) < 4:
+        return [], whole
+    return [_straight(np.array([*read, *(read[:2] if closed else [])]).reshape(-1, 2))], whole
 
 
 def _straight(points: Floats) -> Floats:
@@ -104,6 +103,4 @@ _OUTLINES: dict[str, Callable[[Element, Viewport], list[Floats]]] = {
     "circle": _circle,
     "ellipse": _ellipse,
     "line": _line,
-    "polyline": _polyline,
-    "polygon": _polygon,
 }

@@ -12,7 +12,7 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from maulstick.drawing.css import Rgb
-from maulstick.drawing.document import Page, parsed_svg
+from maulstick.drawing.document import parsed_svg
 from maulstick.drawing.hand import HatchingHand, hatched_by_hand
 from maulstick.drawing.layout import Layout
 from maulstick.drawing.lines import lengths
@@ -102,7 +102,7 @@ def _read(path: Path, of: Callable[[Walk], Read]) -> Read:
     try:
         check_uses(root, _LARGEST)
         with np.errstate(all="ignore"):  # what is not finite is refused with a message
-            return of(Walk(root, Page.of(root)))
+            return of(Walk(root))
     except RecursionError as error:
         raise InputError(f"cannot draw {path}: it is nested too deeply, or refers to itself") from error
     except InputError as error:
@@ -215,6 +215,9 @@ def _notes(walk: Walk, pens: Sequence[Pen], placed: Placed, sheet: Sheet) -> lis
         notes.append(f"paths with faulty data are drawn up to the fault: {walk.faulty}")
     if walk.passed_over:
         notes.append(f"passed over: {', '.join(sorted(walk.passed_over))}")
+    if walk.sheet.unread is not None:
+        rule, read = f"rule for {walk.sheet.unread[:60]!r}", "names, classes and ids, with > or a space between,"
+        notes.append(f"a style sheet's {rule} is left out: only {read} are read; give its elements a class")
     if any(pen.layer.height for pen in pens):
         notes.append("+H in the names of layers is passed over: the pen is lifted and lowered as the machine is set up")
     if len(pens) == 1 and pens[0].layer.pauses:

@@ -12,10 +12,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from svgelements import Matrix  # type: ignore[import-untyped]
 
-from maulstick.drawing.css import INHERITED, Rgb, Style, StyleSheet, colour_of, referred
-from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, transform_of, viewed
+from maulstick.drawing.css import GEOMETRY, INHERITED, Rgb, Style, colour_of, is_zero, referred
+from maulstick.drawing.document import INKSCAPE, SVG_SPACE, Page, Viewport, numbers, transform_of, viewed
 from maulstick.drawing.geometry import is_shape, outline
 from maulstick.drawing.lines import bounds_of
+from maulstick.drawing.style_sheet import StyleSheet
 from maulstick.errors import InputError
 from maulstick.recording.files.markup import local_name
 from maulstick.storage.arrays import Floats
@@ -27,6 +28,7 @@ _OF_PLACE = ("clip-path", "mask", "transform")  # properties that do not count w
 _MOST_ELEMENTS = 1_000_000  # with every <use> and clip replaced: ten times a large drawing
 _DEEPEST = 100  # of groups within groups: more than programs write, and less than Python's stack allows
 _GROUPS = ("svg", "g", "a", "switch")
+_TEXTS = ("text", "flowRoot", "foreignObject")
 _TEXT = "it has text{where}; a pen draws paths: make them in Inkscape by Path > Object to Path, and save it again"
 _IMAGE = "it has a picture{where}; a pen draws paths: trace it in Inkscape by Path > Trace Bitmap, or delete it"
 
@@ -84,13 +86,17 @@ class Walk:
     """
 
     root: Element
-    page: Page
+    sheet: StyleSheet = field(init=False)
+    page: Page = field(init=False)
     passed_over: set[str] = field(default_factory=set)
     faulty: int = 0
 
     def __post_init__(self) -> None:
-        self._sheet = StyleSheet(self.root)
-        self._named = {name: element for element in self.root.iter() if (name := element.get("id")) is not None}
+        self.sheet = StyleSheet(self.root)
+        self.page = Page.of(self.root, self.sheet.of(self.root))
+        self._named = {
+            name: element for element in reversed(list(self.root.iter())) if (name := element.get("id")) is not None
+        }
         self._clips: dict[tuple[str, str], Clip] = {}
         self._count = 0
         self._clipping = False
@@ -100,9 +106,13 @@ class Walk:
 
         Raises InputError for text, pictures, references to other files, and what is too large or refers to itself.
         """
-        own = self._sheet.of(self.root)
-        if own.get("display") != "none":
+        own = self.sheet.of(self.root)
+        if self._is_shown(own):
             yield from self._children(self.root, _Place(self.page.matrix, self.page.viewport, _inherited({}, own)))
+
+    def _is_shown(self, own: Style) -> bool:
+        """Return whether what lies in an element with these properties can be seen."""
+        return own.get("display") != "none" and (self._clipping or not is_zero(own.get("opacity")))
 
     def _children(self, parent: Element, place: _Place) -> Iterator[Shape]:
         inside = replace(place, depth=place.depth + 1)
@@ -116,8 +126,8 @@ class Walk:
         space, _, tag = element.tag.rpartition("}")
         if space.lstrip("{") not in ("", SVG_SPACE):
             return
-        own = self._sheet.of(element)
-        if own.get("display") == "none":
+        own = self.sheet.of(element)
+        if not self._is_shown(own):
             return
         if place.depth > _DEEPEST:
             raise InputError(f"its groups and uses lie more than {_DEEPEST} deep within each other; ungroup some")
@@ -128,7 +138,7 @@ class Walk:
         if tag in _GROUPS or tag == "use":
             yield from self._group(element, tag, own, replace(place, style=style))
         elif style.get("visibility", "visible") == "visible":
-            if tag in ("text", "foreignObject") and "".join(element.itertext()).strip():
+            if tag in _TEXTS and "".join(element.itertext()).strip():
                 raise InputError(_TEXT.format(where=_named(element)))
             if tag == "image":
                 raise InputError(_IMAGE.format(where=_named(element)))
@@ -136,7 +146,7 @@ class Walk:
                 yield from self._shape(element, own, replace(place, style=style))
 
     def _shape(self, element: Element, own: Style, place: _Place) -> Iterator[Shape]:
-        place = self._transformed(element, own, place)
+        place = self._clipped(element, own, self._transformed(own, place))
         chains, whole = outline(element, place.viewport)
         self.faulty += not whole
         m = place.matrix
@@ -145,10 +155,13 @@ class Walk:
         self.passed_over.update(
             "markers" for name in ("marker-start", "marker-mid", "marker-end") if referred(own.get(name))
         )
-        if chains:
+        stroke = colour_of(style, "stroke", "none")
+        if stroke is not None and any(numbers(style.get("stroke-dasharray"))):
+            self.passed_over.add("dashes")
+        if chains and m.determinant != 0:
             yield Shape(
                 [chain @ turn + shift for chain in chains],
-                colour_of(style, "stroke", "none"),
+                stroke,
                 colour_of(style, "fill", "black"),
                 style.get("clip-rule" if self._clipping else "fill-rule", "nonzero"),
                 place.viewport.other(style.get("stroke-width", "1")) * abs(m.determinant) ** 0.5,
@@ -160,12 +173,15 @@ class Walk:
         group = self._group_of(element, tag, place)
         if group is not None and (group.label or "").lstrip().startswith(NEVER):
             return
-        place = self._transformed(element, own, replace(place, group=group))
+        if place.group is None or not place.group.is_layer:
+            place = replace(place, group=group or place.group)
+        place, view = self._transformed(own, place), place.viewport
         if tag == "use":
-            yield from self._used(element, place)
+            matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
+            yield from self._used(element, self._clipped(element, own, replace(place, matrix=matrix)))
             return
+        place = self._clipped(element, own, place)
         if tag == "svg":
-            view = place.viewport
             box = (
                 view.x(element, "x"),
                 view.y(element, "y"),
@@ -176,13 +192,11 @@ class Walk:
         yield from self._children(element, place)
 
     def _group_of(self, element: Element, tag: str, place: _Place) -> Group | None:
-        """Return the group that the children belong to: the outermost layer, else the group at the top."""
-        if self._clipping or tag != "g" or (place.group is not None and place.group.is_layer):
-            return place.group
-        label = element.get(f"{INKSCAPE}label")
-        if element.get(f"{INKSCAPE}groupmode") == "layer":
-            return Group(label or element.get("id"), is_layer=True)
-        return Group(label or element.get("id"), is_layer=False) if place.depth == 1 else place.group
+        """Return the group that an element is, if it is a layer or a group at the top."""
+        is_layer = element.get(f"{INKSCAPE}groupmode") == "layer"
+        if self._clipping or tag != "g" or not (is_layer or place.depth == 1):
+            return None
+        return Group(element.get(f"{INKSCAPE}label") or element.get("id"), is_layer)
 
     def _used(self, element: Element, place: _Place) -> Iterator[Shape]:
         link = element.get("href") or element.get("{http://www.w3.org/1999/xlink}href") or ""
@@ -194,14 +208,13 @@ class Walk:
         if link in place.used:
             raise InputError(f"a <use> in it uses itself, by {link[:60]!r}; take that out")
         view = place.viewport
-        matrix = Matrix.translate(view.x(element, "x"), view.y(element, "y")) * place.matrix
-        place = replace(place, matrix=matrix, used=(*place.used, link), depth=place.depth + 1)
+        place = replace(place, used=(*place.used, link), depth=place.depth + 1)
         tag = local_name(target)
         if tag not in ("symbol", "svg"):
             yield from self._element(target, place)
             return
-        own = self._sheet.of(target)
-        if own.get("display") == "none":
+        own = self.sheet.of(target)
+        if not self._is_shown(own):
             return
         sized = [element if element.get(name) is not None else target for name in ("width", "height")]
         box = 0.0, 0.0, view.x(sized[0], "width", "100%"), view.y(sized[1], "height", "100%")
@@ -219,12 +232,19 @@ class Walk:
         matrix, viewport = viewed(element, box)
         return replace(place, matrix=matrix * place.matrix, viewport=viewport, clips=clips)
 
-    def _transformed(self, element: Element, own: Style, place: _Place) -> _Place:
-        """Return the place after the transform and the clip that an element, or a clip of it, has of its own."""
-        if not own:
+    def _transformed(self, own: Style, place: _Place) -> _Place:
+        """Return the place after the transform that an element, or a clip of it, has of its own."""
+        if "transform" not in own:
             return place
-        if "transform" in own:
-            place = replace(place, matrix=transform_of(own["transform"], place.viewport) * place.matrix)
+        if own.get("transform-box", "view-box") != "view-box":
+            self.passed_over.add("transform-box")
+        matrix = transform_of(own["transform"], own.get("transform-origin") or "0 0", place.viewport)
+        return replace(place, matrix=matrix * place.matrix)
+
+    def _clipped(self, element: Element, own: Style, place: _Place) -> _Place:
+        """Return the place within the clip that an element, or a clip of it, has of its own."""
+        if own.keys() & GEOMETRY:
+            self.passed_over.add("sizes and places in styles")
         if referred(own.get("mask")):
             self.passed_over.add("masks")
         name = referred(own.get("clip-path"))
@@ -244,19 +264,22 @@ class Walk:
         at = name, repr(place.matrix)
         if at not in self._clips:
             before, self._clipping = self._clipping, True
-            own = self._sheet.of(clip)
-            inner = self._transformed(element, own, replace(place, style={}, clips=(), used=(*place.used, key)))
-            shapes = tuple(self._children(clip, inner))
+            own = self.sheet.of(clip)
+            inner = self._transformed(own, replace(place, style={}, clips=(), used=(*place.used, key)))
+            shapes = tuple(self._children(clip, self._clipped(element, own, inner)))
             self._clipping = before
             self._clips[at] = Clip(shapes)
         return (self._clips[at],)
 
     def _box_of(self, element: Element, place: _Place) -> Matrix:
         """Return what takes the unit square to the box around an element's shapes, in its own coordinates."""
-        own = {name: each for name, each in self._sheet.of(element).items() if name not in _OF_PLACE}
+        own = {name: each for name, each in self.sheet.of(element).items() if name not in _OF_PLACE}
         place, tag = replace(place, matrix=Matrix(), clips=()), local_name(element)
         faulty, before, self._clipping = self.faulty, self._clipping, False
-        shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
+        if tag == "use":
+            shapes = self._used(element, place)
+        else:
+            shapes = self._shape(element, own, place) if is_shape(tag) else self._group(element, tag, own, place)
         chains = [chain for shape in shapes for chain in shape.chains]
         self.faulty, self._clipping = faulty, before  # its paths are counted where they are drawn
         (left, top), (right, bottom) = bounds_of(chains) if chains else np.zeros((2, 2))

@@ -253,11 +253,11 @@ def _off_bare(
     sheet, clear = layout.sheet, np.ones(len(trajectories), dtype=bool)
     for number, brush in enumerate(brushes):
         rows = np.flatnonzero(brush_of.numpy() == number)
-        moved = regions.kept_off_bare(trajectories[rows], brush)[0].clip(0, (sheet.width, sheet.height, 1))
+        moved = regions.bare_paper.kept_off(trajectories[rows], brush).clip(0, (sheet.width, sheet.height, 1))
         if layout.room is not None:
             moved = kept_in(layout.room, moved, brush)
         trajectories[rows] = moved.round(6)
-        clear[rows] = [regions.is_off_bare(trajectory, brush) for trajectory in trajectories[rows]]
+        clear[rows] = [regions.bare_paper.is_off(trajectory, brush) for trajectory in trajectories[rows]]
     return trajectories, torch.from_numpy(clear)
 
 

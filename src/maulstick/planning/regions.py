@@ -8,19 +8,14 @@ import torch
 from scipy.ndimage import distance_transform_edt
 from torch import Tensor
 
-from maulstick.painting.brush import Brush
 from maulstick.painting.raster import Canvas
+from maulstick.planning.bare_paper import BarePaper
 from maulstick.planning.parameters import StrokeParameters
 from maulstick.rendering.traj2stroke import Traj2Stroke
 from maulstick.storage.arrays import Bools, Floats, Image, Ints
-from maulstick.strokes.refine import refine
 from maulstick.style import Style
 from maulstick.style.regional import RegionalStyle
 
-_FINE_PX = 3000  # longest side of the field of distances to bare paper, as far as whole multiples of pixels go
-_FINER = 4  # at most so many of its samples per pixel
-_SLACK = 2e-5  # metres that a mark is kept from bare paper
-_MOVES = 40  # moves at most that bring a finished stroke off bare paper, before it is left out
 _SAME = 1.5 / 255  # of sRGB: a paint that is as near is the colour that a region names
 
 
@@ -60,6 +55,11 @@ class Regions:
     def style(self) -> RegionalStyle:
         """The hands of all regions as one style."""
         return RegionalStyle([region.hand for region in self.said])
+
+    @cached_property
+    def bare_paper(self) -> BarePaper:
+        """Where no ink may lie."""
+        return BarePaper(np.array([region.bare for region in self.said])[self.labels], self.canvas)
 
     @cached_property
     def pools(self) -> list[tuple[Bools, float | None]]:
@@ -141,66 +141,10 @@ class Regions:
     @torch.no_grad()
     def move_off_bare(self, strokes: StrokeParameters, brushes: Traj2Stroke) -> None:
         """Move strokes by the least that keeps them off bare paper. brushes: of each stroke."""
-        if self._has_bare:
+        if self.bare_paper.exists:
             marks = brushes.marks(strokes.trajectories(self.style), 1.0)
-            moves = self._off_bare(marks.points.numpy(), marks.thickness.numpy())
+            moves = self.bare_paper.moves_off(marks.points.numpy(), marks.thickness.numpy())
             strokes.centres.add_(torch.from_numpy(moves).float())
-
-    def kept_off_bare(self, trajectories: Floats, brush: Brush) -> tuple[Floats, Bools]:
-        """Return commanded trajectories (N, n, 3) moved off bare paper, and of which no mark lies on it, (N,)."""
-        kept, clear = trajectories.copy(), np.ones(len(trajectories), dtype=bool)
-        if not self._has_bare:
-            return kept, clear
-        for row in range(len(kept)):
-            for _ in range(_MOVES):
-                points, half_widths, _ = brush.bare_mark(refine([kept[row]])[0])
-                move = self._off_bare(points[None], half_widths[None])[0]
-                clear[row] = not move.any()
-                if clear[row]:
-                    break
-                kept[row, :, :2] += move
-        return kept, clear
-
-    def is_off_bare(self, trajectory: Floats, brush: Brush) -> bool:
-        """Return whether no mark of a commanded trajectory (n, 3) lies on bare paper."""
-        return bool(self.kept_off_bare(trajectory[None], brush)[0][0].tolist() == trajectory.tolist())
-
-    @cached_property
-    def bare_paper(self) -> Bools:
-        """Where no ink may lie, (H, W)."""
-        return np.asarray(np.array([region.bare for region in self.said])[self.labels])
-
-    @cached_property
-    def _has_bare(self) -> bool:
-        return bool(self.bare_paper.any())
-
-    def _off_bare(self, points: Floats, half_widths: Floats) -> Floats:
-        """Return the moves (N, 2), metres, that bring the deepest dot of each mark off bare paper."""
-        distance, slopes = self._away
-        scale = distance.shape[0] / self.canvas.height
-        row = (points[..., 1] * scale).astype(int).clip(0, distance.shape[0] - 1)
-        column = (points[..., 0] * scale).astype(int).clip(0, distance.shape[1] - 1)
-        depth = half_widths.clip(min=0) + _SLACK - distance[row, column]
-        deepest = depth.argmax(axis=1)
-        every = np.arange(len(points))
-        most = depth[every, deepest].clip(min=0)
-        slope = slopes[:, row[every, deepest], column[every, deepest]].T
-        length = np.maximum(np.hypot(*slope.T), 1e-9)[:, None]
-        moves: Floats = slope / length * (most + _SLACK * (most > 0))[:, None]
-        return moves
-
-    @cached_property
-    def _away(self) -> tuple[Floats, Floats]:
-        """Signed distance from bare paper, metres, (h, w), at most as large as it is, and its slopes, (2, h, w)."""
-        finer = max(1, min(_FINER, _FINE_PX // max(self.labels.shape)))
-        bare = self.bare_paper.repeat(finer, 0).repeat(finer, 1)
-        scale = bare.shape[0] / self.canvas.height
-        if bare.all():
-            distance = np.full(bare.shape, -1.0)
-        else:
-            distance = (distance_transform_edt(~bare) - distance_transform_edt(bare) - 1.5) / scale
-        down, across = np.gradient(distance)
-        return distance, np.stack([across, down])
 
     @cached_property
     def _nearest(self) -> dict[tuple[int, ...], Ints | None]:

@@ -92,6 +92,15 @@ def was_begun(journal: Path) -> bool:
     return journal.exists() and journal.stat().st_size > 0
 
 
+def begun_with(journal: Path) -> str | None:
+    """Return the name of the file that the journal at this path was begun with, None where it cannot be read."""
+    try:
+        entry = _LINE.validate_python(json.loads(read_whole(journal, "journal", _LARGEST).partition(b"\n")[0]))
+    except (ValueError, RecursionError):
+        return None
+    return entry.file if isinstance(entry, Revision) else None
+
+
 def latest_sheet(painting: Path) -> int:
     """Return the number of the latest sheet that was begun, from 1. Raises InputError where none was."""
     path = journal_of(painting)

@@ -121,7 +121,10 @@ class Robot(ABC):
 
     @property
     def counts_steps(self) -> bool:
-        """Whether it knows its place only by counting steps from where it was switched on, or homed."""
+        """Whether it knows its place only by counting steps from where it was switched on, or homed.
+
+        It is at home where x and y are 0.
+        """
         return False
 
     @property

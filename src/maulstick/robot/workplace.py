@@ -18,6 +18,8 @@ from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
 
+_AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
+
 
 def _ignore(progress: PaintProgress) -> None:
     """Do nothing with the progress."""
@@ -56,6 +58,19 @@ class Workplace:
         ordered = sequenced(painting.model_copy(update={"strokes": left}), (x, y))
         return painting.model_copy(update={"strokes": (*painted, *ordered.strokes)})
 
+    def where_it_stands(self, paint: int, goes_on: bool) -> list[Action]:
+        """Return the prompt of a machine that may have lost count of its steps since its last run; none for others.
+
+        goes_on: whether a run goes on. One that begins at home needs no prompt: there its pen is put beforehand.
+        """
+        robot = self.robot
+        if not robot.counts_steps or not (goes_on or np.abs(robot.place[:2]).max() > _AT_HOME):
+            return []
+        x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
+        stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
+        otherwise = "unplug power and USB, push the pen home, plug them in, and resume"
+        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {otherwise})", paint, renews=False)]
+
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
     ) -> PaintLoad:
@@ -84,6 +99,13 @@ class Workplace:
         height = float(np.clip(max(heights), lower[2], upper[2]))
         self.robot.lift(height)
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
+
+
+def home_of(robot: Robot) -> Floats:
+    """Return the place (3,) of a machine's tip while a sheet is put in: home where it counts steps, else as it is."""
+    if not robot.counts_steps:
+        return robot.place
+    return np.clip(robot.place * (0, 0, 1), robot.limits.lower, robot.limits.upper)
 
 
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from maulstick.painting.painting_file import write_painting
+from maulstick.painting.svg import painting_svg
 from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal, journal_of
 from tests.cli.conftest import contents, run
@@ -204,3 +205,27 @@ def test_a_machine_that_counts_its_steps_asks_where_its_pen_stands_before_it_goe
     assert ran.code == 0, ran.stderr
     assert asked.format(1e3 * SIX.sheet.height) in ran.stderr
     assert sorted(painted(calibrated)) == ALL
+
+
+def test_a_file_does_not_go_on_with_the_journal_of_another_nor_is_that_moved_away(painting: Path) -> None:
+    other = painting.with_suffix(".svg")
+    other.write_text(painting_svg(SIX))
+    assert run("paint", painting, "--from-stroke", "4").code == 0
+    before = journal_of(painting).read_bytes()
+    for words in ((), ("--resume",), ("--resume", "--dry-run"), ("--restart",)):
+        ran = run("paint", other, *words)
+        assert ran.code == 2
+        assert ran.mistake == (
+            f"{journal_of(other)} is the journal of painting.json; name that one, or give painting.svg another name"
+        )
+    assert journal_of(painting).read_bytes() == before
+    assert run("paint", painting, "--resume").stderr == "all strokes are painted\n"
+    named = other.rename(painting.with_name("drawing.svg"))
+    assert run("paint", named).code == 0
+
+
+@pytest.mark.parametrize("damaged", [b"\x00\n", b'{"event": "begin", "stroke": 1}\n', b'{"event": "revis'])
+def test_a_journal_that_does_not_say_whose_it_is_is_moved_away_by_restart(painting: Path, damaged: bytes) -> None:
+    journal_of(painting).write_bytes(damaged)
+    assert run("paint", painting, "--restart").code == 0
+    assert (painting.parent / "painting.run1" / journal_of(painting).name).read_bytes() == damaged

@@ -166,7 +166,8 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
     easel = place or robot.easel(sheet.sheet.width, sheet.sheet.height)
     seeing = open_camera(options.camera or "") if simulation is None else simulation.camera(tags)
     with machine_lock(options.machine), Journal.open(journal_of(path)) as journal, robot, seeing:
-        if journal.revision is None:
+        begun = journal.revision is not None
+        if not begun:
             journal.revise(path)
         if (stroke := journal.unfinished) is not None:
             question = f"stroke {len(journal.painted) + 1} was under the brush. Is it on the paper?"
@@ -185,6 +186,8 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
             robot, easel, journal, ask, operator.watch, operator.pause, speed=options.speed, pace=operator.pace
         )
         with operator.on_duty():
+            if asked := workplace.where_it_stands(0, goes_on=begun):
+                workplace.do(asked)
             taken = collect(sheet, workplace, look, out, each=each)
     depth = brush.depth if any(brush.depth) else (0.0, easel.deepest)
     with all_or_nothing(out) as staging:

@@ -33,7 +33,7 @@ from maulstick.robot.easel import Easel
 from maulstick.robot.journal import Journal
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import NOTHING, PaintLoad, ways_of
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.arrays import Image
 from maulstick.style import Style, load_style
 from maulstick.style.pressure import pressure_along
@@ -171,7 +171,7 @@ def paint_by_eye(
     load: the paint that the machine holds at the beginning; the one at the end is returned.
     Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
     """
-    home, journal = workplace.robot.place, workplace.journal
+    home, journal = home_of(workplace.robot), workplace.journal
     while workplace.left_of(painting):
         if journal.painted:
             workplace.step_aside(home)

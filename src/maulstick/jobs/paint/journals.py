@@ -8,14 +8,22 @@ from pathlib import Path
 
 from maulstick.errors import InputError, OutputError, Remedy
 from maulstick.jobs.paint.options import PaintOptions
-from maulstick.robot.journal import Journal, journal_of, locked, was_begun
+from maulstick.robot.journal import Journal, begun_with, journal_of, locked, was_begun
+
+
+def check_own(painting: Path) -> None:
+    """Raise InputError where the journal beside a painting is that of another file, whose name ends differently."""
+    path = journal_of(painting)
+    if was_begun(path) and (file := begun_with(path)) not in (None, painting.name):
+        raise InputError(f"{path} is the journal of {file}; name that one, or give {painting.name} another name")
 
 
 def check_not_begun(painting: Path, options: PaintOptions, restart: bool) -> None:
-    """Raise InputError where a painting was begun and is not to be restarted, or is being painted.
+    """Raise InputError where a painting was begun and is not to be restarted, or is being painted; as `check_own` does.
 
     A real machine begins what was only rehearsed on the simulated easel: nothing of that is on paper.
     """
+    check_own(painting)
     path = journal_of(painting)
     if was_begun(path) and not restart and (options.simulated or not _was_rehearsed(path)):
         raise InputError(f"{path} says that this painting was begun", Remedy.RESUME_OR_RESTART)

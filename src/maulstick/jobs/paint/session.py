@@ -8,7 +8,7 @@ import numpy as np
 
 from maulstick.errors import InputError, Remedy, option
 from maulstick.jobs.paint.estimate import Estimate
-from maulstick.jobs.paint.journals import check_not_begun
+from maulstick.jobs.paint.journals import check_not_begun, check_own
 from maulstick.jobs.paint.machine_lock import machine_lock
 from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
@@ -68,6 +68,7 @@ def _plan_of(request: PaintRequest) -> Paintable:
 @contextmanager
 def _reopened(request: PaintRequest) -> Iterator[tuple[PaintSetup, PaintSheet, Journal]]:
     """Open the journal of the latest sheet, with the setup that it says. Raises InputError where there is none."""
+    check_own(request.painting)
     number = latest_sheet(request.painting)
     path = journal_of(request.painting, number)
     with Journal.open(path) as journal:

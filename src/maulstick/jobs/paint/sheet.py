@@ -13,7 +13,6 @@ from maulstick.jobs.paint.operator import Operator
 from maulstick.jobs.paint.request import PaintRequest
 from maulstick.jobs.paint.setup import PaintSetup
 from maulstick.jobs.paintable import is_svg, strokes_sum
-from maulstick.robot.easel import Easel
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal
 from maulstick.robot.logbook import Tally
@@ -21,7 +20,7 @@ from maulstick.robot.pace import STEP
 from maulstick.robot.robot import Robot, StoppedError
 from maulstick.robot.room import check_accepted
 from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, prompt_for, routine, ways_of
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.arrays import Floats
 
 
@@ -30,7 +29,7 @@ class PaintSheet:
     """One of the sheets that a painting is painted on, counted from 1.
 
     journal: that of an earlier run which began this sheet; None where none did.
-    load: the paint that the machine holds.  home: place (3,) where the machine was at first, None before that.
+    load: the paint that the machine holds.  home: place (3,) of the machine while sheets are changed, None at first.
     pace: per cent of the planned speed.
     """
 
@@ -78,7 +77,7 @@ def paint_sheet(
         if operator.stopped:  # entering the machine would forget it, and lift the pen
             raise StoppedError
         robot = stack.enter_context(setup.robot)
-        home = robot.place if sheet.home is None else sheet.home
+        home = home_of(robot) if sheet.home is None else sheet.home
         estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
         operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
@@ -93,15 +92,13 @@ def paint_sheet(
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         paint = actions[0].paint
-        asked: list[Action] = []
-        if request.resume and sheet.home is None and robot.counts_steps:
-            asked.append(_where_it_stands(setup.easel, robot, paint))
+        tally = Tally(setup.plan)
+        place = _workplace(setup, robot, journal, operator, tally)
+        asked = place.where_it_stands(paint, request.resume) if sheet.home is None else []
         if sheet.number > 1 and not done:
             asked.append(_new_sheet(sheet.number, setup.options.sheets, paint, home))
         if request.asks_for_one_pen and _is_one_pen(setup, sheet):
             asked.append(prompt_for(setup.plan, 0))
-        tally = Tally(setup.plan)
-        place = _workplace(setup, robot, journal, operator, tally)
         try:
             with operator.on_duty():
                 if replanning is None or eye is None:
@@ -166,20 +163,9 @@ def _log(tally: Tally, setup: PaintSetup, painting: Path, operator: Operator) ->
 
 
 def _new_sheet(number: int, sheets: int, paint: int, home: Floats) -> Prompt:
-    """Return the prompt for the sheet of that number, with the machine where it was at first, (3,) metres."""
+    """Return the prompt for the sheet of that number, with the machine at home, (3,) metres."""
     x, y, z = home.tolist()
     return Prompt(f"put in a new sheet for copy {number} of {sheets}", paint, renews=False, aside=(x, y, z))
-
-
-def _where_it_stands(easel: Easel, robot: Robot, paint: int) -> Prompt:
-    """Return the prompt of a machine that may have lost count of its steps since the run that is resumed."""
-    x, y, _ = easel.machine_to_canvas(robot.place).tolist()
-    return Prompt(
-        f"see that the pen stands {1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet "
-        "(elsewhere: stop, switch the machine off and on with its pen at home, and resume)",
-        paint,
-        renews=False,
-    )
 
 
 def _ask(setup: PaintSetup, operator: Operator, prompt: Prompt) -> None:

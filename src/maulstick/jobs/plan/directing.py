@@ -69,8 +69,11 @@ class Directing:
             lines = self._guides.lines_on(layout.canvas, self._shape, self._fit, self._margin)
         return Guides.of(layout.canvas, lines, regions)
 
-    def painted(self, layout: Layout, brush: Brush, paints: Sequence[Colour]) -> Painting | None:
-        """Return the guides that are painted, as `GuideFile.painted` does."""
+    def painted(
+        self, layout: Layout, brush: Brush, paints: Sequence[Colour], regions: Regions | None
+    ) -> Painting | None:
+        """Return the guides that are painted, as `GuideFile.painted` does, off paper that regions leave bare."""
         if self._guides is None:
             return None
-        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints)
+        bare = None if regions is None else regions.bare_paper
+        return self._guides.painted(layout, self._shape, self._fit, self._margin, brush, paints, bare)

@@ -14,6 +14,7 @@ from maulstick.painting.brush import Brush
 from maulstick.painting.fit import place_of
 from maulstick.painting.painting import Paint, Painting, Provenance, Stroke
 from maulstick.painting.raster import Canvas
+from maulstick.planning.bare_paper import BarePaper
 from maulstick.planning.layout import Layout
 from maulstick.planning.problem import Colour
 from maulstick.storage.arrays import Floats
@@ -46,11 +47,18 @@ class GuideFile:
         return [self._placed(line, canvas, shape, fit, margin) for line in self._lines]
 
     def painted(
-        self, layout: Layout, shape: tuple[int, ...], fit: str, margin: float, brush: Brush, paints: Sequence[Colour]
+        self,
+        layout: Layout,
+        shape: tuple[int, ...],
+        fit: str,
+        margin: float,
+        brush: Brush,
+        paints: Sequence[Colour],
+        bare: BarePaper | None,
     ) -> Painting | None:
-        """Return the lines that are painted, as locked strokes of this brush within the picture's area; None for none.
+        """Return the lines that are painted, as locked strokes of this brush; None for none.
 
-        Each is in the nearest of the paints.
+        They are cut at the picture's edge and at bare paper. Each is in the nearest of the paints.
         """
         from maulstick.drawing.lines import cut
 
@@ -60,7 +68,10 @@ class GuideFile:
         numbers = dict(zip(self.colours, nearest.tolist(), strict=True))
         for colour, line in self._painted:
             placed = self._placed(line, layout.canvas, shape, fit, margin)
-            found += [(numbers[colour], piece) for pieces in cut([placed], area) for piece in pieces]
+            for piece in cut([placed], area)[0]:
+                drawn = np.column_stack([piece, np.full(len(piece), _PRESSURE)])
+                parts = [drawn] if bare is None else bare.parts_off(drawn, brush)
+                found += [(numbers[colour], part) for part in parts]
         if not found:
             return None
         used = sorted({number for number, _ in found})
@@ -68,7 +79,7 @@ class GuideFile:
             Stroke(
                 id=row,
                 paint=used.index(number),
-                trajectory=tuple((x, y, _PRESSURE) for x, y in line.tolist()),
+                trajectory=tuple((x, y, pressure) for x, y, pressure in line.tolist()),
                 locked=True,
                 origin="guide",
             )

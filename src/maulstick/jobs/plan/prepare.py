@@ -83,7 +83,7 @@ def prepare(
         settings = replace(settings, strokes=enough(supply))
     names = {hex_colour(tube.colour): tube.name for tube in tubes}
     if again is None:
-        kept = directing.painted(layout, finest, settings.pinned or settings.palette)
+        kept = directing.painted(layout, finest, settings.pinned or settings.palette, regions)
     else:
         settings, names, kept = again.settings(settings), again.names, again.painting
     locked = [] if kept is None else locked_in(kept)
@@ -184,5 +184,5 @@ def _supply(
             f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "
             "paint in colours"
         )
-    bare, with_lines = None if regions is None else regions.bare_paper, options.drawing == "both"
+    bare, with_lines = None if regions is None else regions.bare_paper.bare, options.drawing == "both"
     return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=with_lines, bare=bare)

@@ -46,7 +46,7 @@ class _Said(BaseModel):
     importance: Annotated[float, Field(ge=0, le=1000)] = 1.0
     weights: dict[Literal["tone", "edges"], Annotated[float, Field(ge=0, le=1000)]] = Field(default_factory=dict)
     colours: Annotated[list[str], Field(min_length=1)] | None = None
-    direction: float | Literal["guides"] | None = None
+    direction: Annotated[float, Field(allow_inf_nan=False)] | Literal["guides"] | None = None
     soft: str | None = None
     bare: bool = False
 
@@ -59,7 +59,7 @@ class RegionFiles:
 
     def __init__(self, regions: Path, say: Path) -> None:
         self._map, self._say = regions, say
-        self._said = _read_said(say)
+        self._said = {REST: _Said(), **_read_said(say)}
         named: dict[tuple[float, float, float], str] = {}
         for name, said in self._said.items():
             if name == REST:
@@ -108,21 +108,22 @@ class RegionFiles:
         brushes: of the plan.  usual: those used where none is said.
         Raises InputError for a region that the map does not show, and where all of the sheet is to be bare.
         """
-        said = {REST: _Said(), **self._said}
-        labels = self._labels(canvas, shape, fit, margin, list(said))
-        for number, name in enumerate(said):
+        labels = self._labels(canvas, shape, fit, margin)
+        for number, (name, one) in enumerate(self._said.items()):
             if name != REST and not (labels == number).any():
-                colour = said[name].colour
+                colour = one.colour
                 raise InputError(
                     f"{self._map} shows nothing in {colour}, the colour of {name}; paint it, or leave it out"
                 )
-        regions = tuple(self._region(name, one, canvas, hand, hand_size, brushes, usual) for name, one in said.items())
+        regions = tuple(
+            self._region(name, one, canvas, hand, hand_size, brushes, usual) for name, one in self._said.items()
+        )
         there = [regions[number] for number in np.unique(labels).tolist()]
         if all(region.bare for region in there):
             raise InputError(f"{self._say} leaves all of the sheet bare; leave some of it to be painted")
         if sum(region.share or 0 for region in there) > 1:
             raise InputError(f"{self._say}: the shares of all regions are more than 1; lower some")
-        return Regions(self._softened(labels, list(said.values()), canvas), regions, canvas)
+        return Regions(self._softened(labels, list(self._said.values()), canvas), regions, canvas)
 
     def _softened(self, labels: Ints, said: Sequence[_Said], canvas: Canvas) -> Ints:
         """Return labels (H, W) with the edges soft that are said to be, but never towards bare paper."""
@@ -158,14 +159,14 @@ class RegionFiles:
             tuple(said.weights.items()),
         )
 
-    def _labels(self, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float, names: list[str]) -> Ints:
+    def _labels(self, canvas: Canvas, shape: tuple[int, ...], fit: str, margin: float) -> Ints:
         """Return the index of each pixel's region, (H, W); the map is stretched over the picture, and its edges on."""
         left, top, right, bottom = place_of(shape[:2], canvas, fit, margin)
         x = (np.arange(canvas.width_px) + 0.5 - left) / (right - left)
         y = (np.arange(canvas.height_px) + 0.5 - top) / (bottom - top)
         u, v = x.clip(0, 1 - 1e-9), y.clip(0, 1 - 1e-9)
         colours = _of_svg(self._map, u, v) if self._map.suffix.lower() == ".svg" else _of_picture(self._map, u, v)
-        known = np.array([_WHITE, *self._colours])
+        known, names = np.array([_WHITE, *self._colours]), list(self._said)
         numbers = np.array([names.index(REST), *(names.index(name) for name in self._colours.values())])
         if _WHITE in self._colours:
             known, numbers = known[1:], numbers[1:]

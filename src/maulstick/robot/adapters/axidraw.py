@@ -109,7 +109,7 @@ class AxiDraw(LetsGo, HasServo):
             V3.check_path(place[None])  # not the narrower limits, which may leave out its home
         except InputError as error:
             raise MachineError(
-                f"the AxiDraw is not where it may be; switch it off and on at its home: {error}"
+                f"the AxiDraw is not where it may be; unplug power and USB, and plug them in at its home: {error}"
             ) from error
         return place
 

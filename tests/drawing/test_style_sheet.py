@@ -1,0 +1,88 @@
+import pytest
+
+from tests.drawing.conftest import Read, labels, points
+
+LINES = '<path class="a" d="M0 0h9"/><path class="b" d="M0 1h9"/>'
+
+
+def test_rules_count_only_where_they_are_for_every_screen(read: Read) -> None:
+    sheet = """
+        @import url("other.css"); @font-face { font-family: x }
+        .a { stroke: red /* } .b { display: none } */ }
+        @media (prefers-color-scheme: dark) { .a { stroke: white } }
+        @media print { .b { display: none } @media screen { .b { display: none } } }
+        @keyframes x { from { stroke: white } to { stroke: white } }
+        @media only screen, print { .b { stroke: blue } }
+    """
+    body = f'<style>{sheet}</style><style media="print">.a, .b {{ display: none }}</style>{LINES}'
+    assert labels(read(body)) == ["#ff0000", "#0000ff"]
+
+
+def test_a_rule_after_a_block_that_does_not_count_is_read(read: Read) -> None:
+    assert points(read(f"<style>@media print {{ .a {{ display: none }} }} .b {{ display: none }}</style>{LINES}")) == [
+        [[0, 0], [9, 0]]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("sheet", "colour"),
+    [
+        (".a{stroke:red}.b{stroke:blue}", "#0000ff"),
+        (".b{stroke:blue}.a{stroke:red}", "#ff0000"),
+        (".a{stroke:red}path{stroke:blue}*{stroke:blue}", "#ff0000"),
+        ("#i{stroke:red}.a.b{stroke:blue}path.a{stroke:blue}", "#ff0000"),
+        ("path.a.b{stroke:red}.b.a{stroke:blue}", "#ff0000"),
+        ("path#i.a{stroke:red}#i{stroke:blue}", "#ff0000"),
+        ("g path.a{stroke:red}.a{stroke:blue}", "#ff0000"),
+        ("path.x, path.a.x{stroke:blue}", "#000000"),
+    ],
+)
+def test_of_rules_the_more_special_counts_and_else_the_later(read: Read, sheet: str, colour: str) -> None:
+    body = f'<style>{sheet}</style><g><path id="i" class="b a" stroke="black" d="M0 0h9"/></g>'
+    assert labels(read(body)) == [colour]
+
+
+@pytest.mark.parametrize(
+    ("selector", "hidden"),
+    [
+        (".axis path", [0, 1, 2]),
+        (".axis>path", [0]),
+        ("g.axis > g > path", [1, 2]),
+        ("svg > .axis .tick path", [1]),
+        ("#y path, .tick path", [1, 2]),
+        (".tick > .axis path", []),
+        ("path path", []),
+    ],
+)
+def test_rules_are_of_what_lies_in_other_elements(read: Read, selector: str, hidden: list[int]) -> None:
+    ticks = '<g class="big tick"><path d="M0 1h9"/></g><g id="y"><path d="M0 2h9"/></g>'
+    body = f'<g class="axis"><path d="M0 0h9"/>{ticks}</g><path d="M0 3h9"/>'
+    drawing = read(f"<style>{selector} {{ display: none }}</style>{body}")
+    assert [line[0][1] for line in points(drawing)] == [y for y in range(4) if y not in hidden]
+    assert drawing.notes == ()
+
+
+@pytest.mark.parametrize("selector", ["[id=q]", "path:not(.a)", ".a + path", ".a ~ path", "> path"])
+def test_the_first_selector_that_is_not_understood_is_named(read: Read, selector: str) -> None:
+    sheet = f"a:hover {{ cursor: help }} .a, {selector.replace('>', '&gt;')} {{ stroke: red }} :root {{ fill: red }}"
+    drawing = read(f"<style>{sheet}</style>{LINES}")
+    assert labels(drawing) == ["#ff0000", "#000000"]
+    (note,) = drawing.notes
+    assert note.startswith(f"a style sheet's rule for '{selector}' is left out: ")
+
+
+def test_selectors_that_could_be_tried_in_endless_ways_are_tried_once(read: Read) -> None:
+    sheet = "<style>b " + "g " * 40 + "path { display: none }</style>"
+    assert len(points(read(f"{sheet}{'<g>' * 80}{LINES}{'</g>' * 80}"))) == 2
+
+
+def test_sizes_in_styles_are_said_to_be_passed_over(read: Read) -> None:
+    drawing = read('<style>rect { width: 30px }</style><rect width="20" height="20"/>')
+    assert drawing.notes == ("passed over: sizes and places in styles",)
+
+
+@pytest.mark.parametrize("page", ['style="width:90mm;height:45mm"', 'style="width:90mm" width="50mm" height="45mm"'])
+def test_a_page_has_the_size_that_its_style_says(read: Read, page: str) -> None:
+    drawing = read('<path d="M0 0L100 50"/>', f'viewBox="0 0 100 50" {page}')
+    assert points(drawing) == [[[0, 0], [90, 45]]]
+    assert drawing.notes == ()
