@@ -149,8 +149,9 @@ def test_nothing_is_overwritten_unless_it_is_asked_for() -> None:
     [
         (("--speed", "0"), "--speed is 0; it must be from 0.1 to 10000 mm/s"),
         (("--speed", "nan"), "--speed is nan; it must be from 0.1 to 10000 mm/s"),
-        (("--servo", "up"), "--servo is 'up'; it must be two numbers, for up and down, as in 30,90"),
-        (("--servo", "nan,90"), "--servo is 'nan,90'; it must be two numbers, for up and down, as in 30,90"),
+        (("--servo", "up"), "--servo is 'up'; it must be two numbers that differ, up and down, as in 30,90"),
+        (("--servo", "90,90"), "--servo is '90,90'; it must be two numbers that differ, up and down, as in 30,90"),
+        (("--servo", "nan,90"), "--servo is 'nan,90'; it must be two numbers that differ, up and down, as in 30,90"),
         (("--servo", "30,90", "--format", "hpgl"), "--servo and --dialect are for G-code; leave them out"),
         (("--tray", "t", "--format", "svg"), "SVG is of the sheet alone; leave out --easel, --tray and --speed"),
         (("--easel", "none.json"), "there is no easel none.json; check its name and folder"),

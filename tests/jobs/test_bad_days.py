@@ -246,7 +246,7 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
     write_painting(large, Path("large.json"))
     sentence = (
         r"stroke 1: the machine's x is 900 mm; it must be -100 to 200 mm: 700 mm less far (and 1 more like it); "
-        "lay the sheet elsewhere, plan for a smaller one, or scale an SVG with size"
+        "lay the sheet elsewhere, plan for a smaller one, or turn or scale an SVG with rotate or size"
     )
     with Recorder() as robot:
         with pytest.raises(InputError) as caught:
@@ -260,8 +260,8 @@ def test_a_plan_for_a_larger_sheet_than_the_machine_reaches_is_refused_before_an
     ran = run("paint", "large.json", "--easel", "easel.json")
     assert ran.code == 2
     assert (
-        "less far (and 1 more like it); lay the sheet elsewhere, plan for a smaller one, or scale an SVG with --size"
-        in ran.mistake
+        "less far (and 1 more like it); lay the sheet elsewhere, plan for a smaller one, or turn or scale an SVG with "
+        "--rotate or --size" in ran.mistake
     )
     assert not journal_of(Path("large.json")).exists()
 

@@ -189,6 +189,14 @@ def test_a_grbls_servo_is_raised_and_lowered_where_the_pen_is(pen: Pen) -> None:
         assert (bench.easel.pen, bench.changed) == (robot.pen, True)
 
 
+def test_a_servo_is_not_moved_to_where_up_is_down() -> None:
+    with FakeGrbl(pace=1000.0) as device, Grbl(device.port, SERVO) as robot:
+        bench = Bench(robot, None, SIZE)
+        with pytest.raises(InputError, match="up and down would be the same"):
+            bench.set_servo(-2, 0.1)
+        assert (device.servo, bench.easel.pen, bench.changed) == (SERVO.up, SERVO, False)
+
+
 def test_an_axidraws_servo_is_moved_and_kept_within_its_pulses() -> None:
     with FakeEbb() as device, AxiDraw(device.port, PULSES) as robot:
         bench = Bench(robot, None, SIZE)

@@ -104,6 +104,10 @@ def test_an_easel_is_equal_to_that_in_its_file(tmp_path: Path) -> None:
             json.dumps({"schema_version": 2, "corner": [0, 0, 0], "right": [1, 0, 0], "down": [0, -1, 0]}),
             "schema_version",
         ),
+        (
+            json.dumps({"corner": [0, 0, 0], "right": [1, 0, 0], "down": [0, -1, 0], "pen": {"up": 5, "down": 5}}),
+            "pen: Value error, up and down are the same, so the pen is never lifted; give two numbers that differ",
+        ),
         ("", "is empty"),
     ],
 )

@@ -108,7 +108,7 @@ def test_a_sheet_that_is_too_large_for_the_arm_is_said_to_be_that() -> None:
     wide = painting_of([line(1, (0.0, 0.2), (0.9, 0.2))], size=(0.9, 0.4))
     assert refused(wide, at(-0.45, 0.5)).endswith(
         "nowhere on its line from the base is there room: lay the sheet elsewhere, plan for a smaller one, "
-        "or scale an SVG with size"
+        "or turn or scale an SVG with rotate or size"
     )
 
 

@@ -55,7 +55,7 @@ def test_a_stroke_outside_the_workspace_is_refused_with_by_how_much_and_how_many
     strokes = [line(1), line(2, (0.19, 0.01), (0.21, 0.01)), line(3, (0.01, 0.25), (0.02, 0.25))]
     assert refused(painting_of(strokes, size=(0.3, 0.3))) == (
         "stroke 2: the machine's x is 210 mm; it must be -100 to 200 mm: 10 mm less far (and 1 more like it); "
-        "lay the sheet elsewhere, plan for a smaller one, or scale an SVG with size"
+        "lay the sheet elsewhere, plan for a smaller one, or turn or scale an SVG with rotate or size"
     )
 
 

@@ -23,8 +23,10 @@ HELD = {
 
 @given(SIDES, SIDES)
 def test_an_axidraw_is_said_to_reach_the_sheets_that_it_takes(width: float, height: float) -> None:
+    robot = AxiDraw()
+    corners = np.array([(0, 0, 0), (width, height, 0)])
     try:
-        AxiDraw().easel(width, height)
+        robot.limits.check_path(robot.easel(width, height).canvas_to_machine(corners))
     except InputError:
         assert sheet_fault("axidraw:/dev/ttyACM0", width, height)
     else:

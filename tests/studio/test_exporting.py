@@ -88,6 +88,11 @@ def test_a_plan_is_saved_for_another_machine_on_the_page(studio: RunningStudio, 
     tab.get_by_label("What for").click()
     tab.get_by_role("option", name="G-code for Grbl").click()
     tab.get_by_role("checkbox", name="A servo lifts the pen").click()
+    down = tab.get_by_label("and for down")
+    down.fill("30")
+    tab.get_by_role("button", name="Save", exact=True).click()
+    expect(tab.get_by_text("The servo's numbers for up and down are the same")).to_be_visible()
+    down.fill("90")
     with tab.expect_download() as caught:
         tab.get_by_role("button", name="Save", exact=True).click()
     assert caught.value.suggested_filename == "lines.gcode"

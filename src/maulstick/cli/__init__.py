@@ -26,7 +26,8 @@ def main() -> None:
     except MaulstickError as error:
         print(f"maulstick: {COMMAND_LINE.say(error)}", file=sys.stderr)
         sys.exit(FAILED if isinstance(error, OutputError) else MACHINE if isinstance(error, MachineError) else UNUSABLE)
-    except OSError as error:  # a file would be a MaulstickError
-        print(f"maulstick: cannot write to the standard output: {error.strerror}", file=sys.stderr)
+    except OSError as error:  # most files would be a MaulstickError
+        where = error.filename or "the standard output"
+        print(f"maulstick: cannot write to {where}: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python, leaving, writes what it still holds, and fails again
         sys.exit(FAILED)

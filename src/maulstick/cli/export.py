@@ -144,8 +144,9 @@ def servo_of(text: str) -> Pen:
     """Return the servo whose two numbers, for up and down, are in the text. Raises InputError where they are not."""
     try:
         up, down = (float(number) for number in text.split(","))
-        if not np.isfinite([up, down]).all():
+        if not np.isfinite([up, down]).all() or up == down:
             raise ValueError
     except ValueError:
-        raise InputError(f"--servo is {text!r}; it must be two numbers, for up and down, as in 30,90") from None
+        allowed = "two numbers that differ, up and down, as in 30,90"
+        raise InputError.of_range("--servo", repr(text), allowed) from None
     return Pen(up=up, down=down)

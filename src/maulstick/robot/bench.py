@@ -93,7 +93,7 @@ class Bench:
     def set_servo(self, steps: int, share: float) -> Pen:
         """Raise (above 0) or lower the pen's servo by steps of a share of its range, for the way the pen is now.
 
-        It stays within that range. Returns the new positions. Raises InputError where no servo lifts the pen.
+        It stays within that range. Returns the new positions. Raises InputError where no servo lifts the pen, or would.
         """
         if (servo := self.servo) is None or (pen := servo.pen) is None:
             raise InputError("no servo lifts this pen; move it to the paper, and make that the paper's height")
@@ -101,6 +101,8 @@ class Bench:
         change = self._upwards * steps * share * (highest - lowest)
         name = "up" if self.robot.lifted else "down"
         moved = pen.model_copy(update={name: float(np.clip(getattr(pen, name) + change, lowest, highest))})
+        if moved.up == moved.down:
+            raise InputError("up and down would be the same, so that the pen is never lifted; take another step")
         servo.set_pen(moved)
         self.easel = self.easel.model_copy(update={"pen": moved})
         self.changed = True

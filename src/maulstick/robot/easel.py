@@ -27,6 +27,12 @@ class Pen(BaseModel):
     down: _Finite
     seconds: Annotated[float, Field(ge=0, le=10)] = 0.2
 
+    @model_validator(mode="after")
+    def _is_lifted(self) -> Self:
+        if self.up == self.down:
+            raise ValueError("up and down are the same, so the pen is never lifted; give two numbers that differ")
+        return self
+
 
 class Easel(BaseModel):
     """Position of a sheet before a machine, in the machine's frame (right-handed, z up), metres.

@@ -88,8 +88,12 @@ def journal_of(painting: Path, copy: int = 1) -> Path:
 
 
 def was_begun(journal: Path) -> bool:
-    """Return whether there is anything in the journal at this path."""
-    return journal.exists() and journal.stat().st_size > 0
+    """Return whether there is anything in the journal at this path. Raises InputError where there can be none."""
+    try:
+        return journal.exists() and journal.stat().st_size > 0
+    except OSError as error:
+        fault = f"there can be no journal {journal}: {error.strerror}"
+        raise InputError(f"{fault}; give the painting a shorter name, or another folder") from error
 
 
 def begun_with(journal: Path) -> str | None:
@@ -251,7 +255,10 @@ class Journal:
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(self._file, size)
-            raise OutputError(f"cannot write {self.path}: {error.strerror}; mend that", Remedy.GO_ON) from error
+            fault = f"cannot write {self.path}: {error.strerror}; mend that"
+            if self.revision is None:  # nothing was begun, so there is nothing to go on with
+                raise OutputError(f"{fault} before painting") from error
+            raise OutputError(fault, Remedy.GO_ON) from error
         self._understand(entry)
 
     def _end(self) -> None:

@@ -20,7 +20,10 @@ _CELL: Final = (
 _LEAST: Final = 1e-3  # metres from the axis, nearer to which there is no direction away from it
 _SHIFTS: Final = tuple(sorted(np.arange(-100, 101) / 100, key=abs))[1:]  # metres by which the sheet is tried elsewhere
 _ASKED_SHIFTS: Final = tuple(sorted(np.arange(-10, 11) / 50, key=abs))[1:]  # the same, of which a machine is asked
-_ELSEWHERE: Final = f"lay the sheet elsewhere, plan for a smaller one, or scale an SVG with {option('size')}"
+_ELSEWHERE: Final = (
+    "lay the sheet elsewhere, plan for a smaller one, or turn or scale an SVG with "
+    f"{option('rotate')} or {option('size')}"
+)
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,34 @@ def test_a_full_disk_stops_the_machine_with_one_sentence_and_painting_goes_on_la
     assert recorder.said.count("stroke") == 6
 
 
+def test_on_a_full_disk_a_new_run_has_nothing_to_go_on_with(
+    begun: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("os.write", failing_at(1, OSError(28, "No space left on device")))
+        ran = run("paint", begun, "--robot", "grbl:/dev/ttyUSB0", "--restart")
+    assert ran.code == 1
+    assert ran.stderr.splitlines()[-1] == (
+        f"maulstick: cannot write {journal_of(begun)}: No space left on device; mend that before painting"
+    )
+    answers(monkeypatch, "\n\n")
+    assert run("paint", begun, "--robot", "grbl:/dev/ttyUSB0").code == 0
+
+
+def test_a_name_that_is_too_long_for_a_journal_is_named(painting: Path) -> None:
+    long = painting.rename(painting.with_name(f"{'a' * 246}.json"))
+    ran = run("paint", long)
+    assert (ran.code, ran.mistake) == (
+        2,
+        f"there can be no journal {journal_of(long)}: File name too long; give the painting a shorter name, or "
+        "another folder",
+    )
+    export = run("export", long, "--servo", "30,90")
+    assert (export.code, export.mistake) == (
+        1, f"cannot write to {long.with_suffix('.plot.gcode')}: File name too long",
+    )  # fmt: skip
+
+
 def test_a_machine_that_fails_is_one_sentence_and_painting_goes_on_later(
     painting: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -226,3 +226,18 @@ def test_a_drawing_is_not_planned_again_on_the_way(drawing: Path) -> None:
     ran = run("paint", drawing, "--replan", "3", "--dry-run")
     assert ran.code == 2
     assert ran.mistake.endswith("a drawing is not planned, so it is not planned again either; leave out --replan")
+
+
+def test_a_page_may_be_larger_than_the_machine_reaches_where_its_strokes_are_not(tmp_path: Path) -> None:
+    page = '<svg xmlns="http://www.w3.org/2000/svg" width="210mm" height="297mm" viewBox="0 0 210 297">{}</svg>'
+    head, foot = tmp_path / "head.svg", tmp_path / "foot.svg"
+    head.write_text(page.format('<path d="M10 30H90"/>'))
+    foot.write_text(page.format('<path d="M10 280H90"/>'))
+    with FakeEbb() as device:
+        robot = ("--robot", f"axidraw:{device.port}", "--dry-run")
+        assert run("paint", head, *robot).stderr == "1 stroke, 80 mm, 1 paint, about 1 min\n"
+        assert run("paint", foot, *robot).mistake == (
+            "stroke 0: the machine's y is -280 mm; it must be -218 to 0 mm: 62 mm less far; lay the sheet elsewhere, "
+            "plan for a smaller one, or turn or scale an SVG with --rotate or --size"
+        )
+        assert run("paint", foot, *robot, "--rotate", "90").code == 0

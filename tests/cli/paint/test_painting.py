@@ -96,5 +96,5 @@ def test_the_easel_may_narrow_the_limits_of_the_simulator(painting: Path) -> Non
     ran = run("paint", painting, "--easel", painting.with_name("easel.json"))
     assert ran.code == 2
     assert "the machine's x is" in ran.mistake
-    assert ran.mistake.endswith("lay the sheet elsewhere, plan for a smaller one, or scale an SVG with --size")
+    assert ran.mistake.endswith("or turn or scale an SVG with --rotate or --size")
     assert not journal_of(painting).exists()

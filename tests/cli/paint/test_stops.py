@@ -16,6 +16,7 @@ from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.pace import Pace
 from tests.cli.conftest import run
 from tests.cli.paint.conftest import ALL, answers, painted
+from tests.robot.test_ebb import until_true
 from tests.support.robot.fake_grbl import FakeGrbl
 from tests.support.robot.recorder import Recorder
 from tests.support.robot.small_paintings import line, painting_of
@@ -235,6 +236,17 @@ def test_a_stop_where_the_pen_stands_elsewhere_moves_nothing_and_keeps_the_journ
     assert "s and Enter stop" in ran.stderr
     assert painted_by(penned, 1) == {1}
     assert Journal.read(journal_of(penned)).unfinished is None
+
+
+def test_a_grbl_that_is_stopped_while_it_waits_is_left_idle(penned: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with FakeGrbl(pace=1000.0) as device:
+        monkeypatch.setattr("sys.stdin", Person(lambda asked: os.kill(os.getpid(), signal.SIGINT)))
+        ran = run("paint", penned, "--robot", f"grbl:{device.port}", "--pause-at", "3")
+        lines = len(device.lines)
+        assert until_true(lambda: device.state == "Idle")
+        assert (device.holds, len(device.lines)) == (1, lines)
+    assert ran.code == 130
+    assert painted_by(penned, 1) == {1, 2}
 
 
 @pytest.mark.parametrize(("at", "strokes", "copies"), [(1, 10, 2), (2, 20, 3)])

@@ -155,6 +155,9 @@ class FakeGrbl:
                 self.holds += 1
                 if self._state in ("Run", "Idle"):
                     self._state = "Hold:1" if self._motion.speed > 0 else "Hold:0"
+            elif letter == b"~":
+                if self._state == "Hold:0":
+                    self.press_start()
             elif letter == b"\x18":
                 self._reset()
             elif letter in OVERRIDES:

@@ -61,7 +61,6 @@ class AxiDraw(LetsGo, HasServo):
 
     def easel(self, width: float, height: float) -> Easel:
         """Return an easel whose upper left corner is the home corner, as `Robot.easel`."""
-        self.limits.check_path(np.array([(0, 0, 0), (width, -height, 0)]))
         return Easel(corner=(0, 0, 0), right=(1, 0, 0), down=(0, -1, 0), pen=self._pen)
 
     @property

@@ -112,6 +112,9 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
 
     def _close(self) -> None:
         if self._line is not None:
+            if self._stopping.is_set() and not self._out_of_use:  # stopped between two calls, when nothing is queued
+                with suppress(MachineError):
+                    self._stream.release()
             self._line.close()
             self._line = None
 

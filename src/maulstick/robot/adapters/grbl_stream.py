@@ -20,7 +20,7 @@ BUFFER: Final = 127
 HOLD: Final = b"!"
 """Command that brakes at once, whatever else is on the line."""
 
-_RESET, _REPORT = b"\x18", b"?"  # real-time commands: soft reset, and a status report
+_RESET, _REPORT, _GO_ON = b"\x18", b"?", b"~"  # real-time commands: soft reset, a status report, the end of a hold
 _USUAL, _FASTER, _SLOWER = b"\x90", b"\x91", b"\x92"  # overrides of the feed: 100 %, 10 % more, 10 % less
 _STEP = 10  # per cent of those
 _BETWEEN_REPORTS = 0.2  # seconds; Grbl's interface asks for at most 5 per second
@@ -81,6 +81,11 @@ class GrblStream:
                 if status.state in _HALTED:
                     return
                 deaf.renew()
+
+    def release(self) -> None:
+        """End a hold in which it stands still and has nothing left to do, so that other programs find it idle."""
+        if self.status(ready=False).state == "Hold:0":
+            self._line.write(_GO_ON)
 
     def status(self, ready: bool = True) -> Status:
         """Ask for the status. ready: raise MachineError, which says what to do, where it is not ready to draw."""

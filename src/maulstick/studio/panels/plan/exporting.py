@@ -81,9 +81,12 @@ class ExportDialog:
 
     @property
     def _pen(self) -> Pen:
-        if self._up.value is None or self._down.value is None:
+        up, down = self._up.value, self._down.value
+        if up is None or down is None:
             raise InputError("the servo's numbers for up and down are missing; write both")
-        return Pen(up=self._up.value, down=self._down.value)
+        if up == down:
+            raise InputError("the servo's numbers for up and down are the same; write two that differ")
+        return Pen(up=up, down=down)
 
 
 def _whole(number: ui.number, what: str, least: int, most: int) -> int:
