@@ -1,9 +1,11 @@
+import tracemalloc
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from maulstick.drawing.document import coordinates
 from maulstick.drawing.options import DrawingOptions
 from maulstick.drawing.read import read_drawing
 from maulstick.errors import InputError
@@ -66,6 +68,19 @@ def test_ten_megabytes_are_read(tmp_path: Path) -> None:
     assert file.stat().st_size > 8e6
     painting = read_drawing(file).painting
     assert [len(stroke.trajectory) for stroke in painting.strokes] == [100_000] * 10
+
+
+def test_a_long_line_needs_little_more_memory_than_its_numbers() -> None:
+    text = "0.25,1.5 " * 50_000
+    tracemalloc.start()
+    try:
+        read, whole = coordinates(text)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert read == [0.25, 1.5] * 50_000
+    assert whole
+    assert peak < 100 * len(read)
 
 
 NASTY = [

@@ -1,5 +1,9 @@
+import tracemalloc
+from xml.etree.ElementTree import fromstring
+
 import pytest
 
+from maulstick.drawing.style_sheet import StyleSheet
 from tests.drawing.conftest import Read, labels, points
 
 LINES = '<path class="a" d="M0 0h9"/><path class="b" d="M0 1h9"/>'
@@ -74,6 +78,22 @@ def test_the_first_selector_that_is_not_understood_is_named(read: Read, selector
 def test_selectors_that_could_be_tried_in_endless_ways_are_tried_once(read: Read) -> None:
     sheet = "<style>b " + "g " * 40 + "path { display: none }</style>"
     assert len(points(read(f"{sheet}{'<g>' * 80}{LINES}{'</g>' * 80}"))) == 2
+
+
+@pytest.mark.parametrize("name", ["m", "l"])
+def test_many_rules_of_many_groups_are_not_tried_with_each_other(name: str) -> None:
+    rules = "".join(f"g.l{i} path {{ stroke: red }}" for i in range(100))
+    groups = "".join(f'<g class="{name}{i}"><path/></g>' for i in range(1000))
+    root = fromstring(f"<svg><style>{rules}</style>{groups}</svg>")
+    sheet = StyleSheet(root)
+    tracemalloc.start()
+    try:
+        coloured = sum("stroke" in sheet.of(element) for element in root.iter())
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert coloured == (100 if name == "l" else 0)
+    assert peak < 1e6
 
 
 def test_sizes_in_styles_are_said_to_be_passed_over(read: Read) -> None:

@@ -27,7 +27,7 @@ _LARGEST = 1e7  # pixels: 2.6 km
 _PAGE = 1000.0  # pixels: each side of a page whose file does not say it, as vpype has it
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z]+|%|)\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_POINTS = re.compile(rf"\A\s*(?:{_NUMBER.pattern}\s*,?\s*)*")
+_COORDINATE = re.compile(rf"({_NUMBER.pattern})\s*,?\s*")
 
 
 def parsed_svg(content: bytes, path: Path) -> Element:
@@ -54,9 +54,12 @@ def numbers(text: str | None) -> list[float]:
 
 def coordinates(text: str) -> tuple[list[float], bool]:
     """Return the coordinates of points up to a fault, x and y in turn, and whether there is no fault."""
-    rest = _POINTS.sub("", text, count=1)
-    read = numbers(text.removesuffix(rest))
-    return read[: len(read) // 2 * 2], not rest and len(read) % 2 == 0
+    read: list[float] = []
+    end = len(text) - len(text.lstrip())
+    while match := _COORDINATE.match(text, end):  # one expression for all of them would need 1 kB for each
+        read.append(float(match[1]))
+        end = match.end()
+    return read[: len(read) // 2 * 2], end == len(text) and len(read) % 2 == 0
 
 
 def pixels(text: str | None, whole: float = 0.0) -> float | None:

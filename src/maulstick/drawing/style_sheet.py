@@ -14,7 +14,7 @@ _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _BRACE = re.compile(r"([^{}]*)([{}])")
 _LINK = re.compile(r"\s*(>)\s*|\s+")
 _COMPOUND = re.compile(r"(?=.)(\*|[\w-]*)((?:[.#][\w-]+)*)")  # tag, .class, #id, tag.class.class#id
-_NAME = re.compile(r"[.#][\w-]+")
+_NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
 
 
@@ -22,25 +22,33 @@ _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
 class _Selector:
     """Selector of the kinds that are read, such as ``g.axis > path``.
 
-    tag: of the element, ``*`` for any.  names: of its classes and its id, with their ``.`` and ``#``.
+    names: of the element: its tag, its classes and its id, these with their ``.`` and ``#``.
+    needs: the same with the names of all that must lie around it.
+    key: one of these that few have, ``*`` where there is none.
     around: selector of an element around it, or, where of_parent, of its parent; None where they may be any.
     """
 
-    tag: str
     names: frozenset[str]
+    needs: frozenset[str]
+    key: str
     around: "_Selector | None"
     of_parent: bool
 
     @classmethod
     def of(cls, text: str) -> Self | None:
         """Return the selector that a text is, or None where it is of another kind."""
-        found = None
+        found: Self | None = None
         parts = _LINK.split(text)
         for link, part in zip([None, *parts[1::2]], parts[::2], strict=True):
-            match = _COMPOUND.fullmatch(part)
-            if match is None:
+            if _COMPOUND.fullmatch(part) is None:
                 return None
-            found = cls(match[1] or "*", frozenset(_NAME.findall(match[2])), found, link == ">")
+            names = frozenset(_NAME.findall(part))
+            key = min(names, default="*")  # an id, else a class, else a tag
+            if found is None:
+                found = cls(names, names, key, None, of_parent=False)
+            else:
+                key = key if key[0] in "#." else found.key
+                found = cls(names, names | found.needs, key, found, link == ">")
         return found
 
 
@@ -60,20 +68,24 @@ class StyleSheet:
 
     def __init__(self, root: Element) -> None:
         self.unread: str | None = None
-        self._parents = {child: parent for parent in root.iter() for child in parent}
-        self._within: dict[tuple[_Selector, Element], bool] = {}
-        self._rules: defaultdict[str, list[_Rule]] = defaultdict(list)  # by a name that their elements have
+        self._rules: defaultdict[str, list[_Rule]] = defaultdict(list)  # by their selectors' keys
         self._count = 0
         for element in root.iter():
             if isinstance(element.tag, str) and local_name(element) == "style" and _on_screen(element.get("media", "")):
                 for selectors, body in _rules(_COMMENT.sub("", element.text or "")):
                     self._add(selectors, _declared(body))
+        self._parents: dict[Element, Element] = {}
+        self._names: dict[Element, frozenset[str]] = {}  # of those that selectors need
+        self._around: dict[Element, frozenset[str]] = {root: frozenset()}  # those of all elements around one
+        self._found: dict[tuple[_Selector, Element], bool] = {}
+        if self._rules:
+            self._survey(root)
 
     def of(self, element: Element) -> dict[str, str]:
         """Return the properties that an element itself has, by name."""
         given = {name: value for name in READ if (value := element.get(name)) is not None}
         if self._rules:
-            keys = {"*", local_name(element), *_names(element)}
+            keys = {"*"} | self._names[element] | self._around[element]
             found = [rule for key in keys for rule in self._rules.get(key, ()) if self._is_of(rule.selector, element)]
             for rule in sorted(found, key=lambda rule: rule.weight):
                 given |= rule.declared
@@ -86,34 +98,44 @@ class StyleSheet:
             selector = _Selector.of(text)
             if selector is not None:
                 weight = text.count("#"), text.count("."), len(_TAG.findall(text)), self._count
-                self._rules[min(selector.names, default=selector.tag)].append(_Rule(weight, selector, declared))
+                self._rules[selector.key].append(_Rule(weight, selector, declared))
                 self._count += 1
             elif self.unread is None and declared.keys() & {*READ}:
                 self.unread = text
 
+    def _survey(self, root: Element) -> None:
+        """Note the parent of each element, and the names that it and those around it have."""
+        needed = {name for rules in self._rules.values() for rule in rules for name in rule.selector.needs}
+        for element in root.iter():
+            classes = (f".{name}" for name in element.get("class", "").split())
+            names = frozenset(needed.intersection((local_name(element), f"#{element.get('id', '')}", *classes)))
+            inside = self._around[element]
+            if not names <= inside:  # else one set is shared by all of them
+                inside |= names
+            self._names[element] = names
+            for child in element:
+                self._parents[child] = element
+                self._around[child] = inside
+
     def _is_of(self, selector: _Selector, element: Element) -> bool:
         """Return whether a selector is of an element."""
-        if selector.tag not in ("*", local_name(element)) or not selector.names <= _names(element):
+        if not selector.names <= self._names[element]:
             return False
         if selector.around is None:
             return True
-        parent = self._parents.get(element)
-        is_there = self._is_of if selector.of_parent else self._is_around
-        return parent is not None and is_there(selector.around, parent)
+        if selector.of_parent:
+            return element in self._parents and self._is_of(selector.around, self._parents[element])
+        return self._is_around(selector.around, element)
 
     def _is_around(self, selector: _Selector, element: Element) -> bool:
-        """Return whether a selector is of an element or of one around that; found once, however many lie in it."""
-        key = selector, element
-        if key not in self._within:
-            parent = self._parents.get(element)
-            around = parent is not None and self._is_around(selector, parent)
-            self._within[key] = around or self._is_of(selector, element)
-        return self._within[key]
-
-
-def _names(element: Element) -> set[str]:
-    """Return the classes and the id of an element, as selectors name them."""
-    return {*(f".{name}" for name in element.get("class", "").split()), f"#{element.get('id', '')}"}
+        """Return whether a selector is of one around an element; found once for all with one parent."""
+        if element not in self._parents or not selector.needs <= self._around[element]:
+            return False
+        parent = self._parents[element]
+        key = selector, parent
+        if key not in self._found:
+            self._found[key] = self._is_around(selector, parent) or self._is_of(selector, parent)
+        return self._found[key]
 
 
 def _rules(text: str) -> Iterator[tuple[str, str]]:
