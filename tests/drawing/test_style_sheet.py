@@ -75,6 +75,19 @@ def test_the_first_selector_that_is_not_understood_is_named(read: Read, selector
     assert note.startswith(f"a style sheet's rule for '{selector}' is left out: ")
 
 
+def test_a_list_in_parentheses_is_part_of_its_selector(read: Read) -> None:
+    drawing = read(f"<style>path:not(.x, :is(.y, .z), .a, .x), .b {{ display: none }}</style>{LINES}")
+    assert points(drawing) == [[[0, 0], [9, 0]]]
+    (note,) = drawing.notes
+    assert note.startswith("a style sheet's rule for 'path:not(.x, :is(.y, .z), .a, .x)' is left out: ")
+
+
+def test_a_comma_too_many_in_a_list_is_passed_over(read: Read) -> None:
+    drawing = read(f"<style>.b, {{ display: none }}</style>{LINES}")
+    assert points(drawing) == [[[0, 0], [9, 0]]]
+    assert drawing.notes == ()
+
+
 def test_selectors_that_could_be_tried_in_endless_ways_are_tried_once(read: Read) -> None:
     sheet = "<style>b " + "g " * 40 + "path { display: none }</style>"
     assert len(points(read(f"{sheet}{'<g>' * 80}{LINES}{'</g>' * 80}"))) == 2

@@ -12,6 +12,7 @@ from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _BRACE = re.compile(r"([^{}]*)([{}])")
+_MARK = re.compile(r"[,()\[\]]")
 _LINK = re.compile(r"\s*(>)\s*|\s+")
 _COMPOUND = re.compile(r"(?=.)(\*|[\w-]*)((?:[.#][\w-]+)*)")  # tag, .class, #id, tag.class.class#id
 _NAME = re.compile(r"[.#]?[\w-]+")
@@ -94,7 +95,7 @@ class StyleSheet:
         return {name: value for name, value in given.items() if value != "inherit"}
 
     def _add(self, selectors: str, declared: dict[str, str]) -> None:
-        for text in (" ".join(each.split()) for each in selectors.split(",")):
+        for text in filter(None, (" ".join(each.split()) for each in _listed(selectors))):
             selector = _Selector.of(text)
             if selector is not None:
                 weight = text.count("#"), text.count("."), len(_TAG.findall(text)), self._count
@@ -148,6 +149,18 @@ def _rules(text: str) -> Iterator[tuple[str, str]]:
             head = heads.pop()
             if not head.startswith("@") and all(_on_screen(each.removeprefix("@media")) for each in heads):
                 yield head, before
+
+
+def _listed(selectors: str) -> Iterator[str]:
+    """Yield the selectors in a list; a comma in parentheses parts none."""
+    start = depth = 0
+    for mark in _MARK.finditer(selectors):
+        if mark[0] != ",":
+            depth += 1 if mark[0] in "([" else -1
+        elif depth == 0:
+            yield selectors[start : mark.start()]
+            start = mark.end()
+    yield selectors[start:]
 
 
 def _on_screen(media: str) -> bool:
