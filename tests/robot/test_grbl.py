@@ -252,6 +252,17 @@ def test_after_a_stop_it_is_entered_again_on_the_same_connection(pen: Pen | None
                 assert device.place[:2] == pytest.approx(1e3 * ABOVE[:2])
 
 
+def test_after_a_stop_while_it_is_entered_nothing_moves_any_more() -> None:
+    brakes_at_once = SETTINGS | dict.fromkeys((120, 121, 122), 4000.0)
+    with FakeGrbl(brakes_at_once, start=(0.0, 0.0, -50.0), pace=4.0) as device:
+        robot = Grbl(device.port)
+        with once(lambda: device.place[2] > -45, robot.stop), pytest.raises(StoppedError), robot:
+            pytest.fail("it was entered")
+        held = device.place
+        time.sleep(0.3)
+        assert (device.state, device.place) == ("Hold:0", held)
+
+
 @pytest.mark.parametrize("pen", [None, SERVO])
 @pytest.mark.parametrize("stopped", [True, False])
 def test_a_pen_that_stays_down_after_a_stroke_is_lifted_by_a_stop_and_on_leaving(

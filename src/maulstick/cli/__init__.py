@@ -26,7 +26,7 @@ def main() -> None:
     except MaulstickError as error:
         print(f"maulstick: {COMMAND_LINE.say(error)}", file=sys.stderr)
         sys.exit(FAILED if isinstance(error, OutputError) else MACHINE if isinstance(error, MachineError) else UNUSABLE)
-    except OSError as error:  # most files would be a MaulstickError
+    except OSError as error:  # for most files this is a MaulstickError
         where = error.filename or "the standard output"
         print(f"maulstick: cannot write to {where}: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python, leaving, writes what it still holds, and fails again

@@ -93,7 +93,7 @@ class Bench:
     def set_servo(self, steps: int, share: float) -> Pen:
         """Raise (above 0) or lower the pen's servo by steps of a share of its range, for the way the pen is now.
 
-        It stays within that range. Returns the new positions. Raises InputError where no servo lifts the pen, or would.
+        It stays within that range. Returns the new positions. Raises InputError where none lifts the pen, or would.
         """
         if (servo := self.servo) is None or (pen := servo.pen) is None:
             raise InputError("no servo lifts this pen; move it to the paper, and make that the paper's height")

@@ -121,11 +121,13 @@ class Robot(ABC):
 
     @property
     def counts_steps(self) -> bool:
-        """Whether it knows its place only by counting steps from where it was switched on, or homed.
-
-        It is at home where x and y are 0.
-        """
+        """Whether it knows its place only by counting steps from where it was switched on, or homed."""
         return False
+
+    @property
+    def home(self) -> Floats | None:
+        """Place (2,) where its pen is put by hand before it is switched on, metres; None where it is not."""
+        return None
 
     @property
     @final

@@ -64,11 +64,12 @@ class Workplace:
         goes_on: whether a run goes on. One that begins at home needs no prompt: there its pen is put beforehand.
         """
         robot = self.robot
-        if not robot.counts_steps or not (goes_on or np.abs(robot.place[:2]).max() > _AT_HOME):
+        is_away = robot.home is not None and np.abs(robot.place[:2] - robot.home).max() > _AT_HOME
+        if not (is_away or (goes_on and robot.counts_steps)):
             return []
         x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
-        otherwise = "unplug power and USB, push the pen home, plug them in, and resume"
+        otherwise = "unplug power and USB, push the pen to its home corner, and plug both in again"
         return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {otherwise})", paint, renews=False)]
 
     def do(
@@ -102,10 +103,10 @@ class Workplace:
 
 
 def home_of(robot: Robot) -> Floats:
-    """Return the place (3,) of a machine's tip while a sheet is put in: home where it counts steps, else as it is."""
-    if not robot.counts_steps:
+    """Return the place (3,) of a machine's tip while a sheet is put in: its home, or where it is."""
+    if robot.home is None:
         return robot.place
-    return np.clip(robot.place * (0, 0, 1), robot.limits.lower, robot.limits.upper)
+    return np.array([*robot.home, robot.place[2]]).clip(robot.limits.lower, robot.limits.upper)
 
 
 def _seen_from(easel: Easel, well: Well, before: Easel) -> Well:

@@ -3,6 +3,7 @@
 import io
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +12,7 @@ from maulstick.painting.painting_file import write_painting
 from tests.cli.conftest import Ran, run
 from tests.cli.paint.test_stops import Person
 from tests.support.robot.fake_ebb import POWERED, UNPOWERED, FakeEbb
-from tests.support.robot.fake_grbl import FakeGrbl
+from tests.support.robot.fake_grbl import SETTINGS, FakeGrbl
 from tests.support.robot.small_paintings import line, painting_of
 
 ASKED = "see that the pen stands"
@@ -38,18 +39,39 @@ def test_a_new_run_that_begins_away_from_home_asks_before_anything_moves(
 ) -> None:
     with FakeEbb() as device:
         robot = ("--robot", f"axidraw:{device.port}")
-        first = paint(monkeypatch, "", three, *robot)
-        assert (first.code, ASKED in first.stderr) == (0, False), "its pen is at home, where it was put"
+        first = paint(monkeypatch, "s\n", three, *robot, "--pause-at", "3")
+        assert (first.code, ASKED in first.stderr) == (130, False), "its pen is at home, where it was put"
         device.supply, device.made, device.supply = UNPOWERED, (0, 0), POWERED  # pushed home while it had no power
         moved = len([command for command in device.commands if command.startswith("SM")])
         ran = paint(monkeypatch, "s\n", three, *robot, "--restart")
         assert ran.code == 130
-        assert f"{ASKED} 30 mm from the left and 30 mm from the upper edge" in ran.stderr
+        assert f"{ASKED} 10 mm from the left and 20 mm from the upper edge" in ran.stderr
         assert len([command for command in device.commands if command.startswith("SM")]) == moved
         device.made = device.steps
         again = paint(monkeypatch, "\n", three, *robot, "--restart")
         assert (again.code, again.stderr.count(ASKED)) == (0, 1)
         assert min(first + second for first, second, _ in device.reached) >= 0
+
+
+def test_one_run_after_another_asks_nothing_since_each_ends_at_home(
+    three: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with FakeEbb() as device:
+        for _ in range(2):
+            assert paint(monkeypatch, "", three, "--robot", f"axidraw:{device.port}", "--restart").code == 0
+            assert device.made == (0, 0)
+
+
+def test_a_grbl_that_homes_by_itself_asks_nothing_and_stays(three: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    homed: dict[str, Any] = {
+        "settings": SETTINGS | {22: 1},
+        "origin": (-100.0, -100.0, -20.0),
+        "start": (-1.0, -1.0, 0.0),
+    }
+    with FakeGrbl(pace=1000.0, **homed) as device:
+        ran = paint(monkeypatch, "", three, "--robot", f"grbl:{device.port}")
+        assert (ran.code, ASKED in ran.stderr) == (0, False), ran.stderr
+        assert device.place[:2] == pytest.approx((30 - 100, 10 - 100), abs=DECIMALS), "over the end of its last stroke"
 
 
 def test_a_grbl_asks_as_well_and_once_for_all_copies(three: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,11 +86,12 @@ def test_a_plotter_goes_home_while_a_sheet_is_changed_wherever_the_run_began(
     three: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with FakeEbb() as device:
-        assert paint(monkeypatch, "", three, "--robot", f"axidraw:{device.port}").code == 0
+        assert paint(monkeypatch, "s\n", three, "--robot", f"axidraw:{device.port}", "--pause-at", "3").code == 130
         monkeypatch.setattr("sys.stdin", Person(lambda asked: places.append(device.made)))
         places: list[tuple[int, int]] = []
         assert run("paint", three, "--resume", "--copies", "3").code == 0
-    assert places == [(60 * STEPS_PER_MM, 0), (0, 0), (0, 0)]
+    paused = 30 * STEPS_PER_MM, -10 * STEPS_PER_MM  # before the third stroke of each copy
+    assert places == [paused, paused, (0, 0), paused, (0, 0), paused]
 
 
 def test_a_plotter_whose_easel_leaves_out_its_home_goes_as_near_as_it_may(

@@ -103,15 +103,23 @@ def paint_sheet(
             with operator.on_duty():
                 if replanning is None or eye is None:
                     load = place.do([*asked, *actions], sheet.load)
+                    _go_home(place)
                     return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
                 load = place.do(asked, sheet.load) if asked else sheet.load
                 load = replanning.paint(setup.plan, place, eye, operator, load)
+                _go_home(place)
                 return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
         finally:
             if setup.simulation is None:
                 _log(tally, setup, request.painting, operator)
             else:
                 operator.leave(setup.simulation.write_photograph(request.painting))
+
+
+def _go_home(place: Workplace) -> None:
+    """Move a plotter home, where the next run may begin without anybody who sees where its pen stands."""
+    if place.robot.home is not None:
+        place.step_aside(home_of(place.robot))
 
 
 def _is_one_pen(setup: PaintSetup, sheet: PaintSheet) -> bool:

@@ -92,9 +92,9 @@ class Again:
                 f"leave out {option('robot')}, or plan anew"
             )
 
-    def check_guides(self, painted: Sequence[Colour]) -> None:
-        """Raise InputError for guides to be painted, of these colours, beside a painting that never had any."""
-        if painted and self.painting.provenance.options.get("guides") is None:
+    def check_guides(self, guides: Path | None, painted: Sequence[Colour]) -> None:
+        """Raise InputError for guides to be painted, of these colours, that are not those of the painting."""
+        if painted and guides is not None and self.painting.provenance.options.get("guides") != guides.name:
             raise InputError(
                 "lines on a layer called paint are painted with a new plan; add them to the painting as strokes, and "
                 "leave that layer out"

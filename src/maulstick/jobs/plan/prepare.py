@@ -55,7 +55,7 @@ def prepare(
     brushes, is_held = _held(directing.brushes(usual), options)
     if again is not None:
         again.check_pressure(options)
-        again.check_guides(directing.painted_colours)
+        again.check_guides(options.guides, directing.painted_colours)
         brushes, sheet = again.brushes(brushes), again.sheet(sheet)
     finest = finest_of(brushes)
     if options.drawing == "lines":

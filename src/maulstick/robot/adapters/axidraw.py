@@ -69,6 +69,11 @@ class AxiDraw(LetsGo, HasServo):
         return True
 
     @property
+    def home(self) -> Floats:
+        """As `Robot.home`: the home corner."""
+        return np.zeros(2)
+
+    @property
     def pen(self) -> Pen:
         """As in `HasServo`."""
         return self._pen

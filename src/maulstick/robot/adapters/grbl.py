@@ -50,6 +50,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         self._line: SerialLine | None = None
         self._origin: Floats = np.zeros(3)
         self._servo_range = (0.0, 0.0)
+        self._finds_home = False
 
     def easel(self, width: float, height: float) -> Easel:
         """Return a flat easel whose lower left corner is the work's origin, as `Robot.easel`."""
@@ -59,6 +60,11 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
     def counts_steps(self) -> bool:
         """As `Robot.counts_steps`."""
         return True
+
+    @property
+    def home(self) -> Floats | None:
+        """As `Robot.home`: the work's origin, but for one that finds its place at switches, $22=1."""
+        return None if self._finds_home else np.zeros(2)
 
     @property
     def pen(self) -> Pen | None:
@@ -112,7 +118,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
 
     def _close(self) -> None:
         if self._line is not None:
-            if self._stopping.is_set() and not self._out_of_use:  # stopped between two calls, when nothing is queued
+            if self._stopping.is_set() and not self._out_of_use:
                 with suppress(MachineError):
                     self._stream.release()
             self._line.close()
@@ -191,7 +197,7 @@ class Grbl(KeepsOrigin, LetsGo, HasServo, OverridesSpeed):
         """Raise MachineError for settings that would make commands mean something else, InputError for a wrong pen."""
         if settings[13]:
             raise MachineError(f"the Grbl on {self._port} reports in inches; send $13=0, then start again")
-        self._servo_range = settings[31], settings[30]
+        self._servo_range, self._finds_home = (settings[31], settings[30]), bool(settings[22])
         if self._pen is None:
             return
         if settings[32]:

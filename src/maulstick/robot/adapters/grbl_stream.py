@@ -84,6 +84,8 @@ class GrblStream:
 
     def release(self) -> None:
         """End a hold in which it stands still and has nothing left to do, so that other programs find it idle."""
+        if self._waiting:  # it would go on with what it was sent
+            return
         if self.status(ready=False).state == "Hold:0":
             self._line.write(_GO_ON)
 
