@@ -47,6 +47,21 @@ def test_of_rules_the_more_special_counts_and_else_the_later(read: Read, sheet: 
 
 
 @pytest.mark.parametrize(
+    ("sheet", "style", "colour"),
+    [
+        (".a{stroke:red!important}#i{stroke:blue}", "", "#ff0000"),
+        (".a{stroke:red !important}", "stroke:blue", "#ff0000"),
+        (".a{stroke:red ! IMPORTANT;stroke:blue}", "", "#ff0000"),
+        (".a{stroke:blue!important}.a.b{stroke:red!important}.a{stroke:blue!important}", "stroke:blue", "#ff0000"),
+        (".a{stroke:blue!important}", "stroke:red!important;stroke:blue", "#ff0000"),
+    ],
+)
+def test_what_is_important_counts_before_all_else(read: Read, sheet: str, style: str, colour: str) -> None:
+    body = f'<style>{sheet}</style><path id="i" class="a b" style="{style}" d="M0 0h9"/>'
+    assert labels(read(body)) == [colour]
+
+
+@pytest.mark.parametrize(
     ("selector", "hidden"),
     [
         (".axis path", [0, 1, 2]),

@@ -15,6 +15,7 @@ _BRACE = re.compile(r"([^{}]*)([{}])")
 _MARK = re.compile(r"[,()\[\]]")
 _LINK = re.compile(r"\s*(>)\s*|\s+")
 _COMPOUND = re.compile(r"(?=.)(\*|[\w-]*)((?:[.#][\w-]+)*)")  # tag, .class, #id, tag.class.class#id
+_IMPORTANT = re.compile(r"!\s*important", re.IGNORECASE)
 _NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
 
@@ -53,12 +54,19 @@ class _Selector:
         return found
 
 
+class _Declared(NamedTuple):
+    """Properties that are declared, by name, and those of them that are ``!important``."""
+
+    usual: dict[str, str]
+    important: dict[str, str]
+
+
 class _Rule(NamedTuple):
     """Rule of a style sheet; weight: numbers of ids, classes and tags, and of the rules before it."""
 
     weight: tuple[int, int, int, int]
     selector: _Selector
-    declared: dict[str, str]
+    declared: _Declared
 
 
 class StyleSheet:
@@ -85,23 +93,24 @@ class StyleSheet:
     def of(self, element: Element) -> dict[str, str]:
         """Return the properties that an element itself has, by name."""
         given = {name: value for name in READ if (value := element.get(name)) is not None}
+        declared: list[_Declared] = []
         if self._rules:
             keys = {"*"} | self._names[element] | self._around[element]
             found = [rule for key in keys for rule in self._rules.get(key, ()) if self._is_of(rule.selector, element)]
-            for rule in sorted(found, key=lambda rule: rule.weight):
-                given |= rule.declared
-        if (style := element.get("style")) is not None:
-            given |= _declared(style)
+            declared = [rule.declared for rule in sorted(found, key=lambda rule: rule.weight)]
+        declared.append(_declared(element.get("style", "")))
+        for properties in (*(each.usual for each in declared), *(each.important for each in declared)):
+            given |= properties
         return {name: value for name, value in given.items() if value != "inherit"}
 
-    def _add(self, selectors: str, declared: dict[str, str]) -> None:
+    def _add(self, selectors: str, declared: _Declared) -> None:
         for text in filter(None, (" ".join(each.split()) for each in _listed(selectors))):
             selector = _Selector.of(text)
             if selector is not None:
                 weight = text.count("#"), text.count("."), len(_TAG.findall(text)), self._count
                 self._rules[selector.key].append(_Rule(weight, selector, declared))
                 self._count += 1
-            elif self.unread is None and declared.keys() & {*READ}:
+            elif self.unread is None and any(each.keys() & {*READ} for each in declared):
                 self.unread = text
 
     def _survey(self, root: Element) -> None:
@@ -168,6 +177,10 @@ def _on_screen(media: str) -> bool:
     return any(each.strip() in ("", "all", "screen", "only screen") for each in media.lower().split(","))
 
 
-def _declared(text: str) -> dict[str, str]:
-    pairs = (each.partition(":") for each in text.split(";"))
-    return {name.strip().lower(): value.replace("!important", "").strip() for name, _, value in pairs if value}
+def _declared(text: str) -> _Declared:
+    declared = _Declared({}, {})
+    for name, _, value in (each.partition(":") for each in text.split(";")):
+        if value:
+            said, is_important = _IMPORTANT.subn("", value)
+            (declared.important if is_important else declared.usual)[name.strip().lower()] = said.strip()
+    return declared
