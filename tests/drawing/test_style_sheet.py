@@ -29,6 +29,25 @@ def test_a_rule_after_a_block_that_does_not_count_is_read(read: Read) -> None:
 
 
 @pytest.mark.parametrize(
+    ("block", "counts"),
+    [
+        ("@MEDIA Screen", True),
+        ("@media not print", True),
+        ("@media(min-width: 9px)", False),
+        ("@Supports (display: grid)", True),
+        ("@supports not (display: grid)", False),
+        ("@layer", True),
+        ("@layer base.plain", True),
+        ("@layer base { @media print", False),
+        ("@layer base { @supports (mask: none)", True),
+    ],
+)
+def test_blocks_that_browsers_read_for_every_screen_count(read: Read, block: str, counts: bool) -> None:
+    sheet = f"{block} {{ .a {{ stroke: red }} }} {'}' * block.count('{')} .b {{ stroke: blue }}"
+    assert labels(read(f"<style>{sheet}</style>{LINES}")) == ["#ff0000" if counts else "#000000", "#0000ff"]
+
+
+@pytest.mark.parametrize(
     ("sheet", "colour"),
     [
         (".a{stroke:red}.b{stroke:blue}", "#0000ff"),

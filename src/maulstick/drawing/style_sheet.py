@@ -12,6 +12,8 @@ from maulstick.recording.files.markup import local_name
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _BRACE = re.compile(r"([^{}]*)([{}])")
+_BLOCK = re.compile(r"@(?:layer\b.*|supports\b(?!\s*not\b).*|media\b(.*))", re.IGNORECASE | re.DOTALL)
+_SCREENS = ("", "all", "screen", "only screen", "not print")
 _MARK = re.compile(r"[,()\[\]]")
 _LINK = re.compile(r"\s*(>)\s*|\s+")
 _COMPOUND = re.compile(r"(?=.)(\*|[\w-]*)((?:[.#][\w-]+)*)")  # tag, .class, #id, tag.class.class#id
@@ -156,7 +158,8 @@ def _rules(text: str) -> Iterator[tuple[str, str]]:
             heads.append(before.rpartition(";")[2].strip())  # an @import, which has no block, ends in a semicolon
         elif heads:
             head = heads.pop()
-            if not head.startswith("@") and all(_on_screen(each.removeprefix("@media")) for each in heads):
+            blocks = [_BLOCK.fullmatch(each) for each in heads]
+            if not head.startswith("@") and all(block and _on_screen(block[1] or "") for block in blocks):
                 yield head, before
 
 
@@ -174,7 +177,7 @@ def _listed(selectors: str) -> Iterator[str]:
 
 def _on_screen(media: str) -> bool:
     """Return whether a list of media has every screen in it."""
-    return any(each.strip() in ("", "all", "screen", "only screen") for each in media.lower().split(","))
+    return any(each.strip() in _SCREENS for each in media.lower().split(","))
 
 
 def _declared(text: str) -> _Declared:
