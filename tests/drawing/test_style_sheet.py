@@ -109,6 +109,14 @@ def test_the_first_selector_that_is_not_understood_is_named(read: Read, selector
     assert note.startswith(f"a style sheet's rule for '{selector}' is left out: ")
 
 
+@pytest.mark.parametrize("selector", [".a:hover", "g:focus-within path", "path:not(.b):active", "*::selection"])
+def test_selectors_of_a_drawing_in_use_are_passed_over_in_silence(read: Read, selector: str) -> None:
+    sheet = f"{selector}, .a {{ stroke: red }} {selector} {{ stroke: blue }}"
+    assert read(f"<style>{sheet}</style>{LINES}").notes == ()
+    (note,) = read(f"<style>{sheet} path:not(:hover) {{ stroke: blue }}</style>{LINES}").notes
+    assert note.startswith("a style sheet's rule for 'path:not(:hover)' is left out: ")
+
+
 def test_a_list_in_parentheses_is_part_of_its_selector(read: Read) -> None:
     drawing = read(f"<style>path:not(.x, :is(.y, .z), .a, .x), .b {{ display: none }}</style>{LINES}")
     assert points(drawing) == [[[0, 0], [9, 0]]]

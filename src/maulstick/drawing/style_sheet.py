@@ -17,6 +17,7 @@ _SCREENS = ("", "all", "screen", "only screen", "not print")
 _MARK = re.compile(r"[,()\[\]]")
 _LINK = re.compile(r"\s*(>)\s*|\s+")
 _COMPOUND = re.compile(r"(?=.)(\*|[\w-]*)((?:[.#][\w-]+)*)")  # tag, .class, #id, tag.class.class#id
+_IN_USE = re.compile(r"::|:(?:hover|focus|active|visited|target|before|after)\b", re.IGNORECASE)
 _IMPORTANT = re.compile(r"!\s*important", re.IGNORECASE)
 _NAME = re.compile(r"[.#]?[\w-]+")
 _TAG = re.compile(r"(?<![.#\w-])[\w-]+")
@@ -74,7 +75,7 @@ class _Rule(NamedTuple):
 class StyleSheet:
     """Rules of all style sheets in a document.
 
-    unread: the first selector that is of no kind that is read, None where all are.
+    unread: the first selector of a drawing at rest that is of no kind that is read, None where all are.
     """
 
     def __init__(self, root: Element) -> None:
@@ -112,7 +113,7 @@ class StyleSheet:
                 weight = text.count("#"), text.count("."), len(_TAG.findall(text)), self._count
                 self._rules[selector.key].append(_Rule(weight, selector, declared))
                 self._count += 1
-            elif self.unread is None and any(each.keys() & {*READ} for each in declared):
+            elif self.unread is None and _is_at_rest(text) and any(each.keys() & {*READ} for each in declared):
                 self.unread = text
 
     def _survey(self, root: Element) -> None:
@@ -173,6 +174,12 @@ def _listed(selectors: str) -> Iterator[str]:
             yield selectors[start : mark.start()]
             start = mark.end()
     yield selectors[start:]
+
+
+def _is_at_rest(selector: str) -> bool:
+    """Return whether a selector may be of a drawing that nobody points at, as one with ``:not(:hover)`` is."""
+    outside = selector.partition("(")[0] + selector.rpartition(")")[2]
+    return _IN_USE.search(outside) is None
 
 
 def _on_screen(media: str) -> bool:
