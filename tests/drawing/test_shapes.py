@@ -80,6 +80,7 @@ def test_nested_transforms_apply_from_the_inside_out(read: Read) -> None:
     ("origin", "expected"),
     [
         ("", [[20, 5], [25, 5]]),
+        ('transform-origin=" "', [[20, 5], [25, 5]]),
         ('transform-origin="oops"', [[20, 5], [25, 5]]),
         ('transform-origin="50 20"', [[45, 15], [50, 15]]),
         ('style="transform:scale(.5);transform-origin:50px 20px"', [[45, 15], [50, 15]]),

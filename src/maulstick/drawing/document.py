@@ -168,7 +168,7 @@ def transform_of(text: str | None, origin: str, viewport: Viewport) -> Matrix:
 
 def _origin(text: str, viewport: Viewport) -> tuple[float, float]:
     """Return the point of a transform-origin such as ``50 50``, ``50% 1cm`` or ``bottom right``, else (0, 0)."""
-    words = [*text.lower().split(), "center"][:2]
+    words = [*(text.lower().split() or ("0", "0")), "center"][:2]
     if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
         words.reverse()
     across, down = (_SIDES.get(word, word) for word in words)

@@ -238,7 +238,7 @@ class Walk:
             return place
         if own.get("transform-box", "view-box") != "view-box":
             self.passed_over.add("transform-box")
-        matrix = transform_of(own["transform"], own.get("transform-origin") or "0 0", place.viewport)
+        matrix = transform_of(own["transform"], own.get("transform-origin", ""), place.viewport)
         return replace(place, matrix=matrix * place.matrix)
 
     def _clipped(self, element: Element, own: Style, place: _Place) -> _Place:
