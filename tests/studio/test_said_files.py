@@ -106,7 +106,7 @@ def test_what_is_drawn_on_the_sheet_holds_there_within_a_pixel_however_the_pictu
     brush = load_brush("round")
     try:
         found = RegionFiles(root / MAP, root / SAY).on(
-            canvas, shape, fit, inset, load_style("loops", canvas), (brush,), (brush,)
+            canvas, shape, fit, inset, load_style("loops", canvas), 1.0, (brush,), (brush,)
         )
     except InputError as error:
         if "shows nothing" not in str(error):  # which is said of what is smaller than a pixel
@@ -179,5 +179,5 @@ def test_a_sheet_that_is_left_all_bare_is_refused_by_the_planner_in_a_sentence(t
     canvas, brush = Canvas(_WIDE, _HIGH, 1000), load_brush("round")
     with pytest.raises(InputError, match="leaves all of the sheet bare"):
         RegionFiles(tmp_path / MAP, tmp_path / SAY).on(
-            canvas, (40, 60), "contain", 0, load_style("loops", canvas), (brush,), (brush,)
+            canvas, (40, 60), "contain", 0, load_style("loops", canvas), 1.0, (brush,), (brush,)
         )
