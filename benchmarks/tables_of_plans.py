@@ -44,7 +44,7 @@ def kernel_table() -> str:
         lines.append(
             [
                 f"{row['strokes']:,}",
-                f"{row['px']}²",
+                f"{row['px']}²" if row["width"] == row["px"] else f"{row['width']} x {row['px']}",
                 f"{row['half_width_px']:.2f} px",
                 f"{row['ms_forward']:.1f} + {row['ms_backward']:.1f} ms",
                 "not timed" if dense is None else f"{dense:.0f} ms",
