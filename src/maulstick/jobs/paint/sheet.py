@@ -103,10 +103,9 @@ def paint_sheet(
             with operator.on_duty():
                 if replanning is None or eye is None:
                     load = place.do([*asked, *actions], sheet.load)
-                    _go_home(place)
-                    return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
-                load = place.do(asked, sheet.load) if asked else sheet.load
-                load = replanning.paint(setup.plan, place, eye, operator, load)
+                else:
+                    load = place.do(asked, sheet.load) if asked else sheet.load
+                    load = replanning.paint(setup.plan, place, eye, operator, load)
                 _go_home(place)
                 return PaintSheet(sheet.number + 1, load=load, home=home, pace=operator.pace.percent)
         finally:
