@@ -12,6 +12,7 @@ from maulstick.painting.painting import Sheet
 from maulstick.planning.from_picture import problem_of
 from maulstick.planning.layout import Layout, lay_out_for
 from maulstick.planning.problem import Colour, PlannerSettings
+from maulstick.planning.regions import Region, Regions
 from maulstick.planning.tones import Amounts, InkSupply, Tones, draw_light, ink_per_stroke, strongest_of
 from maulstick.style.free import FreeStyle
 from maulstick.style.traits import path_length
@@ -56,12 +57,41 @@ def test_enough_strokes_leave_a_picture_as_it_is_and_fewer_make_it_lighter() -> 
     assert means[-1] > 0.98
 
 
+def halves(layout: Layout, right: Region) -> Regions:
+    """The hand on the left, and a region on the right."""
+    labels = np.repeat((np.arange(60) // 30)[None], 60, axis=0)
+    return Regions(labels, (Region("rest", HAND, (True,)), right), layout.canvas)
+
+
+def in_regions(layout: Layout, regions: Regions) -> InkSupply:
+    found = InkSupply.of(layout, PEN, HAND, (BLACK,), with_lines=True, regions=regions)
+    assert found is not None
+    return found
+
+
 def test_bare_paper_needs_no_ink() -> None:
-    layout, right = of_grey(0.5, 0.5), np.zeros((60, 60), dtype=bool)
-    right[:, 30:] = True
-    half = InkSupply.of(layout, PEN, HAND, (BLACK,), with_lines=True, bare=right)
-    assert half is not None
+    layout = of_grey(0.5, 0.5)
+    half = in_regions(layout, halves(layout, Region("sky", HAND, (True,), bare=True)))
     assert half.needed == pytest.approx(supply(layout).needed / 2, rel=0.01)
+    assert half.per_stroke == pytest.approx(supply(layout).per_stroke)
+
+
+def test_hands_of_regions_give_ink_by_the_strokes_that_each_has() -> None:
+    layout = of_grey(0.5, 0.5)
+    own, small = (ink_per_stroke(PEN, hand, layout.canvas.pixels_per_metre) for hand in (HAND, HAND.scaled(0.5)))
+    for share, of_all in ((None, 0.5), (0.9, 0.9)):
+        region = Region("hat", HAND.scaled(0.5), (True,), share=share)
+        found = in_regions(layout, halves(layout, region))
+        assert found.per_stroke == pytest.approx((1 - of_all) * own + of_all * small)
+    assert found.fewest > supply(layout).fewest
+
+
+def test_strokes_that_may_grow_give_what_their_region_needs_and_nothing_elsewhere() -> None:
+    layout = of_grey(0.5, 0.5)
+    grows = Region("hat", FreeStyle.for_canvas(layout.canvas), (True,), share=0.8)
+    found = in_regions(layout, halves(layout, grows))
+    assert found.needed == pytest.approx(supply(layout).needed / 2, rel=0.01)
+    assert found.per_stroke == pytest.approx(0.2 * supply(layout).per_stroke)
 
 
 @settings(max_examples=20, deadline=None)

@@ -17,6 +17,7 @@ from maulstick.style import Style
 from maulstick.style.regional import RegionalStyle
 
 _SAME = 1.5 / 255  # of sRGB: a paint that is as near is the colour that a region names
+_MANY = 10_000  # strokes, of which regions' shares are found
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,14 @@ class Regions:
         ends = np.round(strokes * np.cumsum(shares) / sum(shares))
         counts: list[int] = np.diff(ends, prepend=0).astype(int).tolist()
         return counts
+
+    def stroke_shares(self, density: Floats) -> Floats:
+        """Return the share of all strokes that each region has, (R,), where a density (H, W) spreads a pool's."""
+        shares = np.zeros(len(self.said))
+        for (members, _), count in zip(self.pools, self.counts(_MANY), strict=True):
+            wanted = np.bincount(self.labels.ravel(), self.within(members, density).ravel(), len(self.said))
+            shares += count / _MANY * wanted / wanted.sum()
+        return shares
 
     def within(self, members: Bools, density: Floats) -> Floats:
         """Return a density (H, W) in a pool's members (R,) alone; where it is 0 in all of them, an even one there."""

@@ -14,11 +14,12 @@ from maulstick.colour.palette import lightness
 from maulstick.painting.brush import Brush
 from maulstick.planning.layout import Layout
 from maulstick.planning.problem import Colour
+from maulstick.planning.regions import Regions
 from maulstick.planning.separation import separated
 from maulstick.rendering.kernels.render import composite
 from maulstick.rendering.threads import one_torch_thread
 from maulstick.rendering.traj2stroke import Traj2Stroke
-from maulstick.storage.arrays import Bools, Floats
+from maulstick.storage.arrays import Floats
 from maulstick.style import Style
 from maulstick.style.lengths import keep_lengths
 
@@ -105,7 +106,7 @@ class Tones:
 
 @dataclass(frozen=True)
 class InkSupply:
-    """Ink that a picture needs, and that a stroke of a hand gives.
+    """Ink that a picture needs, and that a stroke of a hand, or of several hands, gives.
 
     amounts: (H, W), ink that the picture shows on the sheet as it is.  glanced: (H, W), the same as an eye sees it.
     per_stroke: pixels that a stroke hides alone, pressed hardest.  per_line: the same, pressed so that it is no wider
@@ -131,24 +132,32 @@ class InkSupply:
         inks: tuple[Colour, ...],
         *,
         with_lines: bool,
-        bare: Bools | None = None,
+        regions: Regions | None = None,
     ) -> Self | None:
-        """Return the supply; None without a picture, and for a style that may grow its strokes.
+        """Return the supply; None without a picture, and where any stroke may grow.
 
-        bare: (H, W), where no ink may lie, so that none is needed.
+        regions: of the sheet, whose hands count in place of the style, each by its strokes. Bare paper needs no ink;
+        where strokes may grow they give what is needed there, and nothing elsewhere.
         """
-        if layout.target is None or style.lengths(1) is None:
+        if layout.target is None:
             return None
         image, under = (torch.from_numpy(each).permute(2, 0, 1).double() for each in (layout.target, layout.under))
         amounts = separated(image, under, inks).sum(dim=0).numpy()
-        if bare is not None:
-            amounts[bare] = 0
+        hands, shares = [style], [1.0]
+        if regions is not None:
+            hands = [region.hand for region in regions.said]
+            amounts[regions.bare_paper.bare] = 0
+            shares = regions.stroke_shares(amounts).tolist()
+            amounts[np.array([_may_grow(hand) for hand in hands])[regions.labels]] = 0
+        of_hands = [(hand, share) for hand, share in zip(hands, shares, strict=True) if share and not _may_grow(hand)]
+        if not of_hands:
+            return None
         resolution = layout.canvas.pixels_per_metre
         glanced = gaussian_filter(amounts, _GLANCE * resolution)
-        per_stroke, lines = ink_per_stroke(brush, style, resolution), sqrt(pi) * _GLANCE / brush.widest
-        per_line = per_stroke
+        lines = sqrt(pi) * _GLANCE / brush.widest
+        per_stroke = per_line = _mean_ink(brush, of_hands, resolution, 1)
         if brush.pressure_matters:
-            per_line = ink_per_stroke(brush, style, resolution, float(brush.pressure_for(np.array(_GLANCE / 2))))
+            per_line = _mean_ink(brush, of_hands, resolution, float(brush.pressure_for(np.array(_GLANCE / 2))))
         return cls(amounts, glanced, per_stroke, per_line, lines, layout.sheet.paper, inks, with_lines)
 
     @property
@@ -199,6 +208,16 @@ class InkSupply:
             f"L* {own.darkest:.0f} to {own.lightest:.0f}, become {tones.darkest:.0f} to {tones.lightest:.0f}; "
             f"{self.fewest:,} strokes would reach them"
         )
+
+
+def _may_grow(style: Style) -> bool:
+    return style.lengths(1) is None
+
+
+def _mean_ink(brush: Brush, hands: list[tuple[Style, float]], pixels_per_metre: float, pressure: float) -> float:
+    """Return the mean area, pixels, that a stroke hides alone, of hands that have these shares of all strokes."""
+    each = {id(hand): ink_per_stroke(brush, hand, pixels_per_metre, pressure) for hand, _ in hands}
+    return sum(each[id(hand)] * share for hand, share in hands)
 
 
 @one_torch_thread()

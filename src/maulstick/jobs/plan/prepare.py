@@ -184,5 +184,5 @@ def _supply(
             f"{option('brush')} {names_of(brushes)} names several, and ink is drawn with one; name one, or "
             "paint in colours"
         )
-    bare, with_lines = None if regions is None else regions.bare_paper.bare, options.drawing == "both"
-    return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=with_lines, bare=bare)
+    with_lines = options.drawing == "both"
+    return InkSupply.of(layout, brushes[0], style, settings.palette, with_lines=with_lines, regions=regions)
