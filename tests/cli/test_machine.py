@@ -107,6 +107,15 @@ def test_motors_are_switched_off_and_where_the_pen_is_pushed_is_home(ebb: FakeEb
     assert not ebb.down
 
 
+def test_a_pen_that_counts_as_away_from_home_is_asked_about_before_it_moves(ebb: FakeEbb, terminal: int) -> None:
+    asked = "see that the pen stands at x 10.0, y 0.0 mm (elsewhere: leave with q, unplug power and USB"
+    at_home = on(ebb, terminal, "1" + RIGHT + "q")
+    assert "see that the pen stands" not in at_home.stderr
+    away = on(ebb, terminal, "hq")
+    assert away.stderr.index(asked) < away.stderr.index("arrow keys move")
+    assert ebb.steps == (0, 0)
+
+
 def test_a_grbl_says_that_its_motors_stay_on(grbl: FakeGrbl, terminal: int) -> None:
     ran = on(grbl, terminal, "mq")
     assert ran.code == 0

@@ -21,6 +21,7 @@ from maulstick.painting.raster import parse_size
 from maulstick.robot import machines
 from maulstick.robot.bench import Bench
 from maulstick.robot.easel import Easel, read_easel, write_easel
+from maulstick.robot.workplace import PUT_HOME, is_away
 
 _STEPS: Final = {"1": (1e-2, 0.05), "2": (1e-3, 0.01), "3": (1e-4, 0.002)}  # metres, and shares of a servo's range
 
@@ -124,6 +125,9 @@ class _Session:
 
     def attend(self, keys: Iterator[str]) -> None:
         """Do what the keys say, until the operator leaves or switches the motors off."""
+        if is_away(self.bench.robot):
+            x, y = (1e3 * self.bench.robot.place[:2]).round(1) + 0.0
+            self.say(f"see that the pen stands at x {x:.1f}, y {y:.1f} mm (elsewhere: leave with q, {PUT_HOME})")
         self.console.print("arrow keys move; ? lists all keys; q leaves", soft_wrap=True)
         for key in keys:
             if key not in KEYS:

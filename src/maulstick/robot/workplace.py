@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from maulstick.robot.routine import NOTHING, Action, PaintLoad, Prompt, routine
 from maulstick.robot.stops import Stops
 from maulstick.robot.tray import Tray, Well
 from maulstick.storage.arrays import Floats
+
+PUT_HOME: Final = "unplug power and USB, push the pen to its home corner, and plug both in again"
+"""What helps a machine that has lost count of its steps."""
 
 _AT_HOME = 1e-4  # metres: covers rounding to steps or decimals
 
@@ -64,13 +68,11 @@ class Workplace:
         goes_on: whether a run goes on. One that begins at home needs no prompt: there its pen is put beforehand.
         """
         robot = self.robot
-        is_away = robot.home is not None and np.abs(robot.place[:2] - robot.home).max() > _AT_HOME
-        if not (is_away or (goes_on and robot.counts_steps)):
+        if not (is_away(robot) or (goes_on and robot.counts_steps)):
             return []
         x, y, _ = self.easel.machine_to_canvas(robot.place).tolist()
         stands = f"{1e3 * x:.0f} mm from the left and {1e3 * y:.0f} mm from the upper edge of the sheet"
-        otherwise = "unplug power and USB, push the pen to its home corner, and plug both in again"
-        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {otherwise})", paint, renews=False)]
+        return [Prompt(f"see that the pen stands {stands} (elsewhere: stop, {PUT_HOME})", paint, renews=False)]
 
     def do(
         self, actions: list[Action], load: PaintLoad = NOTHING, enough: Callable[[int], bool] = lambda painted: False
@@ -100,6 +102,11 @@ class Workplace:
         height = float(np.clip(max(heights), lower[2], upper[2]))
         self.robot.lift(height)
         self.robot.move(np.clip([home[0], home[1], height], lower, upper))
+
+
+def is_away(robot: Robot) -> bool:
+    """Return whether a machine that is switched on at home counts its pen elsewhere: it may have been pushed since."""
+    return robot.home is not None and bool(np.abs(robot.place[:2] - robot.home).max() > _AT_HOME)
 
 
 def home_of(robot: Robot) -> Floats:
