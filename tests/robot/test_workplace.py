@@ -6,7 +6,7 @@ import pytest
 from maulstick.painting.painting_file import write_painting
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.routine import Draw, PaintLoad, Prompt
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from tests.support.robot.recorder import EASEL, Recorder
 from tests.support.robot.small_paintings import SIX
 from tests.support.robot.trays import TRAY
@@ -58,6 +58,18 @@ def test_the_tip_steps_aside_lifted_and_never_lower_than_it_is(place: Workplace)
         assert place.robot.place == pytest.approx([0.0, 0.0, 0.06])
         place.step_aside(np.array([9.0, 0.0, 0.0]))
         assert place.robot.place[0] == place.robot.limits.upper[0]
+
+
+def test_a_machine_without_a_home_waits_where_it_stood_when_its_journal_was_begun(tmp_path: Path) -> None:
+    write_painting(SIX, tmp_path / "painting.json")
+    began = np.array([0.1, 0.05, 0.06])
+    with Recorder() as robot:
+        with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
+            journal.revise(tmp_path / "painting.json")
+            assert home_of(robot, journal) == pytest.approx(robot.place), "of a journal that knows no place"
+            journal.write_home(began)
+        with Journal.open(journal_of(tmp_path / "painting.json")) as journal:
+            assert home_of(robot, journal) == pytest.approx(began)
 
 
 def test_when_the_sheet_is_moved_the_tray_stands_where_it_stood(place: Workplace) -> None:

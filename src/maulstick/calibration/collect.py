@@ -66,7 +66,7 @@ def collect(
     """
     kept = folder.glob(f"{_SHEET}{'[0-9]' * _DIGITS}.png")
     photographs = {int(path.stem.removeprefix(_SHEET)): read_picture(path) for path in kept}
-    home = home_of(workplace.robot)
+    home = home_of(workplace.robot, workplace.journal)
     check_accepted(ways_of(workplace.left_of(painting)), workplace.easel, workplace.robot)
     while True:
         actions = workplace.left_of(painting)

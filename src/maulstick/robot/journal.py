@@ -14,9 +14,11 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, TypeAdapter
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, TypeAdapter
 
 from maulstick.errors import InputError, OutputError, Remedy
+from maulstick.storage.arrays import Floats
 from maulstick.storage.files import file_sum, file_to_read, held, read_whole, sync_folder
 
 SCHEMA_VERSION: Final = 1
@@ -78,7 +80,14 @@ class OptionsLine(_Line):
     options: dict[str, JsonValue]
 
 
-Line = Annotated[Revision | OptionsLine | Begin | End | Again, Field(discriminator="event")]
+class HomeLine(_Line):
+    """Line with the place of the tip, metres in the machine's frame, while the sheet is put in or photographed."""
+
+    event: Literal["home"] = "home"
+    place: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+Line = Annotated[Revision | OptionsLine | HomeLine | Begin | End | Again, Field(discriminator="event")]
 _LINE: TypeAdapter[Line] = TypeAdapter(Line)
 
 
@@ -129,6 +138,7 @@ class Journal:
 
     painted: ids of the strokes that are finished.  unfinished: id of the stroke that was begun, not finished.
     options: the options that were last written, {} where none were.
+    home: place (3,) of the tip while the sheet is put in or photographed, metres; None where none was written.
     revision: the latest revision of the painting.  revisions: number of revisions, that one included.
     """
 
@@ -137,6 +147,7 @@ class Journal:
         self.painted: set[int] = set()
         self.unfinished: int | None = None
         self.options: dict[str, JsonValue] = {}
+        self.home: Floats | None = None
         self.revision: Revision | None = None
         self.revisions = 0
         self._file: int | None = None
@@ -175,6 +186,11 @@ class Journal:
         """Write the options that the machine paints with from now on, unless they are the last ones written."""
         if options != self.options:
             self._append(OptionsLine(options=options))
+
+    def write_home(self, place: Floats) -> None:
+        """Write the place (3,) of the tip while the sheet is put in or photographed, metres in the machine's frame."""
+        x, y, z = place.tolist()
+        self._append(HomeLine(place=(x, y, z)))
 
     def begin(self, stroke: int) -> None:
         """Write that a stroke is about to be painted."""
@@ -236,6 +252,8 @@ class Journal:
                 self.painted.update(entry.painted)
             case OptionsLine(options=options):
                 self.options = options
+            case HomeLine(place=place):
+                self.home = np.array(place)
             case Begin(stroke=stroke):
                 self.unfinished = stroke
             case End(stroke=stroke):

@@ -109,10 +109,13 @@ def is_away(robot: Robot) -> bool:
     return robot.home is not None and bool(np.abs(robot.place[:2] - robot.home).max() > _AT_HOME)
 
 
-def home_of(robot: Robot) -> Floats:
-    """Return the place (3,) of a machine's tip while a sheet is put in: its home, or where it is."""
+def home_of(robot: Robot, journal: Journal | None = None) -> Floats:
+    """Return the place (3,) of a machine's tip while a sheet is put in or photographed.
+
+    It is the machine's home; for one without, where it stood when the journal was begun, or is where there is none.
+    """
     if robot.home is None:
-        return robot.place
+        return robot.place if journal is None or journal.home is None else journal.home
     return np.array([*robot.home, robot.place[2]]).clip(robot.limits.lower, robot.limits.upper)
 
 

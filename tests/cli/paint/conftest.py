@@ -53,7 +53,7 @@ def begun(painting: Path) -> Path:
 
 def events(painting: Path) -> list[str]:
     lines = [json.loads(line) for line in journal_of(painting).read_text().splitlines()]
-    return [f"{line['event']} {line['stroke']}" for line in lines if line["event"] not in ("revision", "options")]
+    return [f"{line['event']} {line['stroke']}" for line in lines if "stroke" in line]
 
 
 def painted(painting: Path) -> list[int]:

@@ -14,6 +14,7 @@ from maulstick.painting.painting_file import write_painting
 from maulstick.robot.execute import PaintProgress
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.pace import Pace
+from maulstick.storage.arrays import Floats
 from tests.cli.conftest import run
 from tests.cli.paint.conftest import ALL, answers, painted
 from tests.robot.test_ebb import until_true
@@ -166,6 +167,21 @@ def test_copies_have_a_sheet_and_a_journal_each(ten: Path, recorder: Recorder, m
     assert {path.name for path in (ten.parent / "ten.run1").iterdir()} == {
         "ten.log.jsonl", "ten.copy2.log.jsonl", "ten.copy3.log.jsonl",
     }  # fmt: skip
+
+
+def test_a_machine_waits_for_sheets_where_the_first_run_began_wherever_it_was_stopped(
+    ten: Path, recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = recorder.stands
+    monkeypatch.setattr("sys.stdin", Person(lambda asked: os.kill(os.getpid(), signal.SIGINT)))
+    assert run("paint", ten, *GRBL, "--copies", "2", "--pause-at", "5").code == 130
+    recorder.stands = next(path[-1] for what, path in reversed(recorder.commands) if what == "lift")
+    assert recorder.stands[0] != pytest.approx(first[0])
+    seen: list[Floats] = []
+    monkeypatch.setattr("sys.stdin", Person(lambda asked: seen.append(recorder.place)))
+    assert run("paint", ten, "--resume").code == 0
+    new_sheet = seen[1]  # after the pause that was stopped at
+    assert new_sheet[:2] == pytest.approx(first[:2])
 
 
 def test_the_next_copy_is_drawn_at_the_pace_of_the_one_before(ten: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,12 +20,15 @@ class Recorder(Robot):
     """Robot that records its calls.
 
     commands: calls and their paths (n, 3).  down: whether the pen is down.  before: called before each.
+    stands: place (3,) of the tip when it is entered.
     """
 
     def __init__(self, limits: Limits = LIMITS, before: Callable[[str], None] = lambda what: None) -> None:
         super().__init__(limits)
         self.commands: list[Command] = []
         self.down = False
+        middle = np.add(limits.lower, limits.upper) / 2
+        self.stands: Floats = np.array([*middle[:2], limits.upper[2]])
         self._before = before
 
     @property
@@ -41,8 +44,7 @@ class Recorder(Robot):
 
     def _open(self) -> Floats:
         self.down = False
-        middle = np.add(self.limits.lower, self.limits.upper) / 2
-        return np.array([*middle[:2], self.limits.upper[2]])
+        return self.stands
 
     def _close(self) -> None:
         self._note("close", np.empty((0, 3)))

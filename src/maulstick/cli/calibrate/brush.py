@@ -21,7 +21,7 @@ from maulstick.painting.raster import Canvas, flat_canvas, parse_size
 from maulstick.robot.easel import read_easel
 from maulstick.robot.journal import Journal, journal_of
 from maulstick.robot.machines import SPECS, machine
-from maulstick.robot.workplace import Workplace
+from maulstick.robot.workplace import Workplace, home_of
 from maulstick.storage.folders import all_or_nothing
 
 if TYPE_CHECKING:
@@ -169,6 +169,7 @@ def _collect(sheet: Painting, out: Path, options: PaintOptions, place: "Easel | 
         begun = journal.revision is not None
         if not begun:
             journal.revise(path)
+            journal.write_home(home_of(robot))
         if (stroke := journal.unfinished) is not None:
             question = f"stroke {len(journal.painted) + 1} was under the brush. Is it on the paper?"
             (journal.end if confirm(console, question, "run it in a terminal") else journal.again)(stroke)

@@ -171,7 +171,8 @@ def paint_by_eye(
     load: the paint that the machine holds at the beginning; the one at the end is returned.
     Each revision is on the disk, and in the journal, before its first stroke. Raises as `execute` and `look` do.
     """
-    home, journal = home_of(workplace.robot), workplace.journal
+    journal = workplace.journal
+    home = home_of(workplace.robot, journal)
     while workplace.left_of(painting):
         if journal.painted:
             workplace.step_aside(home)

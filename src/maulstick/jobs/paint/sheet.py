@@ -77,7 +77,7 @@ def paint_sheet(
         if operator.stopped:  # entering the machine would forget it, and lift the pen
             raise StoppedError
         robot = stack.enter_context(setup.robot)
-        home = home_of(robot) if sheet.home is None else sheet.home
+        home = home_of(robot, before) if sheet.home is None else sheet.home
         estimate = Estimate.of(actions, setup.plan, robot.limits, robot.place)
         operator.expect(replace(estimate, more_sheets=max(setup.options.sheets - sheet.number, 0)))
         if not actions:
@@ -89,6 +89,7 @@ def paint_sheet(
             if replanning is not None and eye is not None:
                 replanning.keep(eye, journal)
             journal.revise(request.painting, first, setup.sha256)
+            journal.write_home(home)
         _write_options(journal, setup, request)
         operator.pace.change((sheet.pace - operator.pace.percent) // STEP)
         paint = actions[0].paint
