@@ -114,6 +114,7 @@ def test_trash_stays_in_sight_beside_what_is_done_and_the_plan_form_leaves_other
     tab.get_by_role("link", name="Paint").click()
     expect(tab.get_by_role("img", name="What is painted")).to_be_visible()
     paddings = tab.evaluate(PADDINGS)
+    expect(tab).to_have_url(studio.url + "/paint")  # which the browser is told after it shows the panel
     tab.reload()
     expect(tab.get_by_role("img", name="What is painted")).to_be_visible()
     assert tab.evaluate(PADDINGS) == paddings, "fields of Paint are as if Plan had never been open"

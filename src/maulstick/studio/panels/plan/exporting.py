@@ -34,8 +34,8 @@ class ExportDialog:
         with ui.dialog(value=True).props('aria-label="Save as"') as self._dialog, html.div().classes("sheet saves"):
             html.h2("Save as")
             self._kind = ui.select(_KINDS, label="What for", value="svg", on_change=self._fit).props("outlined")
-            self._height = ui.number("Pixels high", value=2000, min=16, max=_MOST_PX, precision=0).props("outlined")
-            self._seconds = ui.number("Seconds", value=10, min=1, max=_MOST_SECONDS, precision=0).props("outlined")
+            self._height = ui.number("Pixels high", value=2000).props("outlined")
+            self._seconds = ui.number("Seconds", value=10).props("outlined")
             self._servo = ui.checkbox("A servo lifts the pen", on_change=self._fit)
             with ui.element().classes("numbers") as self._positions:
                 self._up = ui.number("Its number for up", value=30).props("outlined")
