@@ -2,8 +2,8 @@
 
 import time
 import traceback
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Final
 
@@ -48,8 +48,8 @@ class _Stopped(Exception):  # noqa: N818  nothing is wrong
 def begin(folder: Path, request: PlanRequest) -> str | None:
     """Let a folder be that of a request with its sums; one that was asked for otherwise before begins anew.
 
-    Returns the name of what has changed, or None.  Raises OutputError where the folder holds something else, or cannot
-    be written.
+    Returns the name of what has changed, or None.  Raises InputError where the cell is planned as it was asked for
+    before, by a process that goes on, and OutputError where the folder holds something else, or cannot be written.
     """
     file = folder / _RECORD
     with as_output_error(folder):
@@ -65,10 +65,11 @@ def begin(folder: Path, request: PlanRequest) -> str | None:
         except InputError:
             changed = _RECORD
     if changed is not None:
-        with as_output_error(folder):
+        with _held(folder), as_output_error(folder):  # else what a sweep that was killed left behind writes over this
             for old in (*(folder / name for name in _RESULTS), *state_files(folder)):
                 old.unlink(missing_ok=True)
-    if record != older:
+            write_record(record, file)
+    elif record != older:
         write_record(record, file)
     return changed
 
@@ -116,9 +117,7 @@ def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | No
     where = Path(folder)
     fault = where / _FAULT
     try:
-        taken = f"{where} is planned by another process"
-        held_here = held(where / _LOCK, taken, f"cannot write into {where}", "choose another folder", _PATIENCE)
-        with held_here, needs_torch():
+        with _held(where), needs_torch():
             if not is_finished(where):
                 _finish(where, _may_go_on(where.parent / STOP, alive))
         fault.unlink(missing_ok=True)
@@ -132,6 +131,12 @@ def plan_cell(folder: str, alive: Callable[[], bool] = lambda: True) -> str | No
     return None
 
 
+def _held(folder: Path) -> AbstractContextManager[None]:
+    """Hold a cell, so that no other process plans it; one that is left of a sweep that was killed soon lets go."""
+    taken = f"{folder} is planned by another process; wait for it, or end it"
+    return held(folder / _LOCK, taken, f"cannot write into {folder}", "choose another folder", _PATIENCE)
+
+
 def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
     if not wanted():
         raise _Stopped
@@ -142,6 +147,7 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
 
     record, request = read_cell(folder), _request(folder)
     prepared = prepare(request)
+    _check_files(request, prepared.request.sums)
     started, told, stopped = time.monotonic(), 0.0, False
     notes = [*prepared.notes, *_drop_unusable(folder, prepared.request)]
 
@@ -171,6 +177,17 @@ def _finish(folder: Path, wanted: Callable[[], bool]) -> None:
     keep_record()
     for file in state_files(folder):
         file.unlink()
+
+
+def _check_files(request: PlanRequest, sums: Mapping[str, str]) -> None:
+    """Raise InputError where a file is no longer what it was when the sweep began, whose other cells have that.
+
+    sums: of the files that the plan read, by their paths.
+    """
+    now = summed(request, lambda path: sums.get(str(path)) or file_sum(path)).sums
+    changed = next((name for name, was in request.sums.items() if now.get(name) != was), None)
+    if changed is not None:
+        raise InputError(f"{changed} has changed since the sweep began; sweep again")
 
 
 def _drop_unusable(folder: Path, request: PlanRequest) -> list[str]:
@@ -211,7 +228,8 @@ def _asked(request: PlanRequest) -> dict[str, object]:
     asked = {"picture": request.picture, **vars(request.options)}
     plain = {name: request.sums.get(str(value), value) for name, value in asked.items()}
     named = {name: Path(plain[name]).name for name in ("style", "brush")}
-    return {**plain, **named, **{name: request.sums.get(name) for name in (_BRUSH, _STYLE)}}
+    libraries = {name: request.sums.get(name) for name in (_BRUSH, _STYLE)}
+    return {**plain, **named, **libraries, "journal": set(request.sums.values())}  # no option names that
 
 
 def _first_line(error: Exception) -> str:

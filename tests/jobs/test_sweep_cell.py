@@ -1,0 +1,65 @@
+"""Cells of a sweep: what they are asked for, and who may plan them."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from maulstick.errors import InputError
+from maulstick.jobs.plan.options import PlanOptions
+from maulstick.jobs.plan.request import PlanRequest, demo_picture
+from maulstick.jobs.sweep import cell
+from maulstick.jobs.sweep.cell import begin, is_finished, plan_cell, read_cell, summed
+from maulstick.robot.journal import journal_of
+from maulstick.storage.files import held
+
+
+@pytest.fixture
+def request_here(tmp_path: Path) -> PlanRequest:
+    """A request of a picture that a test may change."""
+    picture = Path(shutil.copy(demo_picture(), tmp_path / "picture.png"))
+    return PlanRequest(picture, PlanOptions(strokes=5, steps=2, px=16))
+
+
+def test_a_cell_that_another_process_still_plans_keeps_its_request(
+    request_here: PlanRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cell, "_PATIENCE", 0.1)
+    folder = tmp_path / "cell"
+    begin(folder, summed(request_here))
+    before = (folder / "cell.json").read_bytes()
+    other = summed(replace(request_here, options=replace(request_here.options, strokes=6)))
+    with held(folder / ".lock", "", "", ""):
+        assert begin(folder, summed(request_here)) is None
+        with pytest.raises(InputError, match="is planned by another process; wait for it, or end it"):
+            begin(folder, other)
+        assert (folder / "cell.json").read_bytes() == before
+    assert begin(folder, other) == "strokes"
+    assert read_cell(folder).request == other.as_json()
+
+
+def test_a_file_that_changed_since_the_sweep_began_is_not_planned(request_here: PlanRequest, tmp_path: Path) -> None:
+    folder = tmp_path / "cell"
+    begin(folder, summed(request_here))
+    picture = request_here.picture
+    assert picture is not None
+    Image.new("RGB", (40, 30), "red").save(picture)
+    assert plan_cell(str(folder)) == f"{picture} has changed since the sweep began; sweep again"
+    assert not is_finished(folder)
+    assert begin(folder, summed(request_here)) == "picture"
+    assert plan_cell(str(folder)) is None
+
+
+def test_a_journal_that_went_on_makes_a_cell_anew(request_here: PlanRequest, tmp_path: Path) -> None:
+    painting, photograph = tmp_path / "painting.json", tmp_path / "photograph.png"
+    journal_of(painting).write_text(json.dumps({"stroke": 1}))
+    for file in (painting, photograph):
+        file.write_text("{}")
+    on_paper = replace(request_here, options=replace(request_here.options, again=painting, background=photograph))
+    assert begin(tmp_path / "cell", summed(on_paper)) is None
+    assert begin(tmp_path / "cell", summed(on_paper)) is None
+    journal_of(painting).write_text(json.dumps({"stroke": 2}))
+    assert begin(tmp_path / "cell", summed(on_paper)) == "journal"
