@@ -8,6 +8,7 @@ from math import ceil, sqrt
 from pathlib import Path
 from typing import Final
 
+from maulstick.errors import InputError
 from maulstick.jobs.sweep.cell import read_cell
 from maulstick.jobs.sweep.sweep import Standing
 from maulstick.painting.painting_file import read_painting
@@ -26,14 +27,19 @@ Row = dict[str, object]
 
 
 def rows_of(standings: Sequence[Standing]) -> list[Row]:
-    """Return a row per cell: its axes, and, where it is finished, the numbers of its painting."""
+    """Return a row per cell: its axes, and, where it is finished, the numbers of its painting.
+
+    Values of axes are as the grid has them; lists and tables are JSON.  A term of the loss that has the name of an
+    axis, as text and look have, is called as in look_loss.
+    """
     return [_row(each) for each in standings]
 
 
 def write_table(standings: Sequence[Standing], rows: Sequence[Row], columns: int, out: Path) -> list[str]:
     """Write the table and the contact sheet into the folder `out`, and return their names.
 
-    columns: cells that belong beside each other.  Raises OutputError where they cannot be written.
+    columns: cells that belong beside each other.
+    Raises OutputError where they cannot be written, and InputError for a preview that is damaged.
     """
     text = io.StringIO()
     writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
@@ -48,19 +54,26 @@ def write_table(standings: Sequence[Standing], rows: Sequence[Row], columns: int
 
 
 def _row(each: Standing) -> Row:
-    values = {name: value if isinstance(value, str) else json.dumps(value) for name, value in each.cell.values.items()}
+    given = each.cell.values
+    values = {
+        name: value if isinstance(value, str | float | int) else json.dumps(value) for name, value in given.items()
+    }
     row: Row = {"cell": each.cell.name, **values}
     if not each.finished:
         return {**row, "fault": each.fault or "not finished"}
-    painting, record = read_painting(each.folder / "painting.json"), read_cell(each.folder)
+    try:
+        painting, record = read_painting(each.folder / "painting.json"), read_cell(each.folder)
+    except InputError as error:  # a person or a disk has changed what was finished
+        return {**row, "fault": f"{error}; remove that file, and sweep again"}
     drawn = {"strokes_drawn": len(painting.strokes), "metres": round(float(painting.metres_of_paints().sum()), 4)}
     told = {"seconds": round(record.seconds, 2), "notes": "; ".join(record.notes)}
-    return {**row, **drawn, **painting.provenance.metrics, **told, "fault": ""}
+    metrics = {f"{name}_loss" if name in values else name: x for name, x in painting.provenance.metrics.items()}
+    return {**row, **drawn, **metrics, **told, "fault": ""}
 
 
 def _print(each: Standing, row: Row, varied: Sequence[str]) -> Print:
     name = ", ".join(f"{axis} {row[axis]}" for axis in varied) or each.cell.name
-    if not each.finished:
+    if row["fault"]:
         return Print(None, (name, str(row["fault"])))
     likeness = f", {row['psnr']:.1f} dB" if "psnr" in row else ""
     return Print(each.folder / "preview.png", (name, f"{row['strokes_drawn']} strokes{likeness}"))
