@@ -1,6 +1,7 @@
 """What hands and keys do on the canvas on which a plan is directed, in a browser."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
 
+from maulstick.painting.painting_file import read_painting
 from tests.studio.conftest import RunningStudio
 from tests.studio.test_directing_page import sharp
+from tests.support.planned import STROKES
 from tests.support.studio.plans_to_paint import put_plan_to_direct
 
 # Places are millimetres of the sheet. Pointers that no hand holds cannot be captured, and must not be asked to.
@@ -140,6 +143,38 @@ def test_what_an_arrow_key_has_moved_is_not_lost_to_what_is_done_next(
     sharp(view, 4)
     kinds = [act["edit"]["kind"] if "edit" in act else act["act"] for act in acts(studio)]
     assert kinds == ["lock", "move", "undo", "move"]
+
+
+def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
+    studio: RunningStudio, page: Callable[..., Page]
+) -> None:
+    tab, view = opened_with_a_chosen_stroke(page)
+    x, y, _ = read_painting(studio.folder / "plans" / "coast" / "painting.json").strokes[-1].trajectory[0]
+    other = page("/plan/coast").get_by_role("group", name="The strokes of coast")
+    place = """(view, on) => {
+      const { stage } = getElement(Number(view.id.slice(1))), box = view.getBoundingClientRect();
+      const { scale, x, y } = stage.view;
+      const [left, upper] = on ? on.map((side, i) => side * scale + [x, y][i]) : stage.handle();
+      return [left + box.left, upper + box.top];
+    }"""
+    for done, on in ((0, [1e3 * x, 1e3 * y]), (2, None)):
+        view.press("Control+a")
+        expect(tab.locator(".said")).to_have_text(re.compile(f"^{STROKES} strokes"))
+        tab.wait_for_timeout(200)  # its picture comes after it
+        x, y = view.evaluate(place, on)
+        tab.mouse.move(x, y)
+        tab.mouse.down()
+        tab.mouse.move(x + 10, y)
+        sharp(other, done)
+        other.press("Control+a")
+        other.press("Delete")
+        sharp(view, done + 1)
+        expect(tab.locator(".said")).to_have_text(re.compile("^Nothing is chosen"))
+        tab.mouse.move(x + 20, y)
+        tab.mouse.up()
+        view.press("Control+z")
+        sharp(view, done + 2)
+        assert tab.locator(".q-notification").all_inner_texts() == []
 
 
 def test_what_an_arrow_key_has_moved_is_kept_where_the_tab_is_closed_at_once(page: Callable[..., Page]) -> None:
