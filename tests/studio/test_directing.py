@@ -2,12 +2,13 @@
 
 import asyncio
 import json
+import resource
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from maulstick.errors import InputError
+from maulstick.errors import InputError, OutputError
 from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
 from maulstick.studio.panels.direct.chosen import chosen_in_words
@@ -146,6 +147,27 @@ def test_a_line_that_is_no_act_is_named_and_no_act_is_lost(tmp_path: Path, line:
     assert acts.read_bytes() == content
     acts.rename(file.with_name("kept.jsonl"))
     assert acting(tmp_path, _nothing).version == 0
+
+
+def test_an_act_that_the_disk_has_no_room_for_is_told_and_those_before_and_after_it_stay(tmp_path: Path) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+
+    async def lock_thrice(directing: Directing) -> None:
+        await directing.edit(_LOCK)
+        (acts,) = file.parent.glob("edits-*")
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (acts.stat().st_size + 9, hard))
+        try:
+            with pytest.raises(OutputError, match="make room for it there"):
+                await directing.edit(_LOCK)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert directing.version == 1
+        await directing.undo()
+
+    acting(tmp_path, lock_thrice)
+    again = acting(tmp_path, _nothing)
+    assert (again.version, again.can_redo) == (2, True)
 
 
 def test_an_edit_that_cannot_be_is_refused_and_not_kept(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Acts of a person in a file of lines that only grows: each an edit, or that the last one was undone or redone."""
 
 import asyncio
+import errno
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -66,10 +67,16 @@ class Acts:
         self._append({kind: json.loads(act)})
 
     def _append(self, line: dict[str, Any]) -> None:
-        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab") as file:
-            file.write(f"{json.dumps(line)}\n".encode())
-            file.flush()
-            os.fsync(file.fileno())
+        content = f"{json.dumps(line)}\n".encode()
+        with as_output_error(self._file.parent, MAKE_ROOM), self._file.open("ab", buffering=0) as file:
+            before = file.tell()
+            try:
+                if file.write(content) != len(content):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                os.fsync(file.fileno())
+            except OSError:
+                file.truncate(before)  # or the next act would stand on a line with half of this one
+                raise
         self._lines.append(line)
         self.changed.emit()
 
