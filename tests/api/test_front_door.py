@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import io
 import pkgutil
 import subprocess
 import sys
@@ -302,6 +303,26 @@ def test_a_machine_wants_a_file_to_keep_its_journal_beside(painting: ms.Painting
         ms.paint(painting, robot="grbl:/dev/ttyUSB0")
     with pytest.raises(InputError, match="there is no machine 'simply'"):
         ms.paint(painting, robot="simply")
+
+
+def test_a_long_frieze_is_shown_in_a_notebook_too(painting: ms.Painting) -> None:
+    for width in (4.0, 40.0, 400.0):
+        sheet = painting.sheet.model_copy(update={"width": width})
+        png = painting.model_copy(update={"sheet": sheet, "area": (0.0, 0.0, width, 0.06)})._repr_png_()
+        with Image.open(io.BytesIO(png)) as image:
+            assert image.width <= 8192
+
+
+def test_what_is_painted_is_left_out_wherever_the_background_is_given(painting: ms.Painting, tmp_path: Path) -> None:
+    file, photograph = tmp_path / "cat.json", tmp_path / "sheet.png"
+    painting.save(file)
+    done = ms.paint(file, robot="sim").photograph
+    assert done is not None
+    done.save(photograph)
+    with pytest.raises(InputError, match="all 6 strokes are locked or painted"):
+        ms.plan(demo_picture(), again=file, background=photograph)
+    with pytest.raises(InputError, match="all 6 strokes are locked or painted"):
+        ms.plan(demo_picture(), again=file, options=ms.PlanOptions(**QUICK, background=photograph))
 
 
 def test_a_painting_is_a_record_with_more_to_say(painting: ms.Painting) -> None:

@@ -1,7 +1,7 @@
 """Planning, rendering and comparing paintings from Python."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,7 @@ def plan(
     image = None if picture is None or path is not None else image_of(picture)
     before = None
     if again is not None:
-        before = _before(again, changes)
+        before = _before(again, changes.get("background", options.background if options else None))
         options, changes = options or planned_before(before.painting, changes), changes if options else {}
         if picture is None and not isinstance(again, records.Painting):
             picture = path = picture_near(before.painting, Path(again))
@@ -128,8 +128,8 @@ def compare(painting: records.Painting | str | Path, picture: Picture) -> Metric
     return likeness(_read(painting), image_of(picture, longest_px=READ_PX))
 
 
-def _before(again: records.Painting | str | Path, changes: Mapping[str, Any]) -> Again:
-    if isinstance(again, records.Painting) or changes.get("background") is None:
+def _before(again: records.Painting | str | Path, background: str | Path | None) -> Again:
+    if isinstance(again, records.Painting) or background is None:
         return Again(_read(again))
     return Again.on_paper(Path(again))
 
