@@ -177,6 +177,23 @@ def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
         assert tab.locator(".q-notification").all_inner_texts() == []
 
 
+def test_a_region_is_chosen_and_left_again_in_the_list_by_the_keyboard(page: Callable[..., Page]) -> None:
+    tab, view = opened(page, "Region")
+    tab.evaluate("""() => {
+      point("pointerdown", 10, 10);
+      for (const [x, y] of [[30, 10], [30, 30], [10, 30]]) point("pointermove", x, y);
+      point("pointerup", 10, 10);
+    }""")
+    sharp(view, 1)
+    row = tab.get_by_role("list", name="Regions and guides").get_by_role("button", name="Region", exact=True)
+    expect(row).to_have_attribute("aria-pressed", "true")
+    row.focus()
+    for pressed in ("false", "true"):
+        tab.keyboard.press("Enter")
+        expect(row).to_have_attribute("aria-pressed", pressed)
+        expect(row).to_be_focused()
+
+
 def test_what_an_arrow_key_has_moved_is_kept_where_the_tab_is_closed_at_once(page: Callable[..., Page]) -> None:
     tab, view = opened_with_a_chosen_stroke(page)
     view.press("ArrowLeft")
