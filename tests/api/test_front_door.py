@@ -252,6 +252,14 @@ def test_progress_is_told_and_can_end_a_plan() -> None:
     assert seen == sorted(seen)
 
 
+def test_numbers_of_numpy_are_numbers() -> None:
+    asked: dict[str, Any] = {**QUICK, "strokes": np.int64(6), "seed": np.uint8(5), "exact": np.True_}
+    again = ms.plan(demo_picture(), **asked, weights={"tone": np.float32(1)})
+    assert again == ms.plan(demo_picture(), **QUICK, seed=5, exact=True, weights={"tone": 1.0})
+    with pytest.raises(InputError, match="strokes is 0; it must be from 1 to"):
+        ms.plan(demo_picture(), strokes=np.int64(0))
+
+
 def test_options_are_defaults_that_single_ones_differ_from() -> None:
     options = ms.PlanOptions(**QUICK)
     again = ms.plan(demo_picture(), options=options, seed=5)
