@@ -20,6 +20,12 @@ from maulstick.storage.files import read_whole
 MOST_CELLS: Final = 10_000
 """Cells of one sweep; more are most likely a mistake."""
 
+TABLE: Final = "sweep.csv"
+"""Name of the table, beside the cells."""
+
+SHEET: Final = "sweep.png"
+"""Name of the contact sheet, beside the cells."""
+
 _PICTURE = "picture"
 _KNOWN = {_PICTURE, *(each.name for each in fields(PlanOptions))}
 _LIBRARIES = ("style", "brush")  # names, or files
@@ -56,9 +62,15 @@ class Grid(BaseModel):
         """
         self._check()
         cells = [self._cell(dict(zip(self.axes, values, strict=True)), folder) for values in product(*self._lists())]
-        name, times = Counter(cell.name.casefold() for cell in cells).most_common(1)[0]
+        names = Counter(cell.name.casefold() for cell in cells)
+        name, times = names.most_common(1)[0]
         if times > 1:
-            raise InputError(f"{times} cells would share the folder {name}; name each value of an axis once")
+            raise InputError(
+                f"{times} cells would share the folder {name}; name each value of an axis once, and files so that "
+                "their names differ"
+            )
+        for name in {*names} & {TABLE, SHEET}:
+            raise InputError(f"the folder of a cell would be {name}, as a result is called; rename that file")
         return cells
 
     def columns(self) -> int:

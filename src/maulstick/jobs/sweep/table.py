@@ -6,22 +6,16 @@ import json
 from collections.abc import Sequence
 from math import ceil, sqrt
 from pathlib import Path
-from typing import Final
 
 from maulstick.errors import InputError
 from maulstick.jobs.sweep.cell import read_cell
+from maulstick.jobs.sweep.grid import SHEET, TABLE
 from maulstick.jobs.sweep.sweep import Standing
 from maulstick.painting.painting_file import read_painting
 from maulstick.plots.cells import Print, contact_sheet
 from maulstick.storage.files import atomic_write
 
-TABLE: Final = "sweep.csv"
-"""Name of the table."""
-
-SHEET: Final = "sweep.png"
-"""Name of the contact sheet."""
-
-_WIDEST = 12  # paintings beside each other, unless an axis has more values
+_WIDEST = 12  # paintings beside each other, at most: those of an axis with more values would be too small to compare
 
 Row = dict[str, object]
 
