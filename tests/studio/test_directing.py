@@ -170,6 +170,21 @@ def test_an_act_that_the_disk_has_no_room_for_is_told_and_those_before_and_after
     assert (again.version, again.can_redo) == (2, True)
 
 
+def test_an_act_on_a_plan_that_was_thrown_away_says_so(tmp_path: Path) -> None:
+    file = put_plan(tmp_path, "six", SIX)
+
+    async def throw_away(directing: Directing) -> None:
+        guide = await directing.saying.guide([0.01, 0.01, 0.02, 0.02])
+        file.parent.rename(tmp_path / "away")
+        for act in (directing.undo(), directing.edit(_LOCK), directing.saying.take_out(guide)):
+            with pytest.raises(InputError, match="that plan is there no more; look in the trash"):
+                await act
+        (tmp_path / "away").rename(file.parent)
+        assert directing.version == 1
+
+    acting(tmp_path, throw_away)
+
+
 def test_an_edit_that_cannot_be_is_refused_and_not_kept(tmp_path: Path) -> None:
     put_plan(tmp_path, "six", SIX)
 

@@ -115,8 +115,13 @@ def after_edits(file: Path, edits: tuple[str, ...]) -> Painting:
     try:
         changed = file.stat().st_mtime_ns
     except OSError as error:
-        raise InputError("that plan is there no more; look in the trash") from error
+        raise no_plan() from error
     return _edited(file, changed, edits)
+
+
+def no_plan() -> InputError:
+    """Return the error for a plan that was thrown away meanwhile."""
+    return InputError("that plan is there no more; look in the trash")
 
 
 @lru_cache(maxsize=4)
