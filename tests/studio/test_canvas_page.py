@@ -177,6 +177,13 @@ def test_what_is_moved_or_turned_while_another_page_takes_it_out_is_left_alone(
         assert tab.locator(".q-notification").all_inner_texts() == []
 
 
+def test_a_plan_that_is_thrown_away_meanwhile_is_directed_no_more(page: Callable[..., Page]) -> None:
+    tab, _ = opened(page)
+    page("/plan").get_by_role("button", name="Throw coast away").click()
+    expect(tab.get_by_role("heading", name="There is nothing to direct")).to_be_visible()
+    expect(tab.get_by_text("There is no plan coast any more.")).to_be_visible()
+
+
 def test_a_region_is_chosen_and_left_again_in_the_list_by_the_keyboard(page: Callable[..., Page]) -> None:
     tab, view = opened(page, "Region")
     tab.evaluate("""() => {

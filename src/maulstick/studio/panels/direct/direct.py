@@ -76,6 +76,17 @@ def build(studio: Studio, name: str) -> None:
 
     background_tasks.create(lay_out(), context=place)
 
+    def look() -> None:
+        """Load the page again where the plan is gone, or goes on: what is done here would be done to other strokes."""
+        try:
+            is_same = studio.directing(name) is directing
+        except InputError:
+            is_same = False
+        if not is_same:
+            ui.navigate.reload()
+
+    shown_by(place, studio.plans.changed, look)
+
 
 class _Directed:
     """Canvas of a plan with its tools beside it."""
