@@ -13,6 +13,7 @@ from maulstick.painting.brush import load_brush
 from maulstick.painting.painting_file import read_painting
 from maulstick.studio.panels.direct.chosen import chosen_in_words
 from maulstick.studio.state.directing import Directing
+from maulstick.studio.state.titles import clean_title
 from maulstick.studio.state.versions import version_title
 from maulstick.studio.workers.stroke_marks import ShownPaint, as_bytes, changed_marks, drawn_edit, write_edited
 from tests.support.robot.small_paintings import SIX, line, painting_of
@@ -234,7 +235,10 @@ def test_what_is_chosen_is_said_in_words() -> None:
         ("Cat", ["Cat", "Dog, version 7"], "Cat, version 2"),
         ("Cat, version 2", ["Cat", "Cat, version 2"], "Cat, version 3"),
         ("Cat", ["Cat", "Cat, version 4"], "Cat, version 5"),
+        ("C" * 80, ["C" * 80], "C" * 64 + ", version 2"),
+        ("C" * 80, ["C" * 80, "C" * 64 + ", version 2"], "C" * 64 + ", version 3"),
     ],
 )
 def test_a_version_has_the_next_number(title: str, others: list[str], next_one: str) -> None:
     assert version_title(title, others) == next_one
+    assert clean_title(next_one) == next_one, "nothing is cut off where it is kept"

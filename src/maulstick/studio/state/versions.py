@@ -14,6 +14,7 @@ from maulstick.jobs.plan.request import PlanRequest
 from maulstick.robot.journal import Journal, journal_of, latest_sheet, was_begun
 from maulstick.storage.files import atomic_write
 from maulstick.storage.records import read_record, write_record
+from maulstick.studio.state.titles import MOST_LETTERS, clean_title
 from maulstick.studio.state.weighing import weights_in_words
 from maulstick.studio.workers.planner import KEPT
 from maulstick.studio.workers.said_files import GUIDES, MAP, SAY
@@ -114,8 +115,11 @@ def changes_in(folder: Path, weights: Mapping[str, float]) -> str:
 
 def version_title(title: str, others: Iterable[str]) -> str:
     """Return the title of a further version of the plan of that title: "Cat, version 2". others: all plans' titles."""
-    first = _VERSION.sub("", title)
-    found = [
-        int(number[1]) for other in others if _VERSION.sub("", other) == first for number in _VERSION.finditer(other)
-    ]
+    first = _first(title)
+    found = [int(number[1]) for other in others if _first(other) == first for number in _VERSION.finditer(other)]
     return f"{first}, version {1 + max(found, default=1)}"
+
+
+def _first(title: str) -> str:
+    """Return the title of the plan that a version came from at first, so short that a number has room behind it."""
+    return clean_title(_VERSION.sub("", title), MOST_LETTERS - len(", version 999999"))
