@@ -235,6 +235,15 @@ def test_a_warning_names_the_line_that_called(drawing: Path, tmp_path: Path) -> 
     assert caught[0].filename == __file__
 
 
+def test_what_the_command_notes_of_a_plan_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match="only lifts its pen|is larger than the machine") as caught:
+        ms.plan(demo_picture(), **{**QUICK, "size": "A2"}, brush="marker", robot="axidraw")
+    held, large = (str(warning.message) for warning in caught)
+    assert held.startswith("this machine only lifts its pen, so the brush marker is held at one pressure, 0.5")
+    assert large.startswith("this sheet, 420 by 594 mm, is larger than the machine reaches")
+    assert {warning.filename for warning in caught} == {__file__}
+
+
 def test_there_must_be_something_to_paint() -> None:
     with pytest.raises(InputError, match="give a picture, or a text"):
         ms.plan()

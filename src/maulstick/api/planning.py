@@ -57,11 +57,12 @@ def plan(
     workers: processes that plan windows of a large canvas at the same time, by default one per core; `progress` then
     hears of each every two seconds, and the plan is the same with any number.
 
-    Raises InputError for a picture, an option or a file that cannot be used.
+    Raises InputError for a picture, an option or a file that cannot be used. Warns of what may be other than expected,
+    as of a sheet that is larger than the machine of `robot` reaches.
 
-        >>> painting = plan(demo_picture, style="hatching", ink="black", brush="fineliner", strokes=5, steps=2, px=16)
-        >>> painting.paints[0].hex
-        '#000000'
+        >>> painting = plan(demo_picture, style="hatching", brush="marker", paints=1, strokes=5, steps=2, px=16)
+        >>> len(painting.paints)
+        1
     """
     for name in changes:
         if name not in _NAMES:
@@ -92,8 +93,8 @@ def plan(
         style=style if isinstance(style, Style) else None,
         again=before,
     )
-    if prepared.device.note is not None:
-        warnings.warn(prepared.device.note, stacklevel=3)
+    for note in prepared.notes:
+        warnings.warn(note, stacklevel=3)
 
     def watch(step: PlanProgress) -> bool:
         return progress is None or progress(step) is not False
