@@ -29,7 +29,8 @@ def read_svg(content: bytes) -> Page:
     check_uses(root, _LARGEST)
     _hide(root)
     document = SVG.parse(io.BytesIO(tostring(root)), on_error="raise")
-    chains = [c for shape in document.elements() if isinstance(shape, Shape) for c in chains_of(Path(shape))]
+    shapes = [shape for shape in document.elements() if isinstance(shape, Shape) and _is_visible(shape)]
+    chains = [chain for shape in shapes for chain in chains_of(Path(shape))]
     if not chains:
         raise InputError("there is no path or shape in it; convert text and objects to paths in the drawing program")
     width, height = float(document.width), float(document.height)
@@ -47,6 +48,11 @@ def _hide(root: Element) -> None:
                 parent[index] = hidden = Element(str(child.tag).replace(local_name(child), "defs"))
                 child.tag = str(child.tag).replace(local_name(child), "g")
                 hidden.append(child)
+
+
+def _is_visible(shape: Shape) -> bool:
+    """Return whether a shape is seen; svgelements itself leaves out what has no display."""
+    return shape.values.get("visibility") not in ("hidden", "collapse")
 
 
 def _metres(side: str | None) -> float | None:
