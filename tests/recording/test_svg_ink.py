@@ -136,6 +136,15 @@ def test_a_drawing_without_paths_is_refused_with_the_remedy() -> None:
             svg(body)
 
 
+@pytest.mark.parametrize("root", [SHEET, 'viewBox="0 0 100 50"', 'width="100" height="50"'])
+def test_a_rectangle_that_is_the_pages_paper_is_no_stroke(root: str) -> None:
+    line, paper = '<path d="M3 4L60 4"/>', '<rect width="{}" height="50" fill="white" {}/>'
+    for covers in (paper.format("100%", ""), paper.format("100", 'stroke="none"'), paper.format("120", "")):
+        assert len(svg(covers + line, root).strokes) == 1
+    for drawn in (paper.format("90", ""), paper.format("100", 'stroke="black"')):
+        assert len(svg(drawn + line, root).strokes) == 2
+
+
 def test_a_dot_is_a_stroke_of_one_point() -> None:
     assert [stroke.tolist() for stroke in strokes('<path d="M3 4L3 4"/>')] == [[[3, 4]]]
 
