@@ -13,6 +13,7 @@ from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.jobs.sweep import cell
 from maulstick.jobs.sweep.cell import begin, is_finished, plan_cell, read_cell, summed
+from maulstick.painting.brush import load_brush
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import held
 
@@ -63,3 +64,19 @@ def test_a_journal_that_went_on_makes_a_cell_anew(request_here: PlanRequest, tmp
     assert begin(tmp_path / "cell", summed(on_paper)) is None
     journal_of(painting).write_text(json.dumps({"stroke": 2}))
     assert begin(tmp_path / "cell", summed(on_paper)) == "journal"
+
+
+def test_a_brush_or_a_style_of_a_region_that_changed_makes_a_cell_anew(
+    request_here: PlanRequest, tmp_path: Path
+) -> None:
+    regions, say, brush = (tmp_path / name for name in ("map.png", "say.toml", "mine.json"))
+    Image.new("RGB", (8, 8), "red").save(regions)
+    brush.write_text(load_brush("marker").model_dump_json())
+    say.write_text(f"[all]\ncolour = '#ff0000'\nstyle = 'loops'\nbrush = '{brush}'\n")
+    there = replace(request_here, options=replace(request_here.options, regions=regions, say=say))
+    assert [begin(tmp_path / "cell", summed(there)) for _ in range(2)] == [None, None]
+    brush.write_text(load_brush("marker").model_copy(update={"opacity": 0.5}).model_dump_json())
+    assert [begin(tmp_path / "cell", summed(there)) for _ in range(2)] == ["the brush", None]
+    say.write_text(say.read_text().replace("loops", "nobody"))
+    with pytest.raises(InputError, match="there is no style 'nobody'"):
+        summed(there)
