@@ -44,6 +44,12 @@ def opened(page: Callable[..., Page], tool: str = "Choose") -> tuple[Page, Locat
     return tab, view
 
 
+def middle_of(view: Locator) -> tuple[float, float]:
+    box = view.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
 def acts(studio: RunningStudio) -> list[dict[str, Any]]:
     """Return what was done, as the studio has kept it."""
     (file,) = (studio.folder / "plans" / "coast").glob("edits-*.jsonl")
@@ -182,6 +188,33 @@ def test_a_plan_that_is_thrown_away_meanwhile_is_directed_no_more(page: Callable
     page("/plan").get_by_role("button", name="Throw coast away").click()
     expect(tab.get_by_role("heading", name="There is nothing to direct")).to_be_visible()
     expect(tab.get_by_text("There is no plan coast any more.")).to_be_visible()
+
+
+def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot_be_does_not(
+    page: Callable[..., Page],
+) -> None:
+    tab, view = opened(page, "Importance")
+    tab.get_by_label("Brush", exact=True).fill("-2")
+    tab.mouse.move(*middle_of(view))
+    tab.get_by_label("Brush", exact=True).fill("20")
+    tab.evaluate("""() => { for (const type of ["down", "up"]) point(`pointer${type}`, 30, 30); }""")
+    sharp(view, 1)
+    name, size = tab.get_by_label("Name"), tab.get_by_label("Size of the hand")
+    name.fill("ey")
+    other = page("/plan/coast").get_by_role("group", name="The strokes of coast")
+    sharp(other, 1)
+    other.press("Control+a")
+    other.press("l")
+    sharp(view, 2)
+    name.press("End")
+    name.press_sequentially("es")
+    name.press("Enter")
+    sharp(view, 3)
+    expect(name).to_have_value("eyes")
+    size.fill("0")
+    size.press("Enter")
+    expect(tab.locator(".q-notification")).to_contain_text("hand_size")
+    expect(size).to_have_value("1")
 
 
 def test_a_region_is_chosen_and_left_again_in_the_list_by_the_keyboard(page: Callable[..., Page]) -> None:

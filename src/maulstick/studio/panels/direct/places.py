@@ -54,7 +54,8 @@ class Places:
     @property
     def _width(self) -> float:
         """Width of the brush of importance, millimetres."""
-        return float(self._broad.value or self._usual_broad)
+        typed = self._broad.value or 0
+        return float(typed) if typed > 0 else self._usual_broad  # as while a minus sign is typed
 
     def take_up(self, tool: str) -> None:
         """Show what is needed for a tool of `SAYING`, or nothing for another one."""
@@ -118,6 +119,7 @@ class Places:
         try:
             await self._saying.change(self._chosen, **fields)
         except MaulstickError:
+            self._fields.show(None)
             self.show()
             raise
 
