@@ -128,6 +128,23 @@ def test_a_style_is_replaced_only_when_told_to(here: Path, cat: str) -> None:
     assert cards.read_card(cards.style_path("cat")).strokes == 14
 
 
+def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    of = Hand.of
+
+    def while_another_learns(strokes: Strokes) -> Hand:
+        monkeypatch.setattr(Hand, "of", of)
+        assert run("style", "fit", "dog.strokes.npz", "--name", "both").code == 0
+        return of(strokes)
+
+    monkeypatch.setattr(Hand, "of", while_another_learns)
+    ran = run("style", "fit", "cat.ink.npz", "--name", "both")
+    assert ran.code == 1
+    assert ran.mistake == "there is a style both already; choose another --name, or add --overwrite"
+    assert cards.read_card(cards.style_path("both")).source == "dog.strokes.npz"
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [

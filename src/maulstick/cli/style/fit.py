@@ -57,6 +57,7 @@ def fit(
     with Console(stderr=True).status("learning …"):
         style = learn_style(name, strokes, kind)
     hand = style.hand
+    STYLES.check_own_name(name, overwrite)  # another process may have taken it meanwhile
     path = write_style(style, ", ".join(file.name for file in files), STYLES.own())
     rows = {
         "strokes": f"{len(hand)}{_left_out(len(strokes) - len(hand))}",
