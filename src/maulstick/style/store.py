@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -38,8 +39,8 @@ Fitted = Exemplar | TrajVAE
 def write_style(style: Fitted, source: str, folder: Path) -> Path:
     """Write a style into a folder, which is made where missing, and return the path of its JSON.
 
-    source: what the style was learned from, for people.  Raises OutputError where writing fails. A JSON is never left
-    beside arrays that do not belong to it.
+    source: what the style was learned from, for people.  Title and earlier names stay those of the style that it
+    replaces.  Raises OutputError where writing fails. A JSON is never left beside arrays that do not belong to it.
     """
     name = STYLES.check_name(style.name)
     arrays = {field: getattr(style.hand, field).astype(np.float32) for field in _HAND}
@@ -55,6 +56,9 @@ def write_style(style: Fitted, source: str, folder: Path) -> Path:
     digest = hashlib.sha256(content).hexdigest()
     card = StyleCard(name=name, source=_printable(source), strokes=len(style.hand), settings=settings, sha256=digest)
     path = folder / f"{name}.json"
+    with suppress(InputError):  # there is none, or it is broken
+        replaced = read_card(path)
+        card = card.model_copy(update={"title": replaced.title, "formerly": replaced.formerly})
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder, prefix=".maulstick-") as staging:
