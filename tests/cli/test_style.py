@@ -150,7 +150,7 @@ def test_a_style_that_somebody_else_learns_meanwhile_is_not_replaced(
     [
         (["none.ink.npz", "--name", "a"], "there is no file none.ink.npz; check its name and folder"),
         (["text.txt", "--name", "a"], "text.txt is neither ink nor strokes; make ink of it with maulstick record ink"),
-        (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a file is named twice, and its strokes would count twice"),
+        (["cat.ink.npz", "./cat.ink.npz", "--name", "a"], "a recording, or its copy, is named twice, and its strokes"),
         (["cat.ink.npz", "--name", "../x"], "the name of a style is '../x'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", "free"], "the name of a style is 'free'; it must be up to 40 of a-z, 0-9 and -"),
         (["cat.ink.npz", "--name", BUILT_IN], f"the style {BUILT_IN} comes with Maulstick; choose another --name"),
