@@ -20,14 +20,14 @@ from maulstick.storage.text import is_printable
 from maulstick.strokes.strokes import POINTS, path_lengths
 from maulstick.style.cards import BUILT_IN, LARGEST, STYLES, ExemplarSettings, StyleCard, TrajVAESettings, read_card
 from maulstick.style.exemplar import Exemplar, PooledHands
-from maulstick.style.hand import Hand
+from maulstick.style.hand import LONGEST, Hand
 from maulstick.style.pressure import KNOTS
 from maulstick.style.shape import GIST, RESIDUAL
 from maulstick.style.trajvae import TrajVAE
 
 _HAND = {"paths": (POINTS, 2), "pressure": (KNOTS,), "speeds": (POINTS,)}  # shapes per stroke
 _HANDS = {"covariance": (GIST + 1, GIST + 1), "residual": (RESIDUAL,)}  # shapes
-_SHORTEST, _LONGEST = 1e-4, 100.0  # metres: a stroke outside is a damaged file
+_SHORTEST = 1e-4  # metres: a file with a shorter stroke, or one of over `LONGEST`, is damaged
 
 Arrays = dict[str, NDArray[np.generic]]
 """Arrays of a file by their names."""
@@ -128,9 +128,9 @@ def _hand(arrays: Arrays, strokes: int) -> Hand:
     if "poses" in arrays:
         hand = replace(hand, poses=_array(arrays, "poses", (strokes, 3)))
     lengths = path_lengths(hand.paths)
-    if not ((lengths >= _SHORTEST) & (lengths <= _LONGEST)).all() or hand.paths[:, 0].any():
+    if not ((lengths >= _SHORTEST) & (lengths <= LONGEST)).all() or hand.paths[:, 0].any():
         raise ValueError("a stroke of it is no standardised path of 0.1 mm to 100 m")
-    if hand.poses is not None and not (np.abs(hand.poses) <= _LONGEST).all():
+    if hand.poses is not None and not (np.abs(hand.poses) <= LONGEST).all():
         raise ValueError("a stroke of it lies nowhere")
     for name, values, most in (("pressure", hand.pressure, 1.0), ("speeds", hand.speeds, np.inf)):
         known = np.isfinite(values).all(axis=1)
