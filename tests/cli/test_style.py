@@ -89,6 +89,18 @@ def test_how_the_hand_arranges_its_strokes_is_said_in_words(here: Path, drawn: F
     assert re.fullmatch(told, rows(run("style", "fit", "me.strokes.npz", "--name", "me").stdout)["arranged"])
 
 
+def test_the_order_of_files_is_not_told_as_the_order_of_strokes(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    large, small = hatching(6, seed=0), hatching(6, seed=1) / 2
+    write_strokes(as_strokes(large), "large.strokes.npz")
+    write_strokes(as_strokes(small), "small.strokes.npz")
+    write_strokes(as_strokes(np.concatenate([large, small + 1.0])), "one.strokes.npz")
+    ran = run("style", "fit", "large.strokes.npz", "small.strokes.npz", "--name", "both")
+    assert re.fullmatch(r"groups of 8, .*; cross rarely", rows(ran.stdout)["arranged"])
+    ran = run("style", "fit", "one.strokes.npz", "--name", "one")
+    assert rows(ran.stdout)["arranged"].endswith("; long strokes first")
+
+
 def test_several_recordings_of_a_hand_make_one_style(here: Path) -> None:
     ran = run("style", "fit", "cat.ink.npz", "dog.strokes.npz", "--name", "both")
     told = rows(ran.stdout)

@@ -16,8 +16,11 @@ _LAP = 0.15  # of a stroke's length, of the median one for gaps: less is neither
 _IN_ORDER = 1.4  # median length of the first half of a drawing over that of the last, or the reverse
 
 
-def told(arrangement: Arrangement) -> str:
-    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, joints, order."""
+def told(arrangement: Arrangement, recordings: int = 1) -> str:
+    """Return how the strokes are arranged, in a sentence: groups, direction, spacing, crossings, joints, order.
+
+    recordings: so many are laid side by side. Nothing is told of the order in several, as nobody drew them in one go.
+    """
     size = np.median([len(rows) for rows in arrangement.groups for _ in rows])
     near = arrangement.neighbourhoods
     parallel = float(near.numbers[:, NEAREST : 2 * NEAREST].mean())
@@ -25,7 +28,7 @@ def told(arrangement: Arrangement) -> str:
     company = f"groups of {size:.0f}" if size > 1 else "single strokes"
     apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
     parts = [f"{company}, {way}{_leaning(arrangement)}, {apart:.1f} mm apart", _crossing(arrangement)]
-    return "; ".join([*parts, *_joints(arrangement), *_order(arrangement)])
+    return "; ".join([*parts, *_joints(arrangement), *(_order(arrangement) if recordings == 1 else [])])
 
 
 def _leaning(arrangement: Arrangement) -> str:
