@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from maulstick.strokes.strokes import path_lengths
-from maulstick.style.arrangement.arrangement import Arrangement
+from maulstick.style.arrangement.arrangement import LARGEST_GROUP, Arrangement
 from maulstick.style.arrangement.laid import NEAREST
 from maulstick.style.arrangement.neighbourhoods import MEAN_GAP
 
@@ -25,7 +25,8 @@ def told(arrangement: Arrangement, recordings: int = 1) -> str:
     near = arrangement.neighbourhoods
     parallel = float(near.numbers[:, NEAREST : 2 * NEAREST].mean())
     way = "parallel" if parallel >= _PARALLEL else "roughly parallel" if parallel >= _LOOSE else "in all directions"
-    company = f"groups of {size:.0f}" if size > 1 else "single strokes"
+    more = " or more" if size >= LARGEST_GROUP else ""
+    company = f"groups of {size:.0f}{more}" if size > 1 else "single strokes"
     apart = 1e3 * near.unit * float(near.numbers[:, MEAN_GAP].median().exp())
     parts = [f"{company}, {way}{_leaning(arrangement)}, {apart:.1f} mm apart", _crossing(arrangement)]
     return "; ".join([*parts, *_joints(arrangement), *(_order(arrangement) if recordings == 1 else [])])
