@@ -12,7 +12,7 @@ from maulstick.errors import InputError
 from maulstick.jobs.plan.options import PlanOptions
 from maulstick.jobs.plan.request import PlanRequest, demo_picture
 from maulstick.jobs.sweep import cell
-from maulstick.jobs.sweep.cell import begin, is_finished, plan_cell, read_cell, summed
+from maulstick.jobs.sweep.cell import begin, is_finished, plan_cell, read_cell, share_of, summed
 from maulstick.painting.brush import load_brush
 from maulstick.robot.journal import journal_of
 from maulstick.storage.files import held
@@ -80,3 +80,12 @@ def test_a_brush_or_a_style_of_a_region_that_changed_makes_a_cell_anew(
     say.write_text(say.read_text().replace("loops", "nobody"))
     with pytest.raises(InputError, match="there is no style 'nobody'"):
         summed(there)
+
+
+def test_a_share_that_is_not_told_stays_as_it_was(tmp_path: Path) -> None:
+    assert share_of(tmp_path) == 0.0
+    assert share_of(tmp_path, 0.7) == 0.7
+    (tmp_path / ".share").write_text("")
+    assert share_of(tmp_path, 0.7) == 0.7
+    (tmp_path / ".share").write_text("0.8")
+    assert share_of(tmp_path, 0.7) == 0.8

@@ -20,6 +20,19 @@ def test_numbers_of_axes_are_numbers_and_their_columns_hold_what_the_grid_says(t
     assert (table.edges > 0).all()
 
 
+@pytest.mark.filterwarnings("ignore:broken.png failed")
+def test_columns_stand_in_one_order_whichever_cells_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("broken.png").write_bytes(b"none")
+    Path("fine.png").write_bytes(demo_picture().read_bytes())
+    for pictures in (["broken.png", "fine.png"], ["fine.png", "broken.png"]):
+        grid = {"axes": {"picture": pictures}, "options": {"strokes": 5, "steps": 2, "px": 16}}
+        columns = list(ms.sweep(grid, "out", at_once=1, retries=0).columns)
+        assert columns[:3] == ["cell", "picture", "strokes_drawn"]
+        assert columns[-3:] == ["seconds", "notes", "fault"]
+        assert Path("out/sweep.csv").read_text().partition("\n")[0] == ",".join(columns)
+
+
 def test_a_term_of_the_loss_never_takes_the_column_of_an_axis(tmp_path: Path) -> None:
     grid = {"axes": {"look": [str(demo_picture())]}, "options": {**OPTIONS, "strokes": 5}}
     table = ms.sweep(grid, tmp_path / "out", at_once=1)

@@ -87,11 +87,14 @@ def read_cell(folder: Path) -> CellRecord:
     return read_record(CellRecord, folder / _RECORD, "cell of a sweep")
 
 
-def share_of(folder: Path) -> float:
-    """Return the share of a cell that is planned, in [0, 1], as its process said last."""
+def share_of(folder: Path, before: float = 0.0) -> float:
+    """Return the share of a cell that is planned, in [0, 1], as its process said last.
+
+    before: what it is where nothing is said, as while that is written, or once all is.
+    """
     with suppress(OSError, ValueError):
         return float((folder / _SHARE).read_text())
-    return 0.0
+    return before
 
 
 def needs_gpu(folder: Path) -> bool:

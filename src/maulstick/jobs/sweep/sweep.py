@@ -138,7 +138,7 @@ def finish(
             for each, job in list(running.items()):
                 each.running = not job.done()
                 if each.running:
-                    each.share = share_of(each.folder)
+                    each.share = share_of(each.folder, each.share)
                     continue
                 del running[each]
                 fault = _fault(job) or _UNSEEN

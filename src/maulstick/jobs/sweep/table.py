@@ -16,6 +16,7 @@ from maulstick.plots.cells import Print, contact_sheet
 from maulstick.storage.files import atomic_write
 
 _WIDEST = 12  # paintings beside each other, at most: those of an axis with more values would be too small to compare
+_LAST = ("seconds", "notes", "fault")  # columns behind those of the metrics, of which each cell has its own
 
 Row = dict[str, object]
 
@@ -29,6 +30,12 @@ def rows_of(standings: Sequence[Standing]) -> list[Row]:
     return [_row(each) for each in standings]
 
 
+def columns_of(rows: Sequence[Row]) -> list[str]:
+    """Return the names of all columns, in an order that does not depend on which cells failed."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [*(name for name in names if name not in _LAST), *(name for name in _LAST if name in names)]
+
+
 def write_table(standings: Sequence[Standing], rows: Sequence[Row], columns: int, out: Path) -> list[str]:
     """Write the table and the contact sheet into the folder `out`, and return their names.
 
@@ -36,7 +43,7 @@ def write_table(standings: Sequence[Standing], rows: Sequence[Row], columns: int
     Raises OutputError where they cannot be written, and InputError for a preview that is damaged.
     """
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+    writer = csv.DictWriter(text, columns_of(rows), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     atomic_write(out / TABLE, text.getvalue().encode())
