@@ -153,6 +153,7 @@ def test_pictures_are_paths_images_and_arrays(painting: ms.Painting) -> None:
     [
         (np.zeros((4, 4, 3), dtype=np.int64), "an array of int64; give uint8, or float in [0, 1]"),
         (np.full((4, 4, 3), 200.0), "values from 200 to 200; floats must be in [0, 1], so divide them first"),
+        (np.full((4, 4, 3), np.nextafter(np.float32(1), 2)), "values from 1.0000001 to 1.0000001; floats must be in"),
         (np.full((4, 4, 3), np.nan), "floats must be in [0, 1]"),
         (np.full((4, 4, 3), -0.1), "floats must be in [0, 1]"),
         (np.zeros((3, 4, 4, 3)), "has shape (3, 4, 4, 3); it must be (H, W, 3), or (H, W) for greys"),
