@@ -217,6 +217,14 @@ def test_what_is_typed_of_a_region_stays_while_another_page_acts_and_what_cannot
     expect(size).to_have_value("1")
 
 
+def test_a_double_click_makes_one_version(studio: RunningStudio, page: Callable[..., Page]) -> None:
+    tab, _ = opened(page)
+    tab.get_by_role("button", name="Keep as a version").dblclick()
+    tab.wait_for_url("**/plan")
+    expect(tab.get_by_role("article", name="Plan coast, version 2")).to_be_visible()
+    assert sorted(each.name for each in (studio.folder / "plans").iterdir()) == ["coast", "coast-version-2"]
+
+
 def test_a_region_is_chosen_and_left_again_in_the_list_by_the_keyboard(page: Callable[..., Page]) -> None:
     tab, view = opened(page, "Region")
     tab.evaluate("""() => {

@@ -93,7 +93,7 @@ class _Directed:
 
     def __init__(self, studio: Studio, plan: Plan, directing: Directing, sheet: ShownSheet, title: str) -> None:
         self._studio, self._plan, self._directing = studio, plan, directing
-        self._tool = CHOOSE
+        self._tool, self._makes_version = CHOOSE, False
         picture = f"/picture/plans/{plan.name}/{TARGET}" if (plan.folder / TARGET).is_file() else ""
         side = ui.element().classes("side")
         with ui.element().classes("wide"):
@@ -169,13 +169,17 @@ class _Directed:
     async def _make_version(
         self, event: events.ClickEventArguments, *, is_kept: bool = False, photograph: str = ""
     ) -> None:
-        button = event.sender
+        if self._makes_version:  # by the first click of two
+            return
+        self._makes_version, button = True, event.sender
         button.props("loading")
         try:
             await self._studio.version_of(self._plan.name, is_kept=is_kept, photograph=photograph)
         finally:
             button.props(remove="loading")
-        ui.navigate.to("/plan")
+            self._makes_version = False
+        if not self._canvas.is_deleted:  # with the panel
+            ui.navigate.to("/plan")
 
     def _keys(self) -> None:
         with ui.expansion("Keys", icon="keyboard").props("dense"), html.dl().classes("keys"):
